@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 
 namespace throng {
@@ -59,7 +59,7 @@ class Panels {
   void add(const std::string& title, const char* expression, const char* label,
            const Value& value) {
     const size_t count = tally_.names.size();
-    HeatMap map{.names = spoken(tally_.names),
+    HeatMap map{.names = display_name(tally_.names),
                 .values = {},
                 .using_expression = expression,
                 .label = label,
@@ -67,7 +67,7 @@ class Panels {
     for (size_t row = 0; row < count; ++row)
       for (size_t column = 0; column < count; ++column)
         map.values.push_back(value(tally_.at(std::min(row, column), std::max(row, column))));
-    script_ += fmt::format("set title '{}'\n", title) + script_of(map);
+    script_ += fmt::format("set title '{}'\n", title) + gnuplot_script(map);
     ++panels_;
   }
   Figure figure(const char* id, const char* title) const {
@@ -109,7 +109,7 @@ Figure figure_of(const PartNameTally& tally, const char* id, const char* title, 
              [&](const PartPairCounts& cell) { return count(cell.*tests); });
   panels.add("passed", kLog, kLogLabel,
              [&](const PartPairCounts& cell) { return count(cell.*passed); });
-  if (tally.knows_truth)
+  if (tally.counts_touching)
     panels.add("false positives, % of passed", "3", "%", [&](const PartPairCounts& cell) {
       return cell.*passed == 0 ? std::numeric_limits<double>::quiet_NaN()
                                : 100 * (1 - count(cell.touching) / count(cell.*passed));
@@ -131,12 +131,12 @@ std::string csv_of(const PartNameTally& tally, bool exact) {
         if (tally.at(a, b).box_tests > 0) visit(a, b, tally.at(a, b));
   };
   for_each([&](size_t a, size_t b, const PartPairCounts& cell) {
-    put("part_box", "aabb", a, b, cell.box_tests, cell.box_passed, tally.knows_truth,
+    put("part_box", "aabb", a, b, cell.box_tests, cell.box_passed, tally.counts_touching,
         cell.touching);
   });
   for_each([&](size_t a, size_t b, const PartPairCounts& cell) {
     put("part", tally.volumes[a * tally.names.size() + b], a, b, cell.box_passed, cell.part_passed,
-        tally.knows_truth, cell.touching);
+        tally.counts_touching, cell.touching);
   });
   if (!exact) return text;
   for_each([&](size_t a, size_t b, const PartPairCounts& cell) {
@@ -154,7 +154,7 @@ PartNameTally by_name(const PartTally& tally, const RunInfo& run) {
     for (size_t a = 0; a < block.parts_a; ++a) names.of(types.first, a);
     for (size_t b = 0; b < block.parts_b; ++b) names.of(types.second, b);
   }
-  PartNameTally out{names.names, {}, {}, tally.knows_truth};
+  PartNameTally out{names.names, {}, {}, tally.counts_touching};
   const size_t count = out.names.size();
   out.cells.resize(count * count);
   std::vector<std::set<std::string>> volumes(count * count);
@@ -166,11 +166,11 @@ PartNameTally by_name(const PartTally& tally, const RunInfo& run) {
         const auto [row, column] =
             std::minmax({names.of(types.first, a), names.of(types.second, b)});
         out.cells[row * count + column].add(cell);
-        const auto [first, then] =
+        const auto [first, second] =
             std::minmax({names.volume(types.first, a), names.volume(types.second, b)});
         volumes[row * count + column].insert(
-            first == then ? std::string(name_of(first))
-                          : fmt::format("{}+{}", name_of(first), name_of(then)));
+            first == second ? std::string(name_of(first))
+                            : fmt::format("{}+{}", name_of(first), name_of(second)));
       }
   for (const std::set<std::string>& each : volumes)
     out.volumes.push_back(each.empty() ? "" : *each.begin());
@@ -190,12 +190,12 @@ ByPartSink::ByPartSink(std::filesystem::path folder) : folder_(std::move(folder)
   std::filesystem::create_directories(folder_, error);
   if (error)
     throw EnvironmentError(
-        fmt::format("{}: cannot create: {}; choose another folder with --by-part", folder_.string(),
-                    error.message()));
+        fmt::format("{}: cannot create: {}; choose another folder with --part-pairs",
+                    folder_.string(), error.message()));
 }
 
 void ByPartSink::frame(const RunInfo&, const Frame& frame) {
-  add_sum(bodies_, frame.counters->avatar);
+  add_sum(bodies_, frame.counters->body_sphere);
   add_sum(body_boxes_, frame.counters->body_box);
 }
 
@@ -206,8 +206,8 @@ void ByPartSink::end(const RunInfo& run, const RunEnd& end) {
        {std::pair("avatar", &bodies_), std::pair("body_box", &body_boxes_)})
     append(text, "{},{},{},{},{},{},,\n", stage, sum->volume, kWhole, kWhole, sum->tests,
            sum->passed);
-  write_whole_file(folder_ / kTable, text + csv_of(tally, run.culler.exact),
-                   {.what = "the counts by part"});
+  write_file_atomically(folder_ / kTable, text + csv_of(tally, run.culler.exact),
+                        {.what = "the counts by part"});
   // Figures of an earlier run beside the numbers of this one would be wrong.
   std::error_code error;
   for (const char* name : kFigures)

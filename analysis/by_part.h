@@ -17,7 +17,7 @@ struct PartNameTally {
   std::vector<std::string> names;
   std::vector<PartPairCounts> cells;  ///< names x names, the upper triangle
   std::vector<std::string> volumes;   ///< of the part stage, by cell: "ordop26", "sphere+ordop26"
-  bool knows_truth = true;
+  bool counts_touching = true;
 
   const PartPairCounts& at(size_t a, size_t b) const { return cells[a * names.size() + b]; }
 };

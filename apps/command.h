@@ -10,7 +10,7 @@
 namespace throng {
 
 /// Exit codes of every command.
-inline constexpr int kExitFine = 0;
+inline constexpr int kExitSuccess = 0;
 inline constexpr int kExitCheckFailed = 1;
 inline constexpr int kExitBadInput = 2;
 inline constexpr int kExitEnvironment = 3;

@@ -14,8 +14,8 @@
 
 #include "apps/command.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "base/version.h"
 
 namespace throng {
@@ -34,15 +34,15 @@ Exit codes: 0 fine, 1 a check failed, 2 bad input, 3 the environment failed; wor
 its summary and 130 (SIGINT, Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP).)";
 
 int failed(const std::string& message, int exit_code) {
-  say("{}\n", message);
+  print_message("{}\n", message);
   return exit_code;
 }
 
 /// Results that did not reach their reader are no results, unless the reader had enough of them.
 /// Closing the terminal closes what we write to as well, and knows.
 int ended(int exit_code) {
-  if (flush_shown() || reader_has_left() ||
-      (exit_code != kExitFine && exit_code == StopSignal::exit_code() &&
+  if (flush_results() || stdout_is_closed() ||
+      (exit_code != kExitSuccess && exit_code == StopSignal::exit_code() &&
        StopSignal::name() == "SIGHUP"))
     return exit_code;
   return failed("throng: could not write to the standard output", kExitEnvironment);
@@ -71,15 +71,15 @@ int run(int argc, char** argv) {
       add_export_command(line)};
   line.add_subcommand("help", "The options of a command: throng help COMMAND");
   if (const auto text = line.parse(as_parsed(line, {argv + 1, argv + argc}))) {
-    show("{}", *text);
-    return kExitFine;
+    print_result("{}", *text);
+    return kExitSuccess;
   }
   for (const Command& command : commands)
     if (command.app->is_given()) {
       command.app->require_names();
       return command.action();
     }
-  say("{}", line.help());
+  print_message("{}", line.help());
   return kExitBadInput;
 }
 
@@ -124,6 +124,6 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   const int exit_code = throng::ended(throng::run_guarded(argc, argv));
-  throng::leave_unfinished_work(exit_code);
+  throng::abandon_unfinished_work(exit_code);
   return exit_code;
 }

@@ -17,7 +17,7 @@
 
 namespace throng {
 
-std::string figure_text(std::string text) {
+std::string gnuplot_quoted(std::string text) {
   // A line end would end the string, and begin a command.
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
@@ -41,11 +41,11 @@ std::string words_of(FILE* file) {
 
 }  // namespace
 
-std::string script_of(const HeatMap& map) {
+std::string gnuplot_script(const HeatMap& map) {
   const size_t count = map.names.size();
   std::string tics;
   for (size_t i = 0; i < count; ++i)
-    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", figure_text(map.names[i]), i);
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", gnuplot_quoted(map.names[i]), i);
   std::string script = "$data << EOD\n";
   for (size_t row = 0; row < count; ++row) {
     for (size_t column = 0; column < count; ++column) {
@@ -89,7 +89,7 @@ std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   fmt::print(gnuplot,
              "set terminal svg size {},{} font 'sans-serif,12' background rgb 'white' name '{}'\n"
              "set output {}\n{}set output\n",
-             figure.width, figure.height, figure.id, figure_text(file.string()), figure.script);
+             figure.width, figure.height, figure.id, gnuplot_quoted(file.string()), figure.script);
   const int status = pclose(gnuplot);
   std::ifstream in(file, std::ios::binary);
   std::string svg{std::istreambuf_iterator<char>(in), {}};

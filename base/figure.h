@@ -24,7 +24,7 @@ inline constexpr const char* kFigureColours[] = {"#4477aa", "#ee6677", "#228833"
 
 /// A text of any origin (the name of a part, a path) as gnuplot takes it: in quotes that it cannot
 /// leave. Whatever else stands in a script is run as a command.
-std::string figure_text(std::string text);
+std::string gnuplot_quoted(std::string text);
 
 /// A square of cells, one a pair of names, the darker the larger. `using_expression` says what of a
 /// cell's number ($3) is drawn: "3", "(log10(1 + $3))".
@@ -36,7 +36,7 @@ struct HeatMap {
   std::string margins = "set rmargin 14\n";
 };
 /// Sets up the axes and plots it.
-std::string script_of(const HeatMap& map);
+std::string gnuplot_script(const HeatMap& map);
 
 /// Whether figures can be drawn here at all.
 bool has_gnuplot();

@@ -58,9 +58,9 @@ class GrowBuffer {
   /// From here on in pages of its own, which move when it grows: nothing is copied, and only new
   /// pages cost a fault. Below it, and under the address sanitizer, the allocator's.
 #ifdef __SANITIZE_ADDRESS__
-  static constexpr size_t kPagesFrom = std::numeric_limits<size_t>::max();
+  static constexpr size_t kMinMappedBytes = std::numeric_limits<size_t>::max();
 #else
-  static constexpr size_t kPagesFrom = size_t{256} << 10;
+  static constexpr size_t kMinMappedBytes = size_t{256} << 10;
 #endif
 
   void reserve(size_t count, size_t kept) {
@@ -68,13 +68,13 @@ class GrowBuffer {
     // A quarter in reserve: crowds get denser a little at a time.
     allocate(count + count / 4 + 16, kept);
   }
-  bool has_pages() const { return capacity_ * sizeof(T) >= kPagesFrom; }
+  bool is_mapped() const { return capacity_ * sizeof(T) >= kMinMappedBytes; }
   void allocate(size_t capacity, size_t kept) {
     const size_t bytes = capacity * sizeof(T);
-    if (has_pages()) {
+    if (is_mapped()) {
       data_ = checked(mremap(data_, capacity_ * sizeof(T), bytes, MREMAP_MAYMOVE));
     } else {
-      T* const data = bytes >= kPagesFrom
+      T* const data = bytes >= kMinMappedBytes
                           ? checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))
                           : static_cast<T*>(::operator new (bytes, std::align_val_t{kAlignment}));
@@ -90,7 +90,7 @@ class GrowBuffer {
     return static_cast<T*>(pages);
   }
   void release() {
-    if (has_pages())
+    if (is_mapped())
       munmap(data_, capacity_ * sizeof(T));
     else if (data_ != nullptr)
       ::operator delete (data_, std::align_val_t{kAlignment});

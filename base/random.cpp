@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "base/checksum.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {

@@ -32,8 +32,8 @@ Character first_of(std::string_view text) {
     if ((byte(i) & 0xc0) != 0x80) return {};
     code = code << 6 | (byte(i) & 0x3fu);
   }
-  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  if (code < kLeast[bytes] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return {};
+  constexpr uint32_t kMinCode[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code < kMinCode[bytes] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) return {};
   return {code, bytes};
 }
 
@@ -55,7 +55,7 @@ size_t printable_character(std::string_view text) {
   return is_control(first.code) ? 0 : first.bytes;
 }
 
-size_t find_no_utf8(std::string_view text) {
+size_t find_invalid_utf8(std::string_view text) {
   for (size_t at = 0; at < text.size();) {
     const size_t bytes = first_of(text.substr(at)).bytes;
     if (bytes == 0) return at;
@@ -94,18 +94,18 @@ std::string escaped(std::string_view text) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr size_t kMostBytes = 60;
-  const bool is_cut = text.size() > kMostBytes;
-  return fmt::format("'{}{}'", escaped(text.substr(0, kMostBytes)), is_cut ? "..." : "");
+  constexpr size_t kMaxBytes = 60;
+  const bool is_cut = text.size() > kMaxBytes;
+  return fmt::format("'{}{}'", escaped(text.substr(0, kMaxBytes)), is_cut ? "..." : "");
 }
 
-std::vector<std::string> spoken(const std::vector<std::string>& names) {
+std::vector<std::string> display_name(const std::vector<std::string>& names) {
   std::vector<std::string> out;
-  for (const std::string& name : names) out.push_back(spoken(std::string_view(name)));
+  for (const std::string& name : names) out.push_back(display_name(std::string_view(name)));
   return out;
 }
 
-std::vector<std::string> pieces_of(std::string_view text, char between) {
+std::vector<std::string> split_text(std::string_view text, char between) {
   std::vector<std::string> pieces;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(between, begin), text.size());
@@ -115,13 +115,13 @@ std::vector<std::string> pieces_of(std::string_view text, char between) {
   return pieces;
 }
 
-std::string_view without_blanks_around(std::string_view text) {
+std::string_view stripped(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   return text;
 }
 
-std::string spoken(std::string_view name) {
+std::string display_name(std::string_view name) {
   const auto is_lower = [&](size_t i) { return name[i] >= 'a' && name[i] <= 'z'; };
   const auto is_upper = [&](size_t i) { return name[i] >= 'A' && name[i] <= 'Z'; };
   const auto is_digit = [&](size_t i) { return name[i] >= '0' && name[i] <= '9'; };
@@ -174,7 +174,7 @@ OptionCheck whole_option(int64_t low, int64_t high, const std::string& what) {
 
 OptionCheck list_option(OptionCheck piece, size_t count, char between, const std::string& what) {
   return [=, piece = std::move(piece)](const std::string& text) -> std::string {
-    const std::vector<std::string> pieces = pieces_of(text, between);
+    const std::vector<std::string> pieces = split_text(text, between);
     if (pieces.size() == count &&
         std::all_of(pieces.begin(), pieces.end(), [&](const auto& p) { return piece(p).empty(); }))
       return "";

@@ -20,7 +20,7 @@ namespace throng {
 size_t printable_character(std::string_view text);
 
 /// The first byte that is no UTF-8 (control characters are), or npos.
-size_t find_no_utf8(std::string_view text);
+size_t find_invalid_utf8(std::string_view text);
 
 /// Why a text is no name, in words that follow "found", or "": names are 1 to kMaxNameBytes bytes
 /// of printable UTF-8, not all blank.
@@ -34,16 +34,16 @@ std::string escaped(std::string_view text);
 std::string in_quotes(std::string_view text);
 
 /// What stands before, between and behind the separators; of an empty text one empty piece.
-std::vector<std::string> pieces_of(std::string_view text, char between);
+std::vector<std::string> split_text(std::string_view text, char between);
 
 /// Without the blanks at both ends.
-std::string_view without_blanks_around(std::string_view text);
+std::string_view stripped(std::string_view text);
 
 /// A name as a person says it: "upper right leg" of "upperRightLeg", "left hip link" of
 /// "left_hip_link". The name itself where nothing is left of it.
-std::string spoken(std::string_view name);
+std::string display_name(std::string_view name);
 
-std::vector<std::string> spoken(const std::vector<std::string>& names);
+std::vector<std::string> display_name(const std::vector<std::string>& names);
 
 /// A number with its noun: "1 pair", "2 pairs"; the second form is `noun` with an s unless given.
 template <std::integral Number>

@@ -18,7 +18,7 @@
 
 namespace throng::bench {
 
-Spread spread_of(std::vector<double> values) {
+TimeStats time_stats_of(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto last = static_cast<double>(values.size() - 1);
@@ -108,12 +108,12 @@ class StageTable {
  public:
   void add(const CullingCounters& c, int threads) {
     next_ = 0;
-    put("spheres over avatars", c.avatar, c.avatar.update_ns + c.avatar.test_ns);
+    put("spheres over avatars", c.body_sphere, c.body_sphere.update_ns + c.body_sphere.test_ns);
     put("kinematics", {"", c.posed_bodies, 0, 0, 0, 0}, c.pose_ns);
     put("avatar boxes", c.body_box, c.body_box.test_ns);
-    put("part boxes", c.box, c.box.update_ns + c.box.test_ns);
-    put("part volumes", c.part, c.part.test_ns);
-    put("sort and events", {"", 0, 0, c.part.passed, 0, 0}, c.events_ns);
+    put("part boxes", c.part_box, c.part_box.update_ns + c.part_box.test_ns);
+    put("part volumes", c.part_volume, c.part_volume.test_ns);
+    put("sort and events", {"", 0, 0, c.part_volume.passed, 0, 0}, c.events_ns);
     double stages_ns = 0;  // the parts' update is kinematics
     for (const StageCounters* stage : culling_stages(c))
       stages_ns += stage->update_ns + stage->test_ns;
@@ -123,7 +123,7 @@ class StageTable {
     std::vector<StageRow> out;
     for (const StageSeries& series : stages_) {
       out.push_back(series.row);
-      out.back().ms = spread_of(series.ms).median;
+      out.back().ms = time_stats_of(series.ms).median;
     }
     return out;
   }
@@ -182,21 +182,22 @@ double run_frame(Contender& contender, const BoxList& boxes, bool first,
   return ms;
 }
 
-std::vector<Quarter> quarters_of(const std::vector<double>& ours,
+std::vector<Quarter> quarters_of(const std::vector<double>& throng_ms,
                                  const std::vector<uint64_t>& pairs,
                                  const std::vector<Contender>& rivals) {
   std::vector<Quarter> out;
-  const size_t frames = ours.size();
+  const size_t frames = throng_ms.size();
   if (frames < 4) return out;
   for (size_t quarter = 0; quarter < 4; ++quarter) {
     const size_t first = quarter * frames / 4, end = (quarter + 1) * frames / 4;
     const auto median = [&](const std::vector<double>& values) {
       const auto begin = values.begin();
-      return spread_of({begin + static_cast<ptrdiff_t>(first), begin + static_cast<ptrdiff_t>(end)})
+      return time_stats_of(
+                 {begin + static_cast<ptrdiff_t>(first), begin + static_cast<ptrdiff_t>(end)})
           .median;
     };
     out.push_back(
-        {static_cast<int>(first) + 1, static_cast<int>(end), pairs[end - 1], median(ours)});
+        {static_cast<int>(first) + 1, static_cast<int>(end), pairs[end - 1], median(throng_ms)});
     for (const Contender& rival : rivals) out.back().ratios.push_back(median(rival.ratios));
   }
   return out;
@@ -228,7 +229,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
   CrowdBoxes crowd_boxes(crowd, type);
   std::vector<Contender> rivals = contenders(options, out.skipped);
   StageTable stages;
-  std::vector<double> ours, ours_boxes;
+  std::vector<double> throng_ms, throng_boxes_ms;
   std::vector<uint64_t> pairs;
   std::vector<BoxPair> found;
   for (int frame = -options.warm_up_frames; frame < options.frames; ++frame) {
@@ -238,11 +239,11 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
     culler.step(crowd.view(), crowd);
     const double ms = ms_since(start);
     const CullingCounters& c = culler.counters();
-    const double boxes_ms = ms - (c.part.test_ns / options.threads + c.events_ns) * 1e-6;
+    const double boxes_ms = ms - (c.part_volume.test_ns / options.threads + c.events_ns) * 1e-6;
     if (frame >= 0) {
-      ours.push_back(ms);
+      throng_ms.push_back(ms);
       pairs.push_back(culler.pairs().size());
-      ours_boxes.push_back(boxes_ms);
+      throng_boxes_ms.push_back(boxes_ms);
       stages.add(c, options.threads);
     }
     if (rivals.empty()) continue;
@@ -262,30 +263,29 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
     }
     progress(fmt::format("frame {} of {}", frame + 1, options.frames));
   }
-  out.options.frames = static_cast<int>(ours.size());
-  out.throng = {.ms = spread_of(ours),
-                .boxes_ms = spread_of(ours_boxes),
+  out.options.frames = static_cast<int>(throng_ms.size());
+  out.throng = {.ms = time_stats_of(throng_ms),
+                .boxes_ms = time_stats_of(throng_boxes_ms),
                 .pairs = culler.pairs().size(),
-                .box_pairs = culler.counters().box.passed,
+                .box_pairs = culler.counters().part_box.passed,
                 .hash = culler.hash(),
                 .simd = std::string(name_of(resolved(options.simd))),
                 .stages = stages.rows()};
-  out.quarters = quarters_of(ours, pairs, rivals);
+  out.quarters = quarters_of(throng_ms, pairs, rivals);
   for (Contender& rival : rivals) {
-    rival.result.ms = spread_of(rival.ms);
-    rival.result.ratio = spread_of(rival.ratios).median;
-    rival.result.ratio_boxes = spread_of(rival.ratios_boxes).median;
+    rival.result.ms = time_stats_of(rival.ms);
+    rival.result.ratio = time_stats_of(rival.ratios).median;
+    rival.result.ratio_boxes = time_stats_of(rival.ratios_boxes).median;
     out.engines.push_back(std::move(rival.result));
   }
   return out;
 }
 
 double BenchResult::ratio_fastest() const {
-  const EngineResult* fastest = nullptr;
+  const EngineResult* best = nullptr;
   for (const EngineResult& engine : engines)
-    if (engine.agrees && (fastest == nullptr || engine.ms.median < fastest->ms.median))
-      fastest = &engine;
-  return fastest == nullptr ? 0 : fastest->ratio;
+    if (engine.agrees && (best == nullptr || engine.ms.median < best->ms.median)) best = &engine;
+  return best == nullptr ? 0 : best->ratio;
 }
 
 double BenchResult::ratio_fcl() const {
@@ -377,11 +377,11 @@ AgeingResult age(BenchOptions options, int walked_frames, const Progress& progre
     }
     progress(fmt::format("measured {} of {} frames", frame + 1, options.frames));
   }
-  out.aged_ms = spread_of(aged_ms).median;
-  out.fresh_ms = spread_of(fresh_ms).median;
+  out.aged_ms = time_stats_of(aged_ms).median;
+  out.fresh_ms = time_stats_of(fresh_ms).median;
   for (Pair& pair : rivals) {
-    pair.result.aged_ms = spread_of(pair.aged_ms).median;
-    pair.result.fresh_ms = spread_of(pair.fresh_ms).median;
+    pair.result.aged_ms = time_stats_of(pair.aged_ms).median;
+    pair.result.fresh_ms = time_stats_of(pair.fresh_ms).median;
     out.engines.push_back(std::move(pair.result));
   }
   return out;

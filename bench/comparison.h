@@ -14,12 +14,12 @@ namespace throng::bench {
 
 /// What is reported of repeated times: the least, the middle and the nearly worst.
 /// No mean; a machine's noise is one-sided.
-struct Spread {
+struct TimeStats {
   double min = 0, median = 0, p95 = 0;
 };
 
 /// All zero for no values.
-Spread spread_of(std::vector<double> values);
+TimeStats time_stats_of(std::vector<double> values);
 
 // Throng and the other engines on the same frames.
 // An engine whose pairs differ from the reference's in any frame gets agrees = false.
@@ -48,8 +48,8 @@ struct StageRow {
 };
 
 struct ThrongResult {
-  Spread ms;           ///< the whole pass: spheres placed to or-DOP 26 pairs and begin/end events
-  Spread boxes_ms;     ///< the same less or-DOP tests and events: comparable with boxes only
+  TimeStats ms;        ///< the whole pass: spheres placed to or-DOP 26 pairs and begin/end events
+  TimeStats boxes_ms;  ///< the same less or-DOP tests and events: comparable with boxes only
   uint64_t pairs = 0;  ///< or-DOP pairs of the last frame
   uint64_t box_pairs = 0;  ///< pairs of our own part boxes in the last frame
   uint64_t hash = 0;
@@ -68,7 +68,7 @@ struct Quarter {
 
 struct EngineResult {
   std::string name{}, version{}, what{};
-  Spread ms;
+  TimeStats ms;
   uint64_t pairs = 0;  ///< box pairs of the last frame
   bool agrees = true;
   /// Median over frames of its time divided by ours in the same frame.

@@ -34,7 +34,7 @@ double median(std::vector<double> values) {
 /// A part where it is, and the box around it that FCL's tree sees, grown by half the margin.
 class FclDistances {
  public:
-  FclDistances(const Crowd& crowd, double near_m) : near_m_(near_m) {
+  FclDistances(const Crowd& crowd, double margin_m) : proximity_m_(margin_m) {
     using Surface = fcl::BVHModel<fcl::OBBRSSd>;
     for (const Part& part : crowd.model().parts) {
       auto surface = std::make_shared<Surface>();
@@ -81,13 +81,13 @@ class FclDistances {
     for (fcl::CollisionObjectd& object : objects_) {
       object.computeAABB();
       fcl::AABBd& box = const_cast<fcl::AABBd&>(object.getAABB());
-      box.min_ -= Eigen::Vector3d::Constant(near_m_ / 2);
-      box.max_ += Eigen::Vector3d::Constant(near_m_ / 2);
+      box.min_ -= Eigen::Vector3d::Constant(proximity_m_ / 2);
+      box.max_ += Eigen::Vector3d::Constant(proximity_m_ / 2);
     }
     tree_.update();
-    Found found{this, {}};
+    Collector found{this, {}};
     tree_.collide(&found, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* to) {
-      static_cast<Found*>(to)->add(*a, *b);
+      static_cast<Collector*>(to)->add(*a, *b);
       return false;
     });
     std::sort(found.rows.begin(), found.rows.end());
@@ -96,7 +96,7 @@ class FclDistances {
   uint64_t distances() const { return distances_; }
 
  private:
-  struct Found {
+  struct Collector {
     FclDistances* of;
     std::vector<Row> rows;
 
@@ -110,14 +110,14 @@ class FclDistances {
       fcl::DistanceRequestd request;
       fcl::DistanceResultd result;
       const double distance = fcl::distance(&a, &b, request, result);
-      if (distance > of->near_m_) return;
+      if (distance > of->proximity_m_) return;
       rows.push_back({PairKey(static_cast<uint32_t>(i / parts), static_cast<uint32_t>(j / parts),
                               static_cast<uint32_t>(i % parts), static_cast<uint32_t>(j % parts)),
                       std::max(0.0, distance)});
     }
   };
 
-  double near_m_;
+  double proximity_m_;
   size_t parts_ = 0;
   uint64_t distances_ = 0;
   std::vector<std::shared_ptr<fcl::CollisionGeometryd>> surfaces_;
@@ -127,74 +127,77 @@ class FclDistances {
 
 /// What one has and the other has not. Where a solid holds the other FCL says how far the surfaces
 /// are from each other, and ours 0: such rows count as equal.
-uint64_t differing(const NearRows& ours, std::span<const FclDistances::Row> theirs, double near_m) {
+uint64_t differing(const ProximityRows& throng_rows, std::span<const FclDistances::Row> fcl_rows,
+                   double margin_m) {
   constexpr double kRounding_m = 1e-5;
   uint64_t count = 0;
-  for (const FclDistances::Row& row : theirs) {
+  for (const FclDistances::Row& row : fcl_rows) {
     const auto at = std::lower_bound(
-        ours.begin(), ours.end(), row.pair,
-        [](const NearPair& one, const PairKey& wanted) { return one.pair < wanted; });
-    const bool is_there = at != ours.end() && at->pair == row.pair;
+        throng_rows.begin(), throng_rows.end(), row.pair,
+        [](const ProximityPair& one, const PairKey& key) { return one.pair < key; });
+    const bool is_there = at != throng_rows.end() && at->pair == row.pair;
     if (!is_there) {
-      count += row.distance_m < near_m - kRounding_m;
+      count += row.distance_m < margin_m - kRounding_m;
       continue;
     }
     count += at->hi_m > 0 && (row.distance_m < static_cast<double>(at->lo_m) - kRounding_m ||
                               row.distance_m > static_cast<double>(at->hi_m) + kRounding_m);
   }
-  for (const NearPair& row : ours) {
-    if (row.hi_m == 0 || static_cast<double>(row.hi_m) > near_m - kRounding_m) continue;
-    const auto at = std::lower_bound(theirs.begin(), theirs.end(), FclDistances::Row{row.pair, 0});
-    count += at == theirs.end() || !(at->pair == row.pair);
+  for (const ProximityPair& row : throng_rows) {
+    if (row.hi_m == 0 || static_cast<double>(row.hi_m) > margin_m - kRounding_m) continue;
+    const auto at =
+        std::lower_bound(fcl_rows.begin(), fcl_rows.end(), FclDistances::Row{row.pair, 0});
+    count += at == fcl_rows.end() || !(at->pair == row.pair);
   }
   return count;
 }
 
-int compare(int avatars, float near_m, int frames) {
+int compare(int avatars, float margin_m, int frames) {
   Crowd crowd(load_model(adult_urdf()), {.avatars = avatars});
   CullerOptions options;
   options.exact = true;
   CullerOptions with = options;
-  with.near.near_m = near_m;
+  with.proximity.margin_m = margin_m;
   Workers one(1);
-  Culler touching({crowd.body_type()}, options, one), near({crowd.body_type()}, with, one);
-  FclDistances fcl(crowd, static_cast<double>(near_m));
-  std::vector<double> without_ms, ours_ms, fcl_ms;
-  uint64_t rows = 0, asked = 0, wrong = 0;
+  Culler touching({crowd.body_type()}, options, one),
+      with_distances({crowd.body_type()}, with, one);
+  FclDistances fcl(crowd, static_cast<double>(margin_m));
+  std::vector<double> without_ms, throng_ms, fcl_ms;
+  uint64_t rows = 0, tested = 0, wrong = 0;
   for (int frame = 0; frame <= frames; ++frame, crowd.advance()) {
     fcl.place(crowd);
     auto begin = Clock::now();
     touching.step(crowd.view(), crowd);
     const double none = ms_since(begin);
     begin = Clock::now();
-    near.step(crowd.view(), crowd);
-    const double ours = ms_since(begin);
+    with_distances.step(crowd.view(), crowd);
+    const double proximity_ms = ms_since(begin);
     begin = Clock::now();
-    const std::vector<FclDistances::Row> theirs = fcl.rows();
+    const std::vector<FclDistances::Row> fcl_rows = fcl.rows();
     const double other = ms_since(begin);
-    wrong += differing(near.near_pairs(), theirs, static_cast<double>(near_m));
+    wrong += differing(with_distances.proximity_pairs(), fcl_rows, static_cast<double>(margin_m));
     if (frame == 0) continue;  // memory is made
     without_ms.push_back(none);
-    ours_ms.push_back(ours);
+    throng_ms.push_back(proximity_ms);
     fcl_ms.push_back(other);
-    rows += near.near_pairs().size();
-    asked += near.counters().near.tests;
+    rows += with_distances.proximity_pairs().size();
+    tested += with_distances.counters().proximity.tests;
   }
   const double each = static_cast<double>(rows) / frames;
   const CullingCounters& counters = touching.counters();
-  fmt::print("{} people, {} m, {} frames, one thread each\n", avatars, near_m, frames);
+  fmt::print("{} people, {} m, {} frames, one thread each\n", avatars, margin_m, frames);
   fmt::print("rows a frame            {:.0f}\n", each);
   fmt::print("contacts alone, exact   {:.2f} ms, {:.2f} us a pair tested by triangles\n",
              median(without_ms),
-             counters.exact.tests == 0
-                 ? 0
-                 : 1e-3 * counters.exact.test_ns / static_cast<double>(counters.exact.tests));
-  const double more_us = 1e3 * frames * (median(ours_ms) - median(without_ms));
+             counters.triangles.tests == 0 ? 0
+                                           : 1e-3 * counters.triangles.test_ns /
+                                                 static_cast<double>(counters.triangles.tests));
+  const double more_us = 1e3 * frames * (median(throng_ms) - median(without_ms));
   fmt::print("with distances          {:.2f} ms, {:.2f} us a row more, {:.2f} a pair asked\n",
-             median(ours_ms), more_us / static_cast<double>(rows),
-             more_us / static_cast<double>(asked));
+             median(throng_ms), more_us / static_cast<double>(rows),
+             more_us / static_cast<double>(tested));
   fmt::print("fcl {}               {:.2f} ms, {:.1f} times ours\n", FCL_VERSION, median(fcl_ms),
-             median(fcl_ms) / median(ours_ms));
+             median(fcl_ms) / median(throng_ms));
   fmt::print("rows that differ        {}\n", wrong);
   return wrong == 0 ? 0 : 1;
 }
@@ -204,7 +207,7 @@ int compare(int avatars, float near_m, int frames) {
 
 int main(int argc, char** argv) {
   const int avatars = argc > 1 ? std::atoi(argv[1]) : 5000;
-  const float near_m = argc > 2 ? std::strtof(argv[2], nullptr) : 0.1f;
+  const float margin_m = argc > 2 ? std::strtof(argv[2], nullptr) : 0.1f;
   const int frames = argc > 3 ? std::atoi(argv[3]) : 5;
-  return throng::bench::compare(avatars, near_m, frames);
+  return throng::bench::compare(avatars, margin_m, frames);
 }

@@ -13,10 +13,10 @@
 
 #include "avatars/mesh/tri.h"
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 #include "bench/crowd.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 
 namespace throng::bench {
 namespace {
@@ -83,7 +83,7 @@ struct Tables {
 };
 
 void write(const fs::path& file, const std::string& text) {
-  write_whole_file(file, text, {.what = "the exported frames"});
+  write_file_atomically(file, text, {.what = "the exported frames"});
 }
 
 void write_shapes(const Model& model, const fs::path& folder) {
@@ -195,7 +195,7 @@ ExportedFrames export_frames(BenchOptions options, int stride, const fs::path& f
   CrowdBoxes boxes(*crowd, type);
   ExportedFrames out{options.frames, crowd->count(), type->part_count()};
   Tables tables;
-  ExactCounters counters;
+  TriangleCounters counters;
   for (int frame = 0; frame < options.frames; ++frame) {
     for (int step = 0; step < stride; ++step) crowd->advance();
     const BoxList list = boxes.compute();
@@ -225,14 +225,14 @@ ExportedFrames export_frames(BenchOptions options, int stride, const fs::path& f
   return out;
 }
 
-JudgedPairs check_pairs(const fs::path& file) {
+PairCheck check_pairs(const fs::path& file) {
   PairFile found_file(file);
   const fs::path folder = file.parent_path();
   for (const char* name : {"pairs.csv", "touching.csv"})
     if (!fs::exists(folder / name))
       throw InputError(file.string(), "a file in a folder of `throng bench --export`",
                        fmt::format("no {} beside it", name));
-  JudgedPairs out;
+  PairCheck out;
   out.are_boxes = found_file.are_boxes();
   std::vector<FramePair> found = found_file.read();
   const std::vector<FramePair> boxes = PairFile(folder / "pairs.csv").read();
@@ -244,15 +244,17 @@ JudgedPairs check_pairs(const fs::path& file) {
   const auto note = [&](const char* what, const FramePair& pair) {
     if (out.first.empty()) out.first = fmt::format("{}: {}", what, names.of(pair));
   };
-  const auto twice = std::adjacent_find(found.begin(), found.end());
-  if (twice != found.end()) note("twice", *twice);
+  const auto duplicates = std::adjacent_find(found.begin(), found.end());
+  if (duplicates != found.end()) note("twice", *duplicates);
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  out.twice = out.found - found.size();
-  const std::vector<FramePair> missing = without(reference, found), beyond = without(found, boxes);
+  out.duplicates = out.found - found.size();
+  const std::vector<FramePair> missing = without(reference, found),
+                               unexpected = without(found, boxes);
   if (!missing.empty()) note("missing", missing.front());
-  if (!beyond.empty()) note(out.are_boxes ? "not a pair" : "apart by their boxes", beyond.front());
+  if (!unexpected.empty())
+    note(out.are_boxes ? "not a pair" : "apart by their boxes", unexpected.front());
   out.missing = missing.size();
-  out.beyond = beyond.size();
+  out.unexpected = unexpected.size();
   out.false_positives = out.are_boxes ? 0 : without(found, touching).size();
   return out;
 }
@@ -265,18 +267,18 @@ std::string to_text(const ExportedFrames& exported, const fs::path& folder) {
       exported.touching);
 }
 
-std::string to_text(const JudgedPairs& judged) {
+std::string to_text(const PairCheck& judged) {
   std::string text =
       judged.are_boxes
           ? fmt::format(
                 "{} pairs of boxes found, {} in the reference: {} missing, {} that are none",
-                judged.found, judged.reference, judged.missing, judged.beyond)
+                judged.found, judged.reference, judged.missing, judged.unexpected)
           : fmt::format(
                 "{} pairs of parts found, {} touch: {} of these missing, {} found do not touch, {} "
                 "have boxes that are apart",
                 judged.found, judged.reference, judged.missing, judged.false_positives,
-                judged.beyond);
-  if (judged.twice > 0) text += fmt::format(", {} twice", judged.twice);
+                judged.unexpected);
+  if (judged.duplicates > 0) text += fmt::format(", {} twice", judged.duplicates);
   text += judged.agrees() ? "\nthey agree\n" : fmt::format("\nfirst {}\n", judged.first);
   return text;
 }

@@ -29,23 +29,23 @@ ExportedFrames export_frames(BenchOptions options, int stride, const std::filesy
                              const Progress& progress);
 
 /// Pairs that a program found, held against the reference in the same folder.
-struct JudgedPairs {
+struct PairCheck {
   bool are_boxes = true;  ///< "frame,a,b": all pairs of boxes; or "frame,part_a,part_b": of parts
   uint64_t reference = 0, found = 0;
-  uint64_t missing = 0;  ///< of boxes: not found; of parts: touching and not found
-  uint64_t beyond = 0;   ///< of boxes: not in the reference; of parts: whose boxes are apart
-  uint64_t twice = 0;
+  uint64_t missing = 0;     ///< of boxes: not found; of parts: touching and not found
+  uint64_t unexpected = 0;  ///< of boxes: not in the reference; of parts: whose boxes are apart
+  uint64_t duplicates = 0;
   uint64_t false_positives = 0;  ///< of parts: found and not touching
   std::string first;             ///< the first that is missing, beyond or twice, in words
 
   /// Boxes: exactly the reference's. Parts: all that touch, and none whose boxes are apart.
-  bool agrees() const { return missing == 0 && beyond == 0 && twice == 0; }
+  bool agrees() const { return missing == 0 && unexpected == 0 && duplicates == 0; }
 };
 
 /// Throws InputError, "file:line: expected ..., found ...".
-JudgedPairs check_pairs(const std::filesystem::path& file);
+PairCheck check_pairs(const std::filesystem::path& file);
 
 std::string to_text(const ExportedFrames& exported, const std::filesystem::path& folder);
-std::string to_text(const JudgedPairs& judged);
+std::string to_text(const PairCheck& judged);
 
 }  // namespace throng::bench

@@ -147,11 +147,11 @@ std::string csv_header() {
 
 std::string to_csv(const BenchResult& r) {
   std::string out;
-  const auto put = [&](const std::string& name, const std::string& version, const Spread& ms,
-                       uint64_t pairs, double times_ours) {
+  const auto put = [&](const std::string& name, const std::string& version, const TimeStats& ms,
+                       uint64_t pairs, double throng_ratio) {
     append(out, "{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:.3f},{}\n", r.options.avatars,
            r.options.per_m2, r.options.threads, r.options.frames, r.throng.simd, name, version,
-           ms.min, ms.median, ms.p95, pairs, times_ours,
+           ms.min, ms.median, ms.p95, pairs, throng_ratio,
            r.options.crowd == CrowdKind::kPlaza ? "plaza" : "square");
   };
   const ThrongResult& t = r.throng;

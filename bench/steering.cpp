@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "bench/version_json.h"
 #include "crowd/crowd.h"
-#include "crowd/navigation/ways.h"
+#include "crowd/navigation/navigation_map.h"
 #include "crowd/spawn.h"
 
 namespace throng::bench {
@@ -51,15 +51,15 @@ Scene square(int people, double per_m2, uint64_t seed) {
   scene.ground = {{0, 0}, {edge_m, edge_m}};
   const Rectangle west{{0, 0}, {rim_m, edge_m}}, east{{edge_m - rim_m, 0}, {edge_m, edge_m}};
   const Rectangle south{{0, 0}, {edge_m, rim_m}}, north{{0, edge_m - rim_m}, {edge_m, edge_m}};
-  const std::pair<Rectangle, Rectangle> ways[] = {
+  const std::pair<Rectangle, Rectangle> routes[] = {
       {west, east}, {east, west}, {south, north}, {north, south}};
   int left = people;
-  for (size_t i = 0; i < std::size(ways); ++i) {
+  for (size_t i = 0; i < std::size(routes); ++i) {
     Group group;
-    group.count = left / static_cast<int>(std::size(ways) - i);
+    group.count = left / static_cast<int>(std::size(routes) - i);
     left -= group.count;
     group.spawn = scene.ground;
-    group.goals = {ways[i].first, ways[i].second};
+    group.goals = {routes[i].first, routes[i].second};
     scene.groups.push_back(group);
   }
   return scene;
@@ -67,14 +67,14 @@ Scene square(int people, double per_m2, uint64_t seed) {
 
 struct Walk {
   int people = 0;  ///< who found a place
-  Spread ms;       ///< of a step
+  TimeStats ms;    ///< of a step
   double sweeps = 0;
 };
 
-Walk walk(SteeringKind model, Ways& ways, const Spawned& spawned, double step_s,
+Walk walk(SteeringKind model, NavigationMap& navigation, const SpawnResult& spawned, double step_s,
           const SteeringBenchOptions& options, Workers& workers) {
-  throng::Crowd crowd(ways, spawned.people, {options.seed, step_s, {model, false}, options.simd},
-                      workers);
+  throng::Crowd crowd(navigation, spawned.people,
+                      {options.seed, step_s, {model, false}, options.simd}, workers);
   for (int step = 0; step * step_s < kWarmUp_s; ++step) crowd.step();
   const SteeringCounters before = crowd.counters();
   const int people = std::max(1, static_cast<int>(spawned.people.size()));
@@ -85,22 +85,22 @@ Walk walk(SteeringKind model, Ways& ways, const Spawned& spawned, double step_s,
     crowd.step();
     times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   }
-  return {static_cast<int>(crowd.traffic().counters().present), spread_of(times_ms),
+  return {static_cast<int>(crowd.population().counters().present), time_stats_of(times_ms),
           static_cast<double>(crowd.counters().all_sweeps - before.all_sweeps) / steps};
 }
 
 SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& options,
                     Workers& workers) {
   const Scene scene = square(people, options.per_m2, options.seed);
-  Ways ways(scene, workers);
-  const Spawned spawned = spawn(scene, ways);
-  const Walk decisions = walk(model, ways, spawned, kStep_s, options, workers);
+  NavigationMap navigation(scene, workers);
+  const SpawnResult spawned = spawn(scene, navigation);
+  const Walk decisions = walk(model, navigation, spawned, kStep_s, options, workers);
   SteeringRow row;
   row.model = model;
   row.people = decisions.people;
   row.ms = decisions.ms;
   row.sweeps = decisions.sweeps;
-  row.frame_ms = walk(model, ways, spawned, kFrame_s, options, workers).ms;
+  row.frame_ms = walk(model, navigation, spawned, kFrame_s, options, workers).ms;
   // The known figure is one core's.
   if (options.threads == 1) row.rvo2_ms = rvo2_ms(row.people);
   return row;

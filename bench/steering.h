@@ -25,9 +25,9 @@ struct SteeringBenchOptions {
 struct SteeringRow {
   SteeringKind model = SteeringKind::kOrca;
   int people = 0;                 ///< who found a place
-  Spread ms;                      ///< of a step
+  TimeStats ms;                   ///< of a step
   double sweeps = 0;              ///< of relaxation in a step, mean
-  Spread frame_ms;                ///< of a 30th of a second, in which a third of them decide
+  TimeStats frame_ms;             ///< of a 30th of a second, in which a third of them decide
   std::optional<double> rvo2_ms;  ///< RVO2's for so many, where known
 };
 

@@ -25,7 +25,7 @@ inline constexpr double kWallHorizon_s = 0.5;
 /// little.
 inline constexpr double kTimeGap_s = 0.2;
 /// Ways count as the same up to 60 degrees, and as opposite from 120 on: the cosine.
-inline constexpr double kSameWay = 0.5;
+inline constexpr double kSameDirection = 0.5;
 
 }  // namespace tuning
 
@@ -55,7 +55,7 @@ class Avoidance {
   void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);
   void choose(SteeringState::Slots slots, Walls& walls);
   void limit_forward(size_t slot);
-  bool stands_among_standing(size_t slot) const;
+  bool stands_in_standing_crowd(size_t slot) const;
   SteeringView view_with_walls(SteeringState::Slots slots, Walls& walls);
   void find_walls(size_t slot, Walls& walls);
 

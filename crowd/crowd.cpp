@@ -8,45 +8,45 @@
 
 namespace throng {
 
-Crowd::Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options,
+Crowd::Crowd(NavigationMap& map, std::span<const AgentSpec> people, const CrowdOptions& options,
              Workers& workers)
-    : ways_(ways),
+    : map_(map),
       options_(options),
       model_(make_steering_model(options.steering.model, options.simd)),
-      state_(ways.walkable().ground(), people, options.step_s, model_->traits(), options.simd,
+      state_(map.walkable().ground(), people, options.step_s, model_->traits(), options.simd,
              workers),
-      detours_(ways, workers),
-      journeys_(ways, detours_, people, options.seed),
-      traffic_(ways, people, options.seed),
-      occasions_(ways, people),
-      doorkeeper_(ways, state_.radii_m, workers),
-      exits_(ways, people, options.seed),
-      parties_(ways, people),
-      queues_(ways, people),
-      progress_(state_, journeys_, parties_, queues_),
-      preferred_(state_, journeys_, parties_, doorkeeper_, options.seed),
-      avoidance_(state_, *model_, ways.walkable(), options.steering.density_speed),
-      relaxation_(state_, ways.walkable()),
-      turning_(state_, journeys_, parties_, queues_, people) {
-  for (const Person& person : people) {
-    squeezes_.push_back(person.squeeze);
+      detours_(map, workers),
+      journeys_(map, detours_, people, options.seed),
+      population_(map, people, options.seed),
+      triggers_(map, people),
+      door_controller_(map, state_.radii_m, workers),
+      exits_(map, people, options.seed),
+      social_groups_(map, people),
+      queues_(map, people),
+      progress_(state_, journeys_, social_groups_, queues_),
+      preferred_(state_, journeys_, social_groups_, door_controller_, options.seed),
+      avoidance_(state_, *model_, map.walkable(), options.steering.density_dependent_speed),
+      relaxation_(state_, map.walkable()),
+      turning_(state_, journeys_, social_groups_, queues_, people) {
+  for (const AgentSpec& person : people) {
+    radius_scales_.push_back(person.radius_scale);
     enters_mps_.push_back(static_cast<float>(person.enters_mps.value_or(-1)));
   }
   carried_.resize(people.size());
-  block_ways_m_.resize(state_.block_values.size() + 1, 0);
-  seat_people();
+  block_displacements_m_.resize(state_.block_values.size() + 1, 0);
+  rebuild_slots();
 }
 
 /// Everybody takes a slot with all that is known of them; who has just entered starts walking.
-void Crowd::seat_people() {
-  state_.grid.rebuild(state_.positions_m, traffic_.present());
-  take_slots();
+void Crowd::rebuild_slots() {
+  state_.grid.rebuild(state_.positions_m, population_.present());
+  assign_slots();
 }
 
-void Crowd::take_slots() {
+void Crowd::assign_slots() {
   std::swap(state_.agents, carried_);
   state_.for_slots([this](size_t begin, size_t end, int) {
-    std::array<uint32_t, kPeopleABlock> from;
+    std::array<uint32_t, kAgentsPerBlock> from;
     for (size_t slot = begin; slot < end; ++slot) {
       const uint32_t before = state_.slot_of[state_.id(slot)];
       from[slot - begin] = before == SteeringState::kNowhere ? 0 : before;
@@ -54,81 +54,82 @@ void Crowd::take_slots() {
     state_.agents.carry(carried_, {from.data(), end - begin}, begin);
     for (size_t slot = begin; slot < end; ++slot) {
       if (state_.slot_of[state_.id(slot)] == SteeringState::kNowhere) start_walking(slot);
-      state_.show(slot);
+      state_.publish_state(slot);
     }
   });
-  if (traffic_.is_open())
+  if (population_.is_open())
     std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
   state_.for_slots([this](size_t begin, size_t end, int) {
     for (size_t slot = begin; slot < end; ++slot)
       state_.slot_of[state_.id(slot)] = static_cast<uint32_t>(slot);
   });
-  state_.list_deciders([this](uint32_t id) { return parties_.first_of_party(id); });
+  state_.list_deciders([this](uint32_t id) { return social_groups_.first_member(id); });
 }
 
 /// How fast a person enters: as told, or as fast as those ahead let it.
 double Crowd::entering_mps(size_t slot) {
   // In single file people are 0.36 m and 1.06 s of their speed behind the one ahead (Seyfried,
   // Steffen, Klingsch & Boltes, 2005).
-  constexpr double kRoom_m = 0.36, kHeadway_s = 1.06, kReach_m = 2.5;
+  constexpr double kSpacing_m = 0.36, kHeadway_s = 1.06, kReach_m = 2.5;
   const uint32_t id = state_.id(slot), of[] = {static_cast<uint32_t>(slot)};
   if (enters_mps_[id] >= 0) return static_cast<double>(enters_mps_[id]);
   state_.grid.nearest(of, static_cast<float>(kReach_m), state_.decisions.neighbours.data(),
                       state_.decisions.neighbour_counts.data());
-  double most_mps = state_.free_speeds_mps[id];
+  double max_mps = state_.desired_speeds_mps[id];
   for (const uint32_t near : state_.neighbours(slot)) {
     const uint32_t other = state_.id(near);
     if (state_.slot_of[other] == SteeringState::kNowhere) continue;  // enters, too
-    const Eigen::Vector2d& way = state_.headings[id];
+    const Eigen::Vector2d& direction = state_.headings[id];
     const Eigen::Vector2d offset = state_.positions_m[other] - state_.positions_m[id];
-    const double ahead_m = offset.dot(way);
-    const double aside_m = std::abs(way.x() * offset.y() - way.y() * offset.x());
+    const double ahead_m = offset.dot(direction);
+    const double aside_m = std::abs(direction.x() * offset.y() - direction.y() * offset.x());
     if (ahead_m <= 0 || aside_m > state_.radii_m[id] + state_.radii_m[other]) continue;
-    most_mps = std::min(most_mps, std::max(state_.velocities_mps[other].dot(way),
-                                           (ahead_m - kRoom_m) / kHeadway_s));
+    max_mps = std::min(max_mps, std::max(state_.velocities_mps[other].dot(direction),
+                                         (ahead_m - kSpacing_m) / kHeadway_s));
   }
-  return std::max(most_mps, 0.0);
+  return std::max(max_mps, 0.0);
 }
 
 /// People on their way already walk, but for those who stand too close together for that.
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = state_.id(slot);
-  const bool walks = journeys_.doing(id) == Doing::kWalking && squeezes_[id] == 1;
+  const bool walks = journeys_.state(id) == JourneyState::kWalking && radius_scales_[id] == 1;
   AgentState& w = state_.agents[slot];
   w.radius_m = state_.radii_m[id];
-  w.free_speed_mps = state_.free_speeds_mps[id];
+  w.desired_speed_mps = state_.desired_speeds_mps[id];
   w.position_m = w.anchor_m = state_.positions_m[id];
   w.heading = state_.headings[id];
   state_.velocities_mps[id] =
       walks ? Eigen::Vector2d(entering_mps(slot) * state_.headings[id]) : Eigen::Vector2d::Zero();
-  w.velocity_mps = w.smooth_mps = w.old_mps = w.next_mps = w.intent_mps = state_.velocities_mps[id];
+  w.velocity_mps = w.smooth_mps = w.old_mps = w.next_mps = w.smoothed_preferred_mps =
+      state_.velocities_mps[id];
   w.drift_mps.setZero();
   w.facing.setZero();
-  w.own_side_m = 0;
+  w.lateral_offset_m = 0;
   w.turn_radps = 0;
   w.clearance_m = 0;
-  w.look_to_rad = w.look_radps = state_.looks_rad[id] = 0;
+  w.target_head_yaw_rad = w.head_yaw_radps = state_.head_yaws_rad[id] = 0;
   w.anchor_step = state_.steps;
   w.queued_steps = 0;
-  state_.agents.queuing[slot] = state_.agents.held_up[slot] = 0;
-  w.held = 0;
-  w.squeeze = squeezes_[id];
-  state_.agents.seen[slot].urge = state_.agents.seen[slot].eagerness = 0;
+  state_.agents.queuing[slot] = state_.agents.stall_cause[slot] = 0;
+  w.waits_at_door = 0;
+  w.radius_scale = radius_scales_[id];
+  state_.agents.published[slot].impatience = state_.agents.published[slot].catch_up = 0;
   state_.set_preferred(slot, state_.velocities_mps[id].cast<float>());
 }
 
 void Crowd::archive(Archive& a) {
-  a(state_.steps, state_.positions_m, state_.headings, state_.walked_m, detours_, journeys_,
-    traffic_, occasions_, doorkeeper_, exits_, parties_, counters_);
+  a(state_.steps, state_.positions_m, state_.headings, state_.displacements_m, detours_, journeys_,
+    population_, triggers_, door_controller_, exits_, social_groups_, counters_);
   queues_.archive(a, journeys_);
   state_.grid.archive(a);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
-      if (journeys_.is_present(id) && !ways_.walkable().ground().contains(state_.positions_m[id]))
+      if (journeys_.is_present(id) && !map_.walkable().ground().contains(state_.positions_m[id]))
         a.refuse("a place on the ground", "one outside");
     std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
     state_.grid.rebuild_as_read(state_.positions_m);
-    take_slots();
+    assign_slots();
   }
   state_.archive_agents(a);
 }
@@ -142,18 +143,19 @@ void Crowd::step() {
   state_.for_slots([this](size_t begin, size_t end, int) {
     double turned_rad = 0, farthest_m = 0;
     for (size_t slot = begin; slot < end; ++slot) {
-      if (slot + kAhead < end) state_.prefetch_person(state_.grid.order()[slot + kAhead]);
+      if (slot + kAhead < end) state_.prefetch_agent(state_.grid.order()[slot + kAhead]);
       farthest_m = std::max(farthest_m, move(slot));
       turned_rad += turning_.step(slot);
     }
-    state_.block_values[begin / kPeopleABlock] = turned_rad;
-    block_ways_m_[begin / kPeopleABlock] = farthest_m;
+    state_.block_values[begin / kAgentsPerBlock] = turned_rad;
+    block_displacements_m_[begin / kAgentsPerBlock] = farthest_m;
   });
   const auto blocks = static_cast<size_t>(block_count(state_.grid.order().size()));
   for (size_t block = 0; block < blocks; ++block)
     counters_.turned_rad += state_.block_values[block];
-  state_.grid.add_slack_m(*std::max_element(
-      block_ways_m_.begin(), block_ways_m_.begin() + static_cast<ptrdiff_t>(blocks)));
+  state_.grid.add_slack_m(
+      *std::max_element(block_displacements_m_.begin(),
+                        block_displacements_m_.begin() + static_cast<ptrdiff_t>(blocks)));
   counters_.walked_s += state_.step_s * static_cast<double>(state_.grid.order().size());
   ++state_.steps;
 }
@@ -165,18 +167,19 @@ void Crowd::decide() {
 
 /// What is for everybody at once.
 void Crowd::begin_period() {
-  change_people();
-  seat_people();
+  update_population();
+  rebuild_slots();
 }
 
 void Crowd::update_detours() {
   detours_.update(
       state_.periods(), state_.grid.order().size(),
       [this](size_t slot) {
-        constexpr double kLeast_mps = 0.1;  // of those who are led
-        return Detours::Walker{state_.agents[slot].position_m,
-                               state_.agents[slot].velocity_mps /
-                                   std::max(state_.agents[slot].free_speed_mps, kLeast_mps)};
+        constexpr double kMinSpeed_mps = 0.1;  // of those who are led
+        return Detours::AgentSample{
+            state_.agents[slot].position_m,
+            state_.agents[slot].velocity_mps /
+                std::max(state_.agents[slot].desired_speed_mps, kMinSpeed_mps)};
       },
       state_.workers);
 }
@@ -186,87 +189,89 @@ void Crowd::decide(int phase) {
   state_.phase = static_cast<size_t>(phase);
   // Not in the frame that begins a period: that takes the most time as it is.
   if (phase == state_.steps_per_period / 2) update_detours();
-  if (parties_.any()) {
-    state_.for_deciders([this](Slots slots, size_t, int) { look_around(slots); });
-    parties_.gather(static_cast<uint32_t>(phase), static_cast<uint32_t>(state_.steps_per_period),
-                    journeys_, state_.positions_m, state_.now_s(), state_.workers);
+  if (social_groups_.any()) {
+    state_.for_deciders([this](Slots slots, size_t, int) { find_neighbours(slots); });
+    social_groups_.update(static_cast<uint32_t>(phase),
+                          static_cast<uint32_t>(state_.steps_per_period), journeys_,
+                          state_.positions_m, state_.now_s(), state_.workers);
   }
-  counters_.longest_stall_s = state_.largest([this](Slots slots, size_t) { return prefer(slots); });
+  counters_.longest_stall_s = state_.max_over_blocks(
+      [this](Slots slots, size_t) { return update_preferred_velocities(slots); });
   counters_.queuing = 0;
   for (size_t slot = 0; slot < state_.grid.order().size(); ++slot)
     counters_.queuing += state_.agents.queuing[slot];
   avoidance_.choose();
-  if (doorkeeper_.has_doors())
-    state_.for_deciders([this](Slots slots, size_t, int) { preferred_.show_held(slots); });
+  if (door_controller_.has_doors())
+    state_.for_deciders([this](Slots slots, size_t, int) { preferred_.publish_waiting(slots); });
   relaxation_.relax(counters_);
   ++counters_.rounds;
   counters_.decisions += state_.deciders().size();
 }
 
 /// Goals are reached, and people come and go, before anybody looks around.
-void Crowd::change_people() {
+void Crowd::update_population() {
   const double now_s = state_.now_s();
   // By id, as what journeys know is.
-  for_people(state_.workers, size(), [&](size_t begin, size_t end, int) {
+  for_blocks_of(state_.workers, size(), [&](size_t begin, size_t end, int) {
     for (size_t id = begin; id < end; ++id) {
       const uint32_t slot = state_.slot_of[id];
-      const auto held_up = slot == SteeringState::kNowhere
-                               ? HeldUp::kNot
-                               : static_cast<HeldUp>(state_.agents.held_up[slot]);
-      journeys_.follow(static_cast<uint32_t>(id), state_.positions_m[id], now_s, held_up);
+      const auto stall_cause = slot == SteeringState::kNowhere
+                                   ? StallCause::kNone
+                                   : static_cast<StallCause>(state_.agents.stall_cause[slot]);
+      journeys_.follow(static_cast<uint32_t>(id), state_.positions_m[id], now_s, stall_cause);
     }
   });
-  if (!ways_.occasions().empty()) {
-    occasions_.watch(journeys_, now_s);
-    for (size_t group = 0; group < ways_.groups(); ++group)
-      if (const std::optional<uint32_t> after = ways_.after(group))
-        journeys_.let_go(group, occasions_.time_s(*after));
+  if (!map_.triggers().empty()) {
+    triggers_.watch(journeys_, now_s);
+    for (size_t group = 0; group < map_.groups(); ++group)
+      if (const std::optional<uint32_t> after = map_.after(group))
+        journeys_.allow_departure(group, triggers_.time_s(*after));
   }
-  if (doorkeeper_.has_doors())
-    doorkeeper_.follow(occasions_, traffic_.present(), state_.positions_m, now_s);
-  if (traffic_.is_open()) {
-    traffic_.release(journeys_);
-    traffic_.admit(now_s, journeys_, state_.positions_m);
+  if (door_controller_.has_doors())
+    door_controller_.follow(triggers_, population_.present(), state_.positions_m, now_s);
+  if (population_.is_open()) {
+    population_.release(journeys_);
+    population_.admit(now_s, journeys_, state_.positions_m);
   }
   if (exits_.has_any())
     exits_.choose(state_.periods(), state_.positions_m, state_.grid.order(), state_.agents.queuing,
                   journeys_, state_.workers);
   if (queues_.any())
-    queues_.follow(traffic_.present(), state_.positions_m, journeys_, state_.workers);
-  for (const uint32_t id : traffic_.entered()) {
-    const Eigen::Vector2d way = journeys_.direction(id, state_.positions_m[id]);
-    if (way.squaredNorm() > 0) state_.headings[id] = way;
+    queues_.follow(population_.present(), state_.positions_m, journeys_, state_.workers);
+  for (const uint32_t id : population_.entered()) {
+    const Eigen::Vector2d direction = journeys_.direction(id, state_.positions_m[id]);
+    if (direction.squaredNorm() > 0) state_.headings[id] = direction;
   }
 }
 
-void Crowd::look_around(Slots slots) {
+void Crowd::find_neighbours(Slots slots) {
   preferred_.prepare(slots);
   state_.grid.nearest(slots, static_cast<float>(tuning::kReach_m),
                       state_.decisions.neighbours.data(), state_.decisions.neighbour_counts.data());
-  if (parties_.any()) parties_.look_around(state_, slots);
+  if (social_groups_.any()) social_groups_.find_neighbours(state_, slots);
 }
 
 /// Everything that is decided of one agent after the other. Returns the longest stall (s).
-double Crowd::prefer(Slots slots) {
-  if (!parties_.any()) look_around(slots);
+double Crowd::update_preferred_velocities(Slots slots) {
+  if (!social_groups_.any()) find_neighbours(slots);
   double longest_s = 0;
   for (const uint32_t slot : slots) {
     AgentState& w = state_.agents[slot];
     w.old_mps = w.velocity_mps;
     longest_s = std::max(longest_s, progress_.watch(slot));
     preferred_.decide(slot);
-    relaxation_.grow(slot, journeys_.doing(state_.id(slot)) == Doing::kWalking);
-    state_.show(slot);
+    relaxation_.grow(slot, journeys_.state(state_.id(slot)) == JourneyState::kWalking);
+    state_.publish_state(slot);
     turning_.decide(slot);
     avoidance_.prepare(slot);
   }
   return longest_s;
 }
 
-void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
-                  const Eigen::Vector2d& velocity_mps) {
-  const double way_m = (position_m - state_.positions_m[id]).norm();
-  state_.walked_m[id] = way_m;
+void Crowd::override_motion(uint32_t id, const Eigen::Vector2d& position_m,
+                            const Eigen::Vector2d& heading, const Eigen::Vector2d& velocity_mps) {
+  const double displacement_m = (position_m - state_.positions_m[id]).norm();
+  state_.displacements_m[id] = displacement_m;
   state_.positions_m[id] = position_m;
   state_.headings[id] = heading;
   state_.velocities_mps[id] = velocity_mps;
@@ -275,21 +280,21 @@ void Crowd::drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::V
   AgentState& w = state_.agents[slot];
   w.position_m = position_m;
   w.heading = heading;
-  w.velocity_mps = w.smooth_mps = w.intent_mps = velocity_mps;
+  w.velocity_mps = w.smooth_mps = w.smoothed_preferred_mps = velocity_mps;
   w.old_mps = w.next_mps = velocity_mps;
   w.drift_mps.setZero();
   w.turn_radps = 0;
   state_.grid.move(slot, position_m);
-  state_.grid.add_slack_m(way_m);
-  state_.show(slot);
+  state_.grid.add_slack_m(displacement_m);
+  state_.publish_state(slot);
   // A driven avatar is not stuck, however long it stands.
   w.anchor_m = position_m;
   w.anchor_step = state_.steps;
 }
 
-void Crowd::lead(uint32_t id, bool is_there) {
-  traffic_.lead(id, is_there);
-  journeys_.lead(id, is_there);
+void Crowd::set_present(uint32_t id, bool is_there) {
+  population_.set_present(id, is_there);
+  journeys_.set_present(id, is_there);
 }
 
 /// Returns how far. The velocity goes over to the one chosen within a period of one's own.
@@ -306,19 +311,19 @@ double Crowd::move(size_t slot) {
   Eigen::Vector2d to = from + state_.step_s * midway;
   // Far from any wall at the decision, nobody reaches one before the next.
   const double reach_m =
-      state_.period_s * (2 * tuning::kHaste * w.free_speed_mps + tuning::kMaxDrift_mps);
+      state_.period_s * (2 * tuning::kMaxSpeedFactor * w.desired_speed_mps + tuning::kMaxDrift_mps);
   if (w.clearance_m < reach_m + tuning::kWallGap_m)
-    to = ways_.walkable().slide(from, to, tuning::kWallGap_m);
+    to = map_.walkable().slide(from, to, tuning::kWallGap_m);
   const uint32_t id = state_.id(slot);
   if (queues_.any()) to = queues_.keep_out(id, from, to, journeys_);
   w.position_m = to;
   state_.positions_m[id] = to;
   state_.velocities_mps[id] = w.velocity_mps;
   state_.grid.move(slot, to);
-  state_.show(slot);
-  const double way_m = (to - from).norm();
-  state_.walked_m[id] = way_m;
-  return way_m;
+  state_.publish_state(slot);
+  const double displacement_m = (to - from).norm();
+  state_.displacements_m[id] = displacement_m;
+  return displacement_m;
 }
 
 }  // namespace throng

@@ -27,20 +27,20 @@
 #include "crowd/avoidance.h"
 #include "crowd/crowd_counters.h"
 #include "crowd/detours.h"
-#include "crowd/doorkeeper.h"
+#include "crowd/door_controller.h"
 #include "crowd/exits.h"
 #include "crowd/journeys.h"
-#include "crowd/navigation/ways.h"
-#include "crowd/occasions.h"
+#include "crowd/navigation/navigation_map.h"
 #include "crowd/overlap_relaxation.h"
-#include "crowd/parties.h"
+#include "crowd/population.h"
 #include "crowd/preferred_velocity.h"
 #include "crowd/progress.h"
 #include "crowd/queues.h"
+#include "crowd/social_groups.h"
 #include "crowd/spawn.h"
 #include "crowd/steering/steering.h"
 #include "crowd/steering_state.h"
-#include "crowd/traffic.h"
+#include "crowd/triggers.h"
 #include "crowd/turning.h"
 
 namespace throng {
@@ -54,18 +54,20 @@ struct CrowdOptions {
 
 class Crowd {
  public:
-  /// Keeps references to `ways`, whose doors it opens and closes, and `workers`.
-  Crowd(Ways& ways, std::span<const Person> people, const CrowdOptions& options, Workers& workers);
+  /// Keeps references to `map`, whose doors it opens and closes, and `workers`.
+  Crowd(NavigationMap& map, std::span<const AgentSpec> people, const CrowdOptions& options,
+        Workers& workers);
 
   /// Advances by step_s. Allocates nothing.
   void step();
   /// Puts somebody where something outside wants them, after the step that steering took; others
   /// keep clear of the disc as of any other, reckoning with its velocity.
-  void drive(uint32_t id, const Eigen::Vector2d& position_m, const Eigen::Vector2d& heading,
-             const Eigen::Vector2d& velocity_mps);
+  void override_motion(uint32_t id, const Eigen::Vector2d& position_m,
+                       const Eigen::Vector2d& heading, const Eigen::Vector2d& velocity_mps);
 
-  /// Somebody of Person::is_led is there, or is not: others see that at their next decision.
-  void lead(uint32_t id, bool is_there);
+  /// Somebody of AgentSpec::is_external is there, or is not: others see that at their next
+  /// decision.
+  void set_present(uint32_t id, bool is_there);
 
   /// Everything that the next step depends on and that the constructor does not know.
   void archive(Archive& a);
@@ -76,50 +78,50 @@ class Crowd {
   /// Everybody there may ever be; who is in the scene now says traffic().present().
   size_t size() const { return state_.size(); }
   const Journeys& journeys() const { return journeys_; }
-  const Traffic& traffic() const { return traffic_; }
+  const Population& population() const { return population_; }
   const Queues& queues() const { return queues_; }
   std::span<const Eigen::Vector2d> positions_m() const { return state_.positions_m; }
   /// Unit vectors: the way the body faces.
   std::span<const Eigen::Vector2d> headings() const { return state_.headings; }
   std::span<const Eigen::Vector2d> velocities_mps() const { return state_.velocities_mps; }
   /// How far each head is turned away from the heading, to the left: towards where its owner wants
-  /// to go, which the body follows later. At most Gait::kMostLook_rad. Keeps its place in memory.
-  std::span<const float> looks_rad() const { return state_.looks_rad; }
+  /// to go, which the body follows later. At most Gait::kMaxHeadYaw_rad. Keeps its place in memory.
+  std::span<const float> head_yaws_rad() const { return state_.head_yaws_rad; }
   /// The way of the latest step.
-  std::span<const double> walked_m() const { return state_.walked_m; }
+  std::span<const double> displacements_m() const { return state_.displacements_m; }
   const SteeringCounters& counters() const { return counters_; }
 
  private:
   using Slots = SteeringState::Slots;
 
   void begin_period();
-  void change_people();
-  void seat_people();
-  void take_slots();
+  void update_population();
+  void rebuild_slots();
+  void assign_slots();
   void start_walking(size_t slot);
   double entering_mps(size_t slot);
   void decide(int phase);
   void update_detours();
-  void look_around(Slots slots);
-  double prefer(Slots slots);
+  void find_neighbours(Slots slots);
+  double update_preferred_velocities(Slots slots);
   double move(size_t slot);
 
-  Ways& ways_;
+  NavigationMap& map_;
   CrowdOptions options_;
   std::unique_ptr<const SteeringModel> model_;
   SteeringState state_;
 
   // What never changes, by person.
-  std::vector<float> enters_mps_;  ///< below 0: as those ahead let it
-  std::vector<float> squeezes_;    ///< at the start, see crowd_fields.h
+  std::vector<float> enters_mps_;     ///< below 0: as those ahead let it
+  std::vector<float> radius_scales_;  ///< at the start, see crowd_fields.h
 
   Detours detours_;
   Journeys journeys_;
-  Traffic traffic_;
-  Occasions occasions_;
-  Doorkeeper doorkeeper_;
+  Population population_;
+  Triggers triggers_;
+  DoorController door_controller_;
   Exits exits_;
-  Parties parties_;
+  SocialGroups social_groups_;
   Queues queues_;
 
   Progress progress_;
@@ -128,8 +130,8 @@ class Crowd {
   OverlapRelaxation relaxation_;
   Turning turning_;
 
-  AgentStates carried_;               ///< the slots before, while people take their new ones
-  std::vector<double> block_ways_m_;  ///< one a block, reduced in order
+  AgentStates carried_;  ///< the slots before, while people take their new ones
+  std::vector<double> block_displacements_m_;  ///< one a block, reduced in order
   SteeringCounters counters_;
 };
 

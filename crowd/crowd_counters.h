@@ -12,11 +12,11 @@ namespace throng {
 /// What steering went through.
 struct SteeringCounters {
   // Of those who decided in the latest step.
-  int sweeps = 0;                ///< of disc relaxation
-  double deepest_overlap_m = 0;  ///< of two discs, where people stand now
-  double longest_stall_s = 0;    ///< how long the most stuck walker has not moved kStall_m, the
-                                 ///< time of queuing taken off
-  uint64_t queuing = 0;          ///< of all: held up by others ahead who go the same way
+  int sweeps = 0;              ///< of disc relaxation
+  double max_overlap_m = 0;    ///< of two discs, where people stand now
+  double longest_stall_s = 0;  ///< how long the most stuck walker has not moved kStall_m, the
+                               ///< time of queuing taken off
+  uint64_t queuing = 0;        ///< of all: held up by others ahead who go the same way
   // So far.
   uint64_t rounds = 0;     ///< times that some decided
   uint64_t decisions = 0;  ///< of all people together
@@ -31,20 +31,20 @@ struct SteeringCounters {
   double mean_heading_rate_radps() const { return walked_s > 0 ? turned_rad / walked_s : 0; }
 
   void archive(Archive& a) {
-    a(sweeps, deepest_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps,
-      max_sweeps, turned_rad, walked_s);
+    a(sweeps, max_overlap_m, longest_stall_s, queuing, rounds, decisions, all_sweeps, max_sweeps,
+      turned_rad, walked_s);
   }
 };
 
 /// Where the people of a run are: entered = present + left, and all = entered + waiting + to come.
-struct TrafficCounters {
+struct PopulationCounters {
   uint64_t entered = 0;  ///< those of the start included
   uint64_t present = 0;
   uint64_t left = 0;
-  uint64_t waiting = 0;  ///< outside, due, without room to enter
-  uint64_t to_come = 0;  ///< not due yet
+  uint64_t waiting_to_enter = 0;  ///< outside, due, without room to enter
+  uint64_t scheduled = 0;         ///< not due yet
 
-  void archive(Archive& a) { a(entered, present, left, waiting, to_come); }
+  void archive(Archive& a) { a(entered, present, left, waiting_to_enter, scheduled); }
 };
 
 /// People of one group who cannot reach one of their goals.

@@ -16,16 +16,16 @@
 namespace throng {
 
 /// How a field of a walker comes back from a checkpoint.
-enum class Saved : uint8_t {
-  kElsewhere,  ///< from what is known by person
-  kPlainly,
-  kAsSpeed,      ///< refused if nobody is that fast
-  kAsLook,       ///< refused if no head turns that far
-  kAsLookSpeed,  ///< refused if no head turns that fast
-  kAsTurn,       ///< refused if nobody turns that fast
-  kAsShare,      ///< refused if it is not above 0 and at most 1
-  kAsPart,       ///< refused if it is not from 0 to 1
-  kAsPace,       ///< of an axis: refused if nobody is that fast
+enum class FieldCheck : uint8_t {
+  kDerived,  ///< from what is known by person
+  kUnchecked,
+  kSpeed,           ///< refused if nobody is that fast
+  kHeadYaw,         ///< refused if no head turns that far
+  kHeadYawRate,     ///< refused if no head turns that fast
+  kTurnRate,        ///< refused if nobody turns that fast
+  kShare,           ///< refused if it is not above 0 and at most 1
+  kUnitInterval,    ///< refused if it is not from 0 to 1
+  kSpeedComponent,  ///< of an axis: refused if nobody is that fast
 };
 
 // FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
@@ -35,47 +35,47 @@ enum class Saved : uint8_t {
 //   drift_mps     what disc relaxation adds
 //   smooth_mps    the velocity that the heading follows
 //   turn_radps    of the heading, to the left; 0: whoever stands does not turn
-//   look_to_rad   where the head turns
-//   look_radps    how fast it does
+//   target_head_yaw_rad   where the head turns
+//   head_yaw_radps    how fast it does
 //   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
 //   held          1: stands before a closed door, or behind somebody who does
 //   facing        what somebody who stands turns to: a unit vector, or zero
-//   own_side_m    how far to the left of the shortest way somebody walks
+//   lateral_offset_m    how far to the left of the shortest way somebody walks
 //   queued_steps  since the anchor
-//   intent_mps    the wanted velocity, smoothed
+//   smoothed_preferred_mps    the wanted velocity, smoothed
 //   anchor_m      where progress was last made, and the step of it
-#define THRONG_WALKER_FIELDS(FIELD)                \
-  FIELD(Eigen::Vector2d, position_m, kElsewhere)   \
-  FIELD(Eigen::Vector2d, velocity_mps, kElsewhere) \
-  FIELD(Eigen::Vector2d, old_mps, kAsSpeed)        \
-  FIELD(Eigen::Vector2d, next_mps, kAsSpeed)       \
-  FIELD(Eigen::Vector2d, drift_mps, kAsSpeed)      \
-  FIELD(Eigen::Vector2d, smooth_mps, kAsSpeed)     \
-  FIELD(Eigen::Vector2d, heading, kElsewhere)      \
-  FIELD(double, turn_radps, kAsTurn)               \
-  FIELD(double, clearance_m, kPlainly)             \
-  FIELD(double, free_speed_mps, kElsewhere)        \
-  FIELD(double, radius_m, kElsewhere)              \
-  FIELD(float, look_to_rad, kAsLook)               \
-  FIELD(float, look_radps, kAsLookSpeed)           \
-  FIELD(float, squeeze, kAsShare)                  \
-  FIELD(uint8_t, held, kPlainly)                   \
-  FIELD(Eigen::Vector2d, facing, kAsSpeed)         \
-  FIELD(double, own_side_m, kPlainly)              \
-  FIELD(int64_t, queued_steps, kPlainly)           \
-  FIELD(Eigen::Vector2d, intent_mps, kAsSpeed)     \
-  FIELD(Eigen::Vector2d, anchor_m, kPlainly)       \
-  FIELD(int64_t, anchor_step, kPlainly)
+#define THRONG_AGENT_FIELDS(FIELD)                       \
+  FIELD(Eigen::Vector2d, position_m, kDerived)           \
+  FIELD(Eigen::Vector2d, velocity_mps, kDerived)         \
+  FIELD(Eigen::Vector2d, old_mps, kSpeed)                \
+  FIELD(Eigen::Vector2d, next_mps, kSpeed)               \
+  FIELD(Eigen::Vector2d, drift_mps, kSpeed)              \
+  FIELD(Eigen::Vector2d, smooth_mps, kSpeed)             \
+  FIELD(Eigen::Vector2d, heading, kDerived)              \
+  FIELD(double, turn_radps, kTurnRate)                   \
+  FIELD(double, clearance_m, kUnchecked)                 \
+  FIELD(double, desired_speed_mps, kDerived)             \
+  FIELD(double, radius_m, kDerived)                      \
+  FIELD(float, target_head_yaw_rad, kHeadYaw)            \
+  FIELD(float, head_yaw_radps, kHeadYawRate)             \
+  FIELD(float, radius_scale, kShare)                     \
+  FIELD(uint8_t, waits_at_door, kUnchecked)              \
+  FIELD(Eigen::Vector2d, facing, kSpeed)                 \
+  FIELD(double, lateral_offset_m, kUnchecked)            \
+  FIELD(int64_t, queued_steps, kUnchecked)               \
+  FIELD(Eigen::Vector2d, smoothed_preferred_mps, kSpeed) \
+  FIELD(Eigen::Vector2d, anchor_m, kUnchecked)           \
+  FIELD(int64_t, anchor_step, kUnchecked)
 
-// FIELD(name, saved): what others see of somebody's latest decision (see Seen); the rest of it
-// follows from the walker.
-#define THRONG_SHOWN_FIELDS(FIELD) \
-  FIELD(wanted_x_mps, kAsPace)     \
-  FIELD(wanted_y_mps, kAsPace)     \
-  FIELD(way_x, kAsPace)            \
-  FIELD(way_y, kAsPace)            \
-  FIELD(urge, kAsPart)             \
-  FIELD(eagerness, kAsPart)
+// FIELD(name, saved): what others see of somebody's latest decision (see NeighbourState); the rest
+// of it follows from the walker.
+#define THRONG_PUBLISHED_FIELDS(FIELD)    \
+  FIELD(preferred_x_mps, kSpeedComponent) \
+  FIELD(preferred_y_mps, kSpeedComponent) \
+  FIELD(direction_x, kSpeedComponent)     \
+  FIELD(direction_y, kSpeedComponent)     \
+  FIELD(impatience, kUnitInterval)        \
+  FIELD(catch_up, kUnitInterval)
 
 // FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
 //   phase            the step of a period in which somebody decides
@@ -89,7 +89,7 @@ enum class Saved : uint8_t {
   FIELD(uint8_t, phase)               \
   FIELD(float, next_x_mps)            \
   FIELD(float, next_y_mps)            \
-  FIELD(uint8_t, next_held)           \
+  FIELD(uint8_t, next_waits_at_door)  \
   FIELD(uint8_t, neighbour_counts)    \
   FIELD(uint8_t, close_counts)        \
   FIELD(uint32_t, crowded)            \
@@ -114,24 +114,24 @@ Value zero_of() {
 /// Who moves. A step reads and writes nearly all of it, a decision that of one in so many slots:
 /// each in a few lines of the cache of their own.
 struct alignas(kCacheLine) AgentState {
-#define THRONG_MEMBER(type, name, saved) type name = zero_of<type>();
-  THRONG_WALKER_FIELDS(THRONG_MEMBER)
+#define THRONG_MEMBER(type, name, check) type name = zero_of<type>();
+  THRONG_AGENT_FIELDS(THRONG_MEMBER)
 #undef THRONG_MEMBER
 };
 
 /// By slot.
 struct AgentStates {
   std::vector<AgentState> all;
-  std::vector<Seen> seen;
+  std::vector<NeighbourState> published;
   /// 1: held up by others ahead who go the same way. Apart, as it is counted at every step.
   std::vector<uint8_t> queuing;
-  std::vector<uint8_t> held_up;  ///< a HeldUp
+  std::vector<uint8_t> stall_cause;  ///< a StallCause
 
   /// Asks for what lies before `until` in an AgentState, and for what others see of them.
   THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
-    const auto* walker = reinterpret_cast<const std::byte*>(&all[slot]);
-    for (size_t at = 0; at < until; at += kCacheLine) __builtin_prefetch(walker + at, 1);
-    __builtin_prefetch(&seen[slot], 1);
+    const auto* agent = reinterpret_cast<const std::byte*>(&all[slot]);
+    for (size_t at = 0; at < until; at += kCacheLine) __builtin_prefetch(agent + at, 1);
+    __builtin_prefetch(&published[slot], 1);
   }
 
   const AgentState& operator[](size_t slot) const { return all[slot]; }
@@ -140,28 +140,28 @@ struct AgentStates {
   /// Calls visit(values, field, saved) for each field.
   template <typename Visit>
   void for_each_field(const Visit& visit) {
-#define THRONG_VISIT(type, name, saved) visit(all, &AgentState::name, Saved::saved);
-    THRONG_WALKER_FIELDS(THRONG_VISIT)
+#define THRONG_VISIT(type, name, check) visit(all, &AgentState::name, FieldCheck::check);
+    THRONG_AGENT_FIELDS(THRONG_VISIT)
 #undef THRONG_VISIT
-#define THRONG_VISIT(name, saved) visit(seen, &Seen::name, Saved::saved);
-    THRONG_SHOWN_FIELDS(THRONG_VISIT)
+#define THRONG_VISIT(name, check) visit(published, &NeighbourState::name, FieldCheck::check);
+    THRONG_PUBLISHED_FIELDS(THRONG_VISIT)
 #undef THRONG_VISIT
   }
 
   void resize(size_t count) {
     all.assign(count, {});
-    seen.assign(count, {});
+    published.assign(count, {});
     queuing.assign(count, 0);
-    held_up.assign(count, 0);
+    stall_cause.assign(count, 0);
   }
 
   /// The slots from `first` on take over all that is known of who had these slots before.
   void carry(const AgentStates& from, std::span<const uint32_t> from_slots, size_t first) {
     for (size_t i = 0; i < from_slots.size(); ++i) {
       all[first + i] = from.all[from_slots[i]];
-      seen[first + i] = from.seen[from_slots[i]];
+      published[first + i] = from.published[from_slots[i]];
       queuing[first + i] = from.queuing[from_slots[i]];
-      held_up[first + i] = from.held_up[from_slots[i]];
+      stall_cause[first + i] = from.stall_cause[from_slots[i]];
     }
   }
 };
@@ -174,11 +174,11 @@ struct Decisions {
   std::vector<uint32_t> neighbours;      ///< `most` a slot
   std::vector<uint32_t> crowded_counts;  ///< by block
 
-  void resize(size_t count, size_t most, size_t blocks) {
+  void resize(size_t count, size_t max_radps, size_t blocks) {
 #define THRONG_RESIZE(type, name) name.resize(count);
     THRONG_DECISION_FIELDS(THRONG_RESIZE)
 #undef THRONG_RESIZE
-    neighbours.resize(count * most);
+    neighbours.resize(count * max_radps);
     crowded_counts.resize(blocks);
   }
 };

@@ -9,7 +9,7 @@ namespace throng {
 bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }
 
 void keep_own_size(Group& group) {
-  if (group.height_m || (group.driven.empty() && has_people(group))) return;
+  if (group.height_m || (group.control_channel.empty() && has_people(group))) return;
   const auto height_m = static_cast<double>(group.body->height_m);
   group.height_m = Distribution{height_m, 0, height_m, height_m};
 }
@@ -35,11 +35,11 @@ double tallest_m(const Group& group) {
 }  // namespace
 
 double tallest_m(const CrowdPlan& plan) {
-  double most_m = plan.tallest_m;
+  double max_m = plan.tallest_m;
   for (const Group& group : plan.groups)
     // How many a density makes is known last of all.
-    if (group.total() > 0 || group.density_per_m2 > 0) most_m = std::max(most_m, tallest_m(group));
-  return most_m > 0 ? most_m : kMaxPerson_m;
+    if (group.total() > 0 || group.density_per_m2 > 0) max_m = std::max(max_m, tallest_m(group));
+  return max_m > 0 ? max_m : kMaxPerson_m;
 }
 
 std::string describe_size(const Group& group) {
@@ -48,18 +48,18 @@ std::string describe_size(const Group& group) {
   if (!group.height_m)
     return fmt::format("people of all heights after '{}', which is {:.3g} m tall", body.name,
                        own_m);
-  const double least = group.height_m->min / own_m, most = group.height_m->max / own_m;
+  const double least = group.height_m->min / own_m, max_radps = group.height_m->max / own_m;
   const double mean = group.height_m->mean / own_m;
   std::string scale = "its own size";
-  if (group.height_m->deviation > 0 && least < most)
-    scale = fmt::format("scale {:.3g} ({:.3g} to {:.3g})", mean, least, most);
+  if (group.height_m->std_dev > 0 && least < max_radps)
+    scale = fmt::format("scale {:.3g} ({:.3g} to {:.3g})", mean, least, max_radps);
   else if (mean != 1)
     scale = fmt::format("scale {:.3g}", mean);
   const Eigen::Vector3d size = mean * body.start_box_m.sizes().cast<double>();
   return fmt::format(
       "{} '{}', {:.3g} x {:.3g} x {:.3g} m at {}, its root {:.3g} m above the ground",
       body.is_person ? "person" : "robot", body.name, size.x(), size.y(), size.z(), scale,
-      mean * static_cast<double>(body.root_above_ground_m()));
+      mean * static_cast<double>(body.root_height_m()));
 }
 
 }  // namespace throng

@@ -54,7 +54,7 @@ struct Goal {
 
   std::vector<Rectangle> areas;  ///< at least one
   Distribution wait_s{};         ///< how long they stand there before going on
-  bool pass = false;       ///< reached on entering it; otherwise people walk to a place inside
+  bool waypoint = false;   ///< reached on entering it; otherwise people walk to a place inside
   int capacity = 0;        ///< of each area: how many are inside at once; 0: any number
   bool has_queue = false;  ///< the file says so; a capacity says so, too
   QueueRule queue{};
@@ -62,7 +62,7 @@ struct Goal {
   /// People come in one after another, in the order in which they came.
   bool is_limited() const { return capacity > 0 || has_queue; }
   /// Of an area of a limited goal: without a capacity it is a counter, for one at a time.
-  int most_inside() const { return capacity > 0 ? capacity : 1; }
+  int max_inside() const { return capacity > 0 ? capacity : 1; }
 
   bool contains(const Eigen::Vector2d& point) const {
     for (const Rectangle& area : areas)
@@ -74,25 +74,25 @@ struct Goal {
 
 /// A time of a run that is known when it comes: so long after the start, or after everybody of a
 /// group has been at a goal. Whoever cannot get there is not waited for.
-struct Cue {
-  double later_s = 0;
+struct TriggerRule {
+  double delay_s = 0;
   std::string group;  ///< its name; empty: after the start of the run
   int goal = 0;       ///< which of the group's, counted from 1; 0: the last
 
-  bool operator==(const Cue&) const = default;
+  bool operator==(const TriggerRule&) const = default;
 };
 
 /// What people do who reached their last goal.
 enum class OnArrival : uint8_t { kLoop, kStay, kLeave };
 
 /// Who of a group walks with whom: in parties of two to four, whose members are companions.
-struct Companions {
+struct SocialGroupRule {
   double share = 0.6;  ///< of the people, how many walk in a party
   /// How many parties of two, of three and of four there are, relative to each other; at least one
   /// is above 0.
   std::array<double, 3> sizes = {0.75, 0.21, 0.04};
 
-  static constexpr int kMost = 4;  ///< people in a party
+  static constexpr int kMaxMembers = 4;  ///< people in a party
 };
 
 /// Where people of a group enter while the scene runs.
@@ -101,7 +101,7 @@ struct Source {
   int count = 0;                       ///< in all; each has an id from the start
   double rate_per_s = 0;               ///< above 0
   double start_s = 0;                  ///< when the first one comes
-  bool random = false;                 ///< a Poisson process; otherwise evenly spaced
+  bool is_poisson = false;             ///< a Poisson process; otherwise evenly spaced
   std::optional<double> enters_mps{};  ///< along their way; none: as those ahead let them
 };
 
@@ -115,21 +115,22 @@ struct Group {
   /// How close together they stand then, on the ground that is free to stand on: `count` follows
   /// from it (see count_by_density()), and bodies are placed, not discs. 0: by darts.
   double density_per_m2 = 0;
-  Rectangle spawn;                       ///< where they stand then
-  std::vector<Source> sources;           ///< of people who enter later
-  std::vector<Goal> goals;               ///< visited in order
-  Distribution delay_s{0, 0, 0, 0};      ///< standing still before setting out
-  std::optional<Cue> after;              ///< nobody sets out before; the delay begins with it
-  std::optional<Companions> companions;  ///< none: everybody walks alone
+  Rectangle spawn;                         ///< where they stand then
+  std::vector<Source> sources;             ///< of people who enter later
+  std::vector<Goal> goals;                 ///< visited in order
+  Distribution premovement_s{0, 0, 0, 0};  ///< standing still before setting out
+  std::optional<TriggerRule> after;        ///< nobody sets out before; the delay begins with it
+  std::optional<SocialGroupRule> social_groups;  ///< none: everybody walks alone
   AgeShares ages = kAdultsOnly;
-  std::optional<Distribution> speed_mps;  ///< free speed; none: by age
-  std::optional<Distribution> height_m;   ///< none: by age; see keep_own_size()
-  std::optional<StyleShares> styles;      ///< of walking; none: by age
-  double radius_m = 0;                    ///< of the steering disc; 0: from the height
-  std::optional<Eigen::Vector2d> face_m;  ///< what they look at while they stand; none: their way
-  /// The LCM channel whose drive_t messages move the group; empty: steering and gait do. It has one
-  /// goal, its spawn area, and no sources.
-  std::string driven;
+  std::optional<Distribution> speed_mps;   ///< free speed; none: by age
+  std::optional<Distribution> height_m;    ///< none: by age; see keep_own_size()
+  std::optional<StyleShares> gait_styles;  ///< of walking; none: by age
+  double radius_m = 0;                     ///< of the steering disc; 0: from the height
+  std::optional<Eigen::Vector2d>
+      look_at_m;  ///< what they look at while they stand; none: their way
+  /// The LCM channel whose pose_command_t messages move the group; empty: steering and gait do. It
+  /// has one goal, its spawn area, and no sources.
+  std::string control_channel;
 
   int64_t recorded = 0;           ///< people of the scene's recording, who come and go as they did
   int64_t recorded_heights = 0;   ///< of these, how many have a height in the recording
@@ -162,8 +163,8 @@ struct Door {
   std::string name;
   Eigen::Vector2d from_m = Eigen::Vector2d::Zero();  ///< its ends
   Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
-  std::vector<Cue> opens;  ///< shut before the first of these; without any, open at first
-  std::vector<Cue> closes;
+  std::vector<TriggerRule> opens;  ///< shut before the first of these; without any, open at first
+  std::vector<TriggerRule> closes;
 
   static constexpr double kThickness_m = 0.1;
 };

@@ -15,7 +15,7 @@
 #include "base/files/archive.h"
 #include "base/workers.h"
 #include "crowd/journeys.h"
-#include "crowd/navigation/ways.h"
+#include "crowd/navigation/navigation_map.h"
 #include "crowd/spawn.h"
 
 namespace throng {
@@ -25,35 +25,35 @@ namespace tuning {
 /// a second, some at each decision. They change to another if it is better by this share of the
 /// time and by their own patience besides: what they see of a queue is rough, and an exit that
 /// seems a little better now is not in a second.
-inline constexpr uint32_t kLooksAgain = 10;
-inline constexpr double kBetter = 0.15;
-inline constexpr double kLeastPatience_s = 2;
-inline constexpr double kMostPatience_s = 20;
+inline constexpr uint32_t kReconsiderPeriods = 10;
+inline constexpr double kMinImprovement = 0.15;
+inline constexpr double kMinPatience_s = 2;
+inline constexpr double kMaxPatience_s = 20;
 /// What people take a metre of an exit to let through a second, before they have seen: what doors
 /// do in experiments.
 inline constexpr double kExitFlow_per_ms = 1.9;
 /// Where that many queue, what came through lately is what the exit lets through, over about so
 /// long; the first guess counts as so many seconds of it. Nothing is taken for shut for good.
-inline constexpr uint32_t kQueues = 5;
-inline constexpr double kSeen_s = 20;
-inline constexpr double kGuessed_s = 3;
-inline constexpr double kLeastFlow_per_s = 0.1;
+inline constexpr uint32_t kMinQueuing = 5;
+inline constexpr double kFlowWindow_s = 20;
+inline constexpr double kFlowPrior_s = 3;
+inline constexpr double kMinFlow_per_s = 0.1;
 
 }  // namespace tuning
 
 /// How many of those who head for an exit have how far to go.
-class Approach {
+class DistanceHistogram {
  public:
   void clear() { sums_.fill(0); }
-  void add(float way_m, int32_t people);
+  void add(float distance_m, int32_t people);
   /// How many have a shorter way; of those with about the same one, half.
-  double ahead_of(float way_m) const;
+  double ahead_of(float distance_m) const;
 
  private:
   /// Half a metre near the exit, where people stand close, and 4 m beyond 64 m; the last has all
   /// who are farther.
   static constexpr uint32_t kBins = 256;
-  static uint32_t bin_of(float way_m);
+  static uint32_t bin_of(float distance_m);
   int32_t below(uint32_t bin) const;
 
   std::array<int32_t, kBins + 1> sums_{};  ///< Fenwick tree (Fenwick 1994), its first unused
@@ -61,8 +61,8 @@ class Approach {
 
 class Exits {
  public:
-  /// Keeps a reference to `ways`.
-  Exits(const Ways& ways, std::span<const Person> people, uint64_t seed);
+  /// Keeps a reference to `map`.
+  Exits(const NavigationMap& map, std::span<const AgentSpec> people, uint64_t seed);
 
   /// False where every goal has one area: otherwise none of this is needed.
   bool has_any() const { return !states_.empty(); }
@@ -83,40 +83,40 @@ class Exits {
  private:
   struct State {
     double flow_per_s = 0;
-    uint32_t arrived = 0;    ///< since flow_per_s was last looked at
-    uint32_t queuing = 0;    ///< now
-    uint32_t watched_s = 0;  ///< how often a queue showed what comes through
-    bool has_served = false;
-    void archive(Archive& a) { a(flow_per_s, arrived, watched_s, has_served); }
+    uint32_t arrived = 0;     ///< since flow_per_s was last looked at
+    uint32_t queuing = 0;     ///< now
+    uint32_t observed_s = 0;  ///< how often a queue showed what comes through
+    bool has_flowed = false;
+    void archive(Archive& a) { a(flow_per_s, arrived, observed_s, has_flowed); }
   };
 
   void count(const Journeys& journeys);
   void watch(const Journeys& journeys, std::span<const uint32_t> order,
              std::span<const uint8_t> queuing);
-  void choose_one(uint32_t id, std::span<const float> ways_m,
-                  std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
-  void take(uint32_t id, uint32_t exit, float way_m, Journeys& journeys);
+  void choose_exit(uint32_t id, std::span<const float> distances_m,
+                   std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
+  void assign(uint32_t id, uint32_t exit, float distance_m, Journeys& journeys);
   /// That of companions who walk to the same goal and have chosen; else their own.
-  uint32_t exit_of_companions(uint32_t id, const Journeys& journeys) const;
+  uint32_t exit_of_group(uint32_t id, const Journeys& journeys) const;
   /// Companions who walk to the same goal go where the first of the party now goes.
-  void lead_companions(uint32_t first, std::span<const Eigen::Vector2d> positions_m,
-                       Journeys& journeys);
-  double expected_s(uint32_t exit, uint32_t id, float way_m) const;
+  void redirect_group(uint32_t first, std::span<const Eigen::Vector2d> positions_m,
+                      Journeys& journeys);
+  double expected_s(uint32_t exit, uint32_t id, float distance_m) const;
   double patience_s(uint32_t id) const;
 
-  const Ways& ways_;
+  const NavigationMap& map_;
   uint64_t seed_;
-  size_t most_exits_ = 0;  ///< of a goal
+  size_t max_exits_ = 0;  ///< of a goal
   // By person.
-  std::vector<float> free_speeds_mps_;
-  std::vector<uint32_t> counted_;  ///< the exit last time, see Journeys::exit()
-  std::vector<float> ways_m_;      ///< to that exit, when last looked at
+  std::vector<float> desired_speeds_mps_;
+  std::vector<uint32_t> last_exits_;  ///< the exit last time, see Journeys::exit()
+  std::vector<float> distances_m_;    ///< to that exit, when last looked at
   // By exit.
   std::vector<State> states_;
-  std::vector<Approach> approaches_;
+  std::vector<DistanceHistogram> histograms_;
   // Those who look now.
-  std::vector<uint32_t> lookers_;
-  std::vector<float> looked_m_;  ///< to each exit of the goal, most_exits_ a looker
+  std::vector<uint32_t> choosers_;
+  std::vector<float> exit_distances_m_;  ///< to each exit of the goal, max_exits_ a looker
 };
 
 }  // namespace throng

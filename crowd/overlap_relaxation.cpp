@@ -15,12 +15,14 @@ constexpr uint8_t kOverlapping = 2;
 }  // namespace
 
 void OverlapRelaxation::relax(SteeringCounters& counters) {
-  counters.deepest_overlap_m = state_.largest(
-      [this](SteeringState::Slots slots, size_t block) { return find_close(slots, block); });
+  counters.max_overlap_m = state_.max_over_blocks([this](SteeringState::Slots slots, size_t block) {
+    return find_overlap_candidates(slots, block);
+  });
   counters.sweeps = 0;
   double deepest_m = tuning::kSlop_m;
   while (deepest_m >= tuning::kSlop_m && counters.sweeps < tuning::kSweeps) {
-    deepest_m = state_.largest([this](SteeringState::Slots, size_t block) { return sweep(block); });
+    deepest_m =
+        state_.max_over_blocks([this](SteeringState::Slots, size_t block) { return sweep(block); });
     decisions_.expected_x_m.swap(decisions_.swept_x_m);
     decisions_.expected_y_m.swap(decisions_.swept_y_m);
     decisions_.touched.swap(decisions_.swept_touched);
@@ -35,15 +37,15 @@ void OverlapRelaxation::relax(SteeringCounters& counters) {
 Eigen::Vector2f OverlapRelaxation::expected_m(size_t slot) const {
   if (decisions_.phase[slot] == state_.phase)
     return {decisions_.expected_x_m[slot], decisions_.expected_y_m[slot]};
-  return {state_.agents.seen[slot].ahead_x_m, state_.agents.seen[slot].ahead_y_m};
+  return {state_.agents.published[slot].ahead_x_m, state_.agents.published[slot].ahead_y_m};
 }
 
 /// Brings those neighbours to the front who may overlap at the end of the period. Returns the
 /// deepest overlap of those who stand now.
-double OverlapRelaxation::find_close(SteeringState::Slots slots, size_t block) {
+double OverlapRelaxation::find_overlap_candidates(SteeringState::Slots slots, size_t block) {
   float deepest_m = 0;
-  const auto moved_m =
-      static_cast<float>(2 * state_.period_s * tuning::kHaste * state_.fastest_mps);
+  const auto moved_m = static_cast<float>(2 * state_.period_s * tuning::kMaxSpeedFactor *
+                                          state_.max_desired_speed_mps);
   uint32_t crowded = 0;
   const uint32_t first = static_cast<uint32_t>(slots.data() - state_.deciders().data());
   for (size_t i = 0; i < slots.size(); ++i) {
@@ -51,14 +53,14 @@ double OverlapRelaxation::find_close(SteeringState::Slots slots, size_t block) {
     state_.prefetch_neighbours(state_.later_decider(slots, i));
     uint32_t* near = decisions_.neighbours.data() + SteeringState::kMaxNeighbours * slot;
     const auto margin_m = static_cast<float>(tuning::kSweepMargin_m);
-    const Seen& own = state_.agents.seen[slot];
-    const float reach_m = own.radius_m + state_.widest_m + margin_m + moved_m;
+    const NeighbourState& own = state_.agents.published[slot];
+    const float reach_m = own.radius_m + state_.max_radius_m + margin_m + moved_m;
     const Eigen::Vector2f expected = expected_m(slot);
     size_t close = 0;
     for (size_t k = 0; k < decisions_.neighbour_counts[slot]; ++k) {
       const uint32_t other = near[k];
-      const float dx = state_.agents.seen[other].x_m - own.x_m;
-      const float dy = state_.agents.seen[other].y_m - own.y_m;
+      const float dx = state_.agents.published[other].x_m - own.x_m;
+      const float dy = state_.agents.published[other].y_m - own.y_m;
       const float square = dx * dx + dy * dy;
       if (square > reach_m * reach_m) break;  // they come nearest first
       const Eigen::Vector2f to = expected_m(other) - expected;
@@ -81,7 +83,7 @@ double OverlapRelaxation::find_close(SteeringState::Slots slots, size_t block) {
 
 double OverlapRelaxation::sweep(size_t block) {
   double deepest_m = 0;
-  const uint32_t* crowded = decisions_.crowded.data() + block * kPeopleABlock;
+  const uint32_t* crowded = decisions_.crowded.data() + block * kAgentsPerBlock;
   const uint32_t* end_of_crowded = crowded + decisions_.crowded_counts[block];
   for (; crowded != end_of_crowded; ++crowded) {
     if (is_settled(*crowded))
@@ -125,7 +127,7 @@ double OverlapRelaxation::relax_disc(size_t slot) {
     deepest_m = std::max(deepest_m, depth_m);
   }
   float to_x = x + push_x, to_y = y + push_y;
-  if (deepest_m > 0) hold_back(slot, to_x, to_y);
+  if (deepest_m > 0) limit_forward_push(slot, to_x, to_y);
   if (deepest_m > 0 && state_.agents[slot].clearance_m < 2 * state_.agents[slot].radius_m + 1) {
     const Eigen::Vector2d to = Eigen::Vector2f(to_x, to_y).cast<double>() + state_.grid.middle_m();
     const Eigen::Vector2f slid =
@@ -145,8 +147,9 @@ double OverlapRelaxation::relax_disc(size_t slot) {
 
 /// Those behind push nobody forward, beyond where one's own step would have led: a person who is
 /// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
-void OverlapRelaxation::hold_back(size_t slot, float& to_x, float& to_y) const {
-  const float ahead_x = state_.agents.seen[slot].way_x, ahead_y = state_.agents.seen[slot].way_y;
+void OverlapRelaxation::limit_forward_push(size_t slot, float& to_x, float& to_y) const {
+  const float ahead_x = state_.agents.published[slot].direction_x,
+              ahead_y = state_.agents.published[slot].direction_y;
   if (ahead_x == 0 && ahead_y == 0) return;
   const float x = state_.grid.x()[slot], y = state_.grid.y()[slot];
   const float planned_x = decisions_.chosen_x_m[slot] - x,
@@ -172,24 +175,25 @@ void OverlapRelaxation::set_drift(SteeringState::Slots slots) {
       const double length = drift.norm();
       if (length > tuning::kMaxDrift_mps) drift *= tuning::kMaxDrift_mps / length;
     }
-    state_.look_ahead(slot);
+    state_.predict_position(slot);
   }
 }
 
 /// Those who were placed closer together than discs are take more room: as long as they stand,
 /// where there is some, and as soon as they walk, little by little in any case.
 void OverlapRelaxation::grow(size_t slot, bool walks) {
-  float& squeeze = state_.agents[slot].squeeze;
-  if (squeeze == 1) return;
-  float room = 1;
+  float& radius_scale = state_.agents[slot].radius_scale;
+  if (radius_scale == 1) return;
+  float max_scale = 1;
   const auto radius_m = static_cast<float>(state_.agents[slot].radius_m);
   for (const uint32_t other : walks ? SteeringState::Slots{} : state_.neighbours(slot)) {
     const float dx = state_.grid.x()[other] - state_.grid.x()[slot],
                 dy = state_.grid.y()[other] - state_.grid.y()[slot];
     const float apart_m = radius_m + static_cast<float>(state_.agents[other].radius_m);
-    room = std::min(room, std::sqrt(dx * dx + dy * dy) / apart_m);
+    max_scale = std::min(max_scale, std::sqrt(dx * dx + dy * dy) / apart_m);
   }
-  squeeze = std::max(squeeze, std::min(room, squeeze + static_cast<float>(tuning::kStretch)));
+  radius_scale = std::max(
+      radius_scale, std::min(max_scale, radius_scale + static_cast<float>(tuning::kRadiusGrowth)));
 }
 
 }  // namespace throng

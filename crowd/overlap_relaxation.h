@@ -25,7 +25,7 @@ inline constexpr double kSweepMargin_m = 0.12;
 inline constexpr double kMaxDrift_mps = 1.0;
 /// By so much of its radius a disc grows a decision where people stand closer than discs: they are
 /// apart again some three seconds after they have set out, pushed by a few centimetres a second.
-inline constexpr double kStretch = 0.01;
+inline constexpr double kRadiusGrowth = 0.01;
 
 }  // namespace tuning
 
@@ -43,17 +43,17 @@ class OverlapRelaxation {
   void relax(SteeringCounters& counters);
 
  private:
-  double find_close(SteeringState::Slots slots, size_t block);
+  double find_overlap_candidates(SteeringState::Slots slots, size_t block);
   double sweep(size_t block);
   bool is_settled(size_t slot) const;
   double relax_disc(size_t slot);
-  void hold_back(size_t slot, float& to_x, float& to_y) const;
+  void limit_forward_push(size_t slot, float& to_x, float& to_y) const;
   void set_drift(SteeringState::Slots slots);
   Eigen::Vector2f expected_m(size_t slot) const;
   /// Discs whose centres are nearer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
-    return state_.traits.core *
-           (state_.agents.seen[slot].radius_m + state_.agents.seen[other].radius_m);
+    return state_.traits.core_radius_scale *
+           (state_.agents.published[slot].radius_m + state_.agents.published[other].radius_m);
   }
 
   SteeringState& state_;

@@ -77,10 +77,10 @@ std::array<double, kCount> only(size_t index) {
 
 double draw(const Distribution& distribution, uint64_t seed, uint64_t id, Purpose purpose,
             uint64_t time) {
-  if (distribution.deviation == 0) return distribution.mean;
+  if (distribution.std_dev == 0) return distribution.mean;
   for (uint64_t attempt = 0; attempt < kDraws; ++attempt) {
     const double value = random_normal({seed, id, kDraws * time + attempt, purpose},
-                                       distribution.mean, distribution.deviation);
+                                       distribution.mean, distribution.std_dev);
     if (value >= distribution.min && value <= distribution.max) return value;
   }
   return distribution.mean;
@@ -118,7 +118,7 @@ const std::vector<std::string>& style_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
     for (size_t style = 0; style < kGaitStyleCount; ++style)
-      all.emplace_back(figures_of(static_cast<GaitStyle>(style)).name);
+      all.emplace_back(parameters_of(static_cast<GaitStyle>(style)).name);
     return all;
   }();
   return names;

@@ -19,7 +19,7 @@ namespace throng {
 /// A normal distribution cut off at both ends; always min <= mean <= max and deviation >= 0.
 struct Distribution {
   double mean = 0;
-  double deviation = 0;
+  double std_dev = 0;
   double min = 0;
   double max = 0;
 

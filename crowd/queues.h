@@ -12,15 +12,15 @@
 #include "base/files/archive.h"
 #include "base/workers.h"
 #include "crowd/journeys.h"
-#include "crowd/navigation/ways.h"
+#include "crowd/navigation/navigation_map.h"
 #include "crowd/spawn.h"
 
 namespace throng {
 
 class Queues {
  public:
-  /// Keeps a reference to `ways`.
-  Queues(const Ways& ways, std::span<const Person> people);
+  /// Keeps a reference to `map`.
+  Queues(const NavigationMap& map, std::span<const AgentSpec> people);
 
   /// True if there are queues: otherwise all of this costs nothing.
   bool any() const { return !queues_.empty(); }
@@ -46,68 +46,68 @@ class Queues {
   Eigen::Vector2d keep_out(uint32_t id, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
                            const Journeys& journeys) const;
 
-  /// Ids by Ways::queues(), the first of them first.
+  /// Ids by NavigationMap::queues(), the first of them first.
   std::span<const uint32_t> waiting(size_t queue) const { return queues_[queue].waiting; }
   /// In an area of the goal, on the way into it, or on the way out.
-  size_t inside(size_t queue) const { return queues_[queue].guests.size(); }
+  size_t inside(size_t queue) const { return queues_[queue].served.size(); }
 
  private:
-  static constexpr uint32_t kNoSpot = UINT32_MAX;
+  static constexpr uint32_t kNoOverflow = UINT32_MAX;
   /// kAwaited: steps forward, and is farther than a place from where to stand.
   enum : uint8_t { kStands, kSteps, kAwaited };
 
   /// Somebody who has been let in, until out again.
-  struct Guest {
+  struct ServedAgent {
     uint32_t id = 0, area = 0;
     uint32_t visits = 0;  ///< of Journeys, before
     void archive(Archive& a) { a(id, area, visits); }
   };
   struct Queue {
     std::vector<uint32_t> waiting;
-    std::vector<Guest> guests;
-    std::vector<uint32_t> guest_counts;  ///< by area
-    std::vector<uint8_t> is_taken;       ///< by spot
-    size_t most = 0;                     ///< people who may ever be in it
+    std::vector<ServedAgent> served;
+    std::vector<uint32_t> served_counts;  ///< by area
+    std::vector<uint8_t> is_taken;        ///< by spot
+    size_t capacity = 0;                  ///< people who may ever be in it
   };
   /// Somebody near enough to the end of a queue to join it.
-  struct Comer {
+  struct QueueCandidate {
     uint32_t queue = 0;
     double away_m = 0;
     uint32_t id = 0;
     bool goes_in = false;  ///< straight, as nobody waits
   };
   /// What somebody wants who stands in a queue: to be there, and to go that way for it.
-  struct Errand {
+  struct QueueMove {
     Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
     double along_m = 0;  ///< the line, where that is; off it, its end
     double left_m = 0;   ///< to go in all; 0: stays
   };
 
-  void see_out(uint32_t queue, std::span<const uint8_t> present,
-               std::span<const Eigen::Vector2d> positions_m, const Journeys& journeys);
-  void find_comers(std::span<const Eigen::Vector2d> positions_m, const Journeys& journeys);
-  void add(const Comer& comer, const Eigen::Vector2d& position_m, Journeys& journeys);
-  void let_in(uint32_t queue, std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
+  void release_served(uint32_t queue, std::span<const uint8_t> present,
+                      std::span<const Eigen::Vector2d> positions_m, const Journeys& journeys);
+  void find_joiners(std::span<const Eigen::Vector2d> positions_m, const Journeys& journeys);
+  void add(const QueueCandidate& candidate, const Eigen::Vector2d& position_m, Journeys& journeys);
+  void admit(uint32_t queue, std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
   void line_up(uint32_t queue, std::span<const Eigen::Vector2d> positions_m, Journeys& journeys);
-  Errand errand(uint32_t queue, size_t place, const Eigen::Vector2d& position_m);
+  QueueMove next_move(uint32_t queue, size_t place, const Eigen::Vector2d& position_m);
   void face(uint32_t queue, size_t place, std::span<const Eigen::Vector2d> positions_m);
-  void lead_to_end(uint32_t id, const Eigen::Vector2d& position_m, Journeys& journeys);
+  void guide_to_tail(uint32_t id, const Eigen::Vector2d& position_m, Journeys& journeys);
   bool has_free_area(uint32_t queue) const { return free_places(queue) > 0; }
   size_t free_places(uint32_t queue) const;
-  uint32_t first_spot(uint32_t queue) const;
-  Eigen::Vector2d end_m(uint32_t queue) const;
+  uint32_t first_free_overflow(uint32_t queue) const;
+  Eigen::Vector2d tail_m(uint32_t queue) const;
   bool sees(uint32_t queue, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m) const;
   void check_read(Archive& a, const Journeys& journeys) const;
-  void take_spots();
+  void occupy_overflow();
 
-  const Ways& ways_;
+  const NavigationMap& map_;
   std::vector<Queue> queues_;
   std::vector<uint32_t> queuers_;  ///< ids of those who may ever queue
-  std::vector<Comer> comers_;
+  std::vector<QueueCandidate> candidates_;
   // By person; empty: there are no queues.
-  std::vector<double> along_m_;  ///< how far back on the line they are
-  std::vector<uint8_t> steps_;   ///< kStands, kSteps or kAwaited
-  std::vector<uint32_t> spots_;  ///< off the line, for which it is too short
+  std::vector<double> along_m_;     ///< how far back on the line they are
+  std::vector<uint8_t> steps_;      ///< kStands, kSteps or kAwaited
+  std::vector<uint32_t> overflow_;  ///< off the line, for which it is too short
   std::vector<Eigen::Vector2d> facings_;
 };
 

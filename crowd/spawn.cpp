@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "crowd/crowd_plan.h"
-#include "crowd/standing_room.h"
+#include "crowd/dense_placement.h"
 
 namespace throng {
 namespace {
@@ -19,30 +19,31 @@ constexpr double kGaps_m[] = {0.30, 0.12, 0.02};
 constexpr uint32_t kDarts = 60;
 constexpr double kReferenceHeight_m = 1.70;
 constexpr double kReferenceRadius_m = 0.22;
-constexpr uint32_t kNobody = UINT32_MAX;
+constexpr uint32_t kNone = UINT32_MAX;
 /// From companion to companion at the start: at first exactly beside, then anywhere as near.
-constexpr double kCompanionsApart_m = 0.75;
-constexpr double kNearest_m = 0.55, kFarthest_m = 1.3;
-constexpr uint32_t kDartsBeside = 80;
+constexpr double kMemberSpacing_m = 0.75;
+constexpr double kMinMemberDistance_m = 0.55, kMaxMemberDistance_m = 1.3;
+constexpr uint32_t kMemberDarts = 80;
 
 /// The people placed so far in lists by cell.
-class Places {
+class PlacedDiscs {
  public:
   /// `widest_m` is the largest radius of all.
-  Places(const Rectangle& ground, double widest_m) : origin_m_(ground.min_m) {
+  PlacedDiscs(const Rectangle& ground, double max_radius_m) : origin_m_(ground.min_m) {
     // A cell is as wide as two discs with their gap, so that the nine around see all conflicts.
-    cell_m_ = std::max({1.0, 2 * widest_m + kGaps_m[0], std::sqrt(ground.area_m2() / (1 << 22))});
+    cell_m_ =
+        std::max({1.0, 2 * max_radius_m + kGaps_m[0], std::sqrt(ground.area_m2() / (1 << 22))});
     columns_ = static_cast<int>(ground.size_m().x() / cell_m_) + 1;
     rows_ = static_cast<int>(ground.size_m().y() / cell_m_) + 1;
-    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNobody);
+    first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), kNone);
   }
 
   bool is_free(const Eigen::Vector2d& point, double radius_m, double gap_m,
-               const std::vector<Person>& people) const {
+               const std::vector<AgentSpec>& people) const {
     const auto [column, row] = cell_of(point);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
-      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-        for (uint32_t id = first_[index(c, r)]; id != kNobody; id = next_[id]) {
+      for (int rule = std::max(0, column - 1); rule <= std::min(columns_ - 1, column + 1); ++rule)
+        for (uint32_t id = first_[index(rule, r)]; id != kNone; id = next_[id]) {
           const double apart = radius_m + people[id].radius_m + gap_m;
           if ((people[id].position_m - point).squaredNorm() < apart * apart) return false;
         }
@@ -52,7 +53,7 @@ class Places {
   void add(const Eigen::Vector2d& point, size_t id) {
     const auto [column, row] = cell_of(point);
     uint32_t& first = first_[index(column, row)];
-    next_.resize(id + 1, kNobody);
+    next_.resize(id + 1, kNone);
     next_[id] = first;
     first = static_cast<uint32_t>(id);
   }
@@ -75,34 +76,35 @@ class Places {
   std::vector<uint32_t> next_;   ///< by person
 };
 
-void stand_at(const Eigen::Vector2d& point, const Stop& goal, Person& person) {
+void place_at(const Eigen::Vector2d& point, const Stop& goal, AgentSpec& person) {
   person.position_m = point;
   Eigen::Vector2d heading = goal.field->direction(point);
-  if (heading.squaredNorm() == 0) heading = goal.area_near(point).middle_m() - point;
+  if (heading.squaredNorm() == 0) heading = goal.nearest_area(point).middle_m() - point;
   if (heading.squaredNorm() > 0) person.heading = heading.normalized();
 }
 
 /// Whoever stands at first looks at what there is to see.
-void face(uint64_t seed, uint64_t id, const Group& group, Person& person) {
-  if (!person.face_m || (person.delay_s == 0 && !group.after)) return;
-  const Eigen::Vector2d way = *person.face_m - person.position_m;
-  if (way.squaredNorm() == 0) return;
+void look_at_target(uint64_t seed, uint64_t id, const Group& group, AgentSpec& person) {
+  if (!person.look_at_m || (person.premovement_s == 0 && !group.after)) return;
+  const Eigen::Vector2d to_target = *person.look_at_m - person.position_m;
+  if (to_target.squaredNorm() == 0) return;
   const SinCos off =
       sin_cos(std::clamp(random_normal({seed, id, 0, Purpose::kFacing}, 0, tuning::kFacing_rad),
-                         -tuning::kMostFacing_rad, tuning::kMostFacing_rad));
-  person.heading =
-      Eigen::Vector2d(off.cos * way.x() - off.sin * way.y(), off.sin * way.x() + off.cos * way.y())
-          .normalized();
+                         -tuning::kMaxFacing_rad, tuning::kMaxFacing_rad));
+  person.heading = Eigen::Vector2d(off.cos * to_target.x() - off.sin * to_target.y(),
+                                   off.sin * to_target.x() + off.cos * to_target.y())
+                       .normalized();
 }
 
 /// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
 /// A place without a way to the goal is taken if there is no other: its people are reported, not
 /// left out.
-bool find_place(const CrowdPlan& plan, const Group& group, const Ways& ways, uint64_t id,
-                const std::vector<Person>& people, const Places& places, Person& person) {
-  const Stop& goal = ways.route(person.group).front();
+bool find_place(const CrowdPlan& plan, const Group& group, const NavigationMap& map, uint64_t id,
+                const std::vector<AgentSpec>& people, const PlacedDiscs& places,
+                AgentSpec& person) {
+  const Stop& goal = map.route(person.group).front();
   uint32_t dart = 0;
-  bool has_poor_place = false;
+  bool has_fallback = false;
   for (const double gap_m : kGaps_m) {
     for (uint32_t attempt = 0; attempt < kDarts; ++attempt, ++dart) {
       const RandomKey key{plan.seed, id, dart, Purpose::kSpawnPosition};
@@ -110,49 +112,50 @@ bool find_place(const CrowdPlan& plan, const Group& group, const Ways& ways, uin
           random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
           random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
       if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
-      if (ways.walkable().clearance_m(point) < wall_gap_m(person.radius_m, person.height_m))
+      if (map.walkable().clearance_m(point) < wall_gap_m(person.radius_m, person.height_m))
         continue;
-      const bool is_good = goal.field->reaches(point);
-      if (!is_good && has_poor_place) continue;
-      stand_at(point, goal, person);
-      face(plan.seed, id, group, person);
-      if (is_good) return true;
-      has_poor_place = true;
+      const bool reaches_goal = goal.field->reaches(point);
+      if (!reaches_goal && has_fallback) continue;
+      place_at(point, goal, person);
+      look_at_target(plan.seed, id, group, person);
+      if (reaches_goal) return true;
+      has_fallback = true;
     }
   }
-  return has_poor_place;
+  return has_fallback;
 }
 
 /// True if somebody with this disc may stand at a point.
-bool has_room(const Group& group, const Ways& ways, const Eigen::Vector2d& point, double gap_m,
-              const std::vector<Person>& people, const Places& places, const Person& person) {
+bool is_free_place(const Group& group, const NavigationMap& map, const Eigen::Vector2d& point,
+                   double gap_m, const std::vector<AgentSpec>& people, const PlacedDiscs& places,
+                   const AgentSpec& person) {
   return group.spawn.contains(point) && places.is_free(point, person.radius_m, gap_m, people) &&
-         ways.walkable().clearance_m(point) >= wall_gap_m(person.radius_m, person.height_m) &&
-         ways.route(person.group).front().field->reaches(point);
+         map.walkable().clearance_m(point) >= wall_gap_m(person.radius_m, person.height_m) &&
+         map.route(person.group).front().field->reaches(point);
 }
 
 /// Finds a place beside companions, of whom `first` was placed first: to its left or right if there
 /// is room, otherwise near any of them.
-bool find_place_beside(const CrowdPlan& plan, const Group& group, const Ways& ways, uint64_t id,
-                       size_t first, const std::vector<Person>& people, const Places& places,
-                       Person& person) {
+bool find_place_beside(const CrowdPlan& plan, const Group& group, const NavigationMap& map,
+                       uint64_t id, size_t first, const std::vector<AgentSpec>& people,
+                       const PlacedDiscs& places, AgentSpec& person) {
   const auto take = [&](const Eigen::Vector2d& point, double gap_m) {
-    if (!has_room(group, ways, point, gap_m, people, places, person)) return false;
-    stand_at(point, ways.route(person.group).front(), person);
-    face(plan.seed, id, group, person);
+    if (!is_free_place(group, map, point, gap_m, people, places, person)) return false;
+    place_at(point, map.route(person.group).front(), person);
+    look_at_target(plan.seed, id, group, person);
     return true;
   };
   const Eigen::Vector2d left(-people[first].heading.y(), people[first].heading.x());
   const double apart_m =
-      kCompanionsApart_m + person.radius_m + people[first].radius_m - 2 * kReferenceRadius_m;
+      kMemberSpacing_m + person.radius_m + people[first].radius_m - 2 * kReferenceRadius_m;
   for (const double places_off : {1.0, -1.0, 2.0, -2.0})
     if (take(people[first].position_m + places_off * apart_m * left, kGaps_m[1])) return true;
-  for (uint32_t dart = 0; dart < kDartsBeside; ++dart) {
-    const RandomKey key{plan.seed, id, dart, Purpose::kCompany};
+  for (uint32_t dart = 0; dart < kMemberDarts; ++dart) {
+    const RandomKey key{plan.seed, id, dart, Purpose::kSocialGroup};
     const auto among = static_cast<double>(people.size() - first);
     const size_t other = first + static_cast<size_t>(random_uniform(key, 0, among, 0));
     const SinCos turn = sin_cos(random_uniform(key, 0, 2 * std::numbers::pi, 1));
-    const double away_m = random_uniform(key, kNearest_m, kFarthest_m, 2);
+    const double away_m = random_uniform(key, kMinMemberDistance_m, kMaxMemberDistance_m, 2);
     if (take(people[other].position_m + away_m * Eigen::Vector2d(turn.cos, turn.sin), kGaps_m[2]))
       return true;
   }
@@ -160,40 +163,41 @@ bool find_place_beside(const CrowdPlan& plan, const Group& group, const Ways& wa
 }
 
 /// What companions share: the delay of the first, and the speed of the slowest.
-void join(std::span<Person> party, uint64_t number) {
-  if (party.size() < 2) return;
-  double speed_mps = party.front().free_speed_mps;
-  for (const Person& person : party) speed_mps = std::min(speed_mps, person.free_speed_mps);
-  for (Person& person : party) {
-    person.party = static_cast<uint32_t>(number);
-    person.free_speed_mps = speed_mps;
-    person.delay_s = party.front().delay_s;
+void form_group(std::span<AgentSpec> social_group, uint64_t number) {
+  if (social_group.size() < 2) return;
+  double speed_mps = social_group.front().desired_speed_mps;
+  for (const AgentSpec& person : social_group)
+    speed_mps = std::min(speed_mps, person.desired_speed_mps);
+  for (AgentSpec& person : social_group) {
+    person.social_group = static_cast<uint32_t>(number);
+    person.desired_speed_mps = speed_mps;
+    person.premovement_s = social_group.front().premovement_s;
   }
 }
 
 /// People of a group who stand anywhere in its area, those of `first_id` on. Returns how many found
 /// room.
-int place_apart(const CrowdPlan& plan, size_t group_index, const Ways& ways, uint64_t first_id,
-                Places& places, std::vector<Person>& people) {
+int place_at_random(const CrowdPlan& plan, size_t group_index, const NavigationMap& map,
+                    uint64_t first_id, PlacedDiscs& places, std::vector<AgentSpec>& people) {
   const Group& group = plan.groups[group_index];
-  std::vector<Person> party;
+  std::vector<AgentSpec> social_group;
   int placed = 0;
-  for (int i = 0; i < group.count; i += static_cast<int>(party.size())) {
+  for (int i = 0; i < group.count; i += static_cast<int>(social_group.size())) {
     const uint64_t begin = first_id + static_cast<uint64_t>(i);
-    const int size = draw_party(group, plan.seed, begin, group.count - i);
-    party.clear();
+    const int size = draw_group_size(group, plan.seed, begin, group.count - i);
+    social_group.clear();
     for (int k = 0; k < size; ++k)
-      party.push_back(person_of(plan, group_index, begin + static_cast<uint64_t>(k)));
-    join(party, begin);
+      social_group.push_back(make_agent(plan, group_index, begin + static_cast<uint64_t>(k)));
+    form_group(social_group, begin);
     const size_t first = people.size();
-    for (size_t k = 0; k < party.size(); ++k) {
+    for (size_t k = 0; k < social_group.size(); ++k) {
       const bool is_beside =
           people.size() > first &&
-          find_place_beside(plan, group, ways, begin + k, first, people, places, party[k]);
-      if (!is_beside && !find_place(plan, group, ways, begin + k, people, places, party[k]))
+          find_place_beside(plan, group, map, begin + k, first, people, places, social_group[k]);
+      if (!is_beside && !find_place(plan, group, map, begin + k, people, places, social_group[k]))
         continue;
-      places.add(party[k].position_m, people.size());
-      people.push_back(party[k]);
+      places.add(social_group[k].position_m, people.size());
+      people.push_back(social_group[k]);
       ++placed;
     }
   }
@@ -201,17 +205,17 @@ int place_apart(const CrowdPlan& plan, size_t group_index, const Ways& ways, uin
 }
 
 /// The discs of those who stand in an area already, or reach into it.
-std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<Person>& people) {
+std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<AgentSpec>& people) {
   const Rectangle around = area.grown(kMaxRadius_m + 1);
   std::vector<StandingDisc> discs;
-  for (const Person& person : people)
-    if (person.entrance == Person::kFromTheStart && around.contains(person.position_m))
+  for (const AgentSpec& person : people)
+    if (person.entrance == AgentSpec::kFromTheStart && around.contains(person.position_m))
       discs.push_back({person.position_m, person.radius_m});
   return discs;
 }
 
 /// The share of their discs that people keep who stand closer together than these.
-void squeeze(std::span<Person> people, double widest_m) {
+void set_radius_scales(std::span<AgentSpec> people, double max_radius_m) {
   std::vector<uint32_t> by_x;
   for (uint32_t i = 0; i < people.size(); ++i) by_x.push_back(i);
   std::sort(by_x.begin(), by_x.end(), [&](uint32_t a, uint32_t b) {
@@ -220,44 +224,45 @@ void squeeze(std::span<Person> people, double widest_m) {
   });
   for (size_t i = 0; i < by_x.size(); ++i)
     for (size_t k = i + 1; k < by_x.size(); ++k) {
-      Person &a = people[by_x[i]], &b = people[by_x[k]];
-      if (b.position_m.x() - a.position_m.x() > 2 * widest_m) break;
+      AgentSpec &a = people[by_x[i]], &b = people[by_x[k]];
+      if (b.position_m.x() - a.position_m.x() > 2 * max_radius_m) break;
       const double share = (b.position_m - a.position_m).norm() / (a.radius_m + b.radius_m);
-      a.squeeze = std::min(a.squeeze, static_cast<float>(share));
-      b.squeeze = std::min(b.squeeze, static_cast<float>(share));
+      a.radius_scale = std::min(a.radius_scale, static_cast<float>(share));
+      b.radius_scale = std::min(b.radius_scale, static_cast<float>(share));
     }
 }
 
 /// People of a group whose density the scene says, those of `first_id` on. Returns how many found
 /// room.
-int place_closely(const CrowdPlan& plan, size_t group_index, const Ways& ways, uint64_t first_id,
-                  double widest_m, Places& places, std::vector<Person>& people) {
+int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap& map,
+                  uint64_t first_id, double max_radius_m, PlacedDiscs& places,
+                  std::vector<AgentSpec>& people) {
   const Group& group = plan.groups[group_index];
-  std::vector<Person> asked;
+  std::vector<AgentSpec> requested;
   std::vector<StandingBody> bodies;
   double gap_m = 0;
   for (int i = 0; i < group.count; ++i) {
-    asked.push_back(person_of(plan, group_index, first_id + static_cast<uint64_t>(i)));
-    bodies.emplace_back().size = asked.back().height_m / kReferenceHeight_m;
-    gap_m = std::max(gap_m, wall_gap_m(asked.back().radius_m, asked.back().height_m));
+    requested.push_back(make_agent(plan, group_index, first_id + static_cast<uint64_t>(i)));
+    bodies.emplace_back().size = requested.back().height_m / kReferenceHeight_m;
+    gap_m = std::max(gap_m, wall_gap_m(requested.back().radius_m, requested.back().height_m));
   }
   const std::vector<StandingDisc> others = discs_near(group.spawn, people);
-  const Stop& goal = ways.route(group_index).front();
-  const StandingArea where{ways.walkable(), group.spawn, gap_m, others,
+  const Stop& goal = map.route(group_index).front();
+  const StandingArea where{map.walkable(), group.spawn, gap_m, others,
                            [&](size_t i, const Eigen::Vector2d& place_m) {
-                             stand_at(place_m, goal, asked[i]);
-                             face(plan.seed, first_id + i, group, asked[i]);
-                             return asked[i].heading;
+                             place_at(place_m, goal, requested[i]);
+                             look_at_target(plan.seed, first_id + i, group, requested[i]);
+                             return requested[i].heading;
                            }};
-  const std::vector<uint8_t> has_room =
-      stand(where, random_bits({plan.seed, first_id, 0, Purpose::kSpawnPosition}), bodies);
+  const std::vector<uint8_t> is_placed =
+      place_standing(where, random_bits({plan.seed, first_id, 0, Purpose::kSpawnPosition}), bodies);
   const size_t first = people.size();
-  for (size_t i = 0; i < asked.size(); ++i) {
-    if (has_room[i] == 0) continue;
-    places.add(asked[i].position_m, people.size());
-    people.push_back(asked[i]);
+  for (size_t i = 0; i < requested.size(); ++i) {
+    if (is_placed[i] == 0) continue;
+    places.add(requested[i].position_m, people.size());
+    people.push_back(requested[i]);
   }
-  squeeze(std::span(people).subspan(first), widest_m);
+  set_radius_scales(std::span(people).subspan(first), max_radius_m);
   return static_cast<int>(people.size() - first);
 }
 
@@ -274,78 +279,79 @@ double disc_of(const Group& group, double height_m) {
 
 double tallest_m(const Group& group) {
   if (group.height_m) return group.height_m->max;
-  double most_m = 0;
+  double max_m = 0;
   for (size_t age = 0; age < kAgeCount; ++age)
-    most_m = std::max(most_m, age_group(static_cast<Age>(age)).height_m.max);
-  return most_m;
+    max_m = std::max(max_m, age_group(static_cast<Age>(age)).height_m.max);
+  return max_m;
 }
 
 /// Those of one source, with the times at which they come.
-void list_source(const CrowdPlan& plan, const Ways& ways, size_t group, const Source& source,
-                 uint32_t entrance, uint64_t first_id, std::vector<Person>& people) {
+void add_source(const CrowdPlan& plan, const NavigationMap& map, size_t group, const Source& source,
+                uint32_t entrance, uint64_t first_id, std::vector<AgentSpec>& people) {
   double time_s = source.start_s;
   const size_t first = people.size();
   for (int i = 0; i < source.count; ++i) {
     const uint64_t id = first_id + static_cast<uint64_t>(i);
-    Person person = person_of(plan, group, id);
+    AgentSpec person = make_agent(plan, group, id);
     // Gaps of a Poisson process are exponential; 1 - u is above 0.
     const double gap =
-        source.random ? -natural_log(1 - random_uniform({plan.seed, id, 0, Purpose::kEmission}))
-                      : (i == 0 ? 0.0 : 1.0);
+        source.is_poisson ? -natural_log(1 - random_uniform({plan.seed, id, 0, Purpose::kEmission}))
+                          : (i == 0 ? 0.0 : 1.0);
     time_s += gap / source.rate_per_s;
     person.enters_s = time_s;
     person.enters_mps = source.enters_mps;
     person.entrance = entrance;
-    stand_at(source.area.middle_m(), ways.route(group).front(), person);
+    place_at(source.area.middle_m(), map.route(group).front(), person);
     people.push_back(person);
   }
   // A party comes as one, with its first.
   for (int i = 0; i < source.count;) {
     const uint64_t id = first_id + static_cast<uint64_t>(i);
-    const int size = draw_party(plan.groups[group], plan.seed, id, source.count - i);
-    const std::span<Person> party =
+    const int size = draw_group_size(plan.groups[group], plan.seed, id, source.count - i);
+    const std::span<AgentSpec> social_group =
         std::span(people).subspan(first + static_cast<size_t>(i), static_cast<size_t>(size));
-    join(party, id);
-    for (Person& person : party) person.enters_s = party.front().enters_s;
+    form_group(social_group, id);
+    for (AgentSpec& person : social_group) person.enters_s = social_group.front().enters_s;
     i += size;
   }
 }
 
 }  // namespace
 
-int draw_party(const Group& group, uint64_t seed, uint64_t id, int left) {
-  if (!group.companions || left < 2) return 1;
-  const Companions& c = *group.companions;
-  double parties = 0, people = 0;
-  for (size_t i = 0; i < c.sizes.size(); ++i) {
-    parties += c.sizes[i];
-    people += static_cast<double>(i + 2) * c.sizes[i];
+int draw_group_size(const Group& group, uint64_t seed, uint64_t id, int left) {
+  if (!group.social_groups || left < 2) return 1;
+  const SocialGroupRule& rule = *group.social_groups;
+  double groups = 0, people = 0;
+  for (size_t i = 0; i < rule.sizes.size(); ++i) {
+    groups += rule.sizes[i];
+    people += static_cast<double>(i + 2) * rule.sizes[i];
   }
   // Of parties and people alone so many are parties that their share of the people is as asked.
-  const double are_parties = c.share * parties / (c.share * parties + (1 - c.share) * people);
-  const RandomKey key{seed, id, 0, Purpose::kCompany};
-  if (random_uniform(key, 0) >= are_parties) return 1;
-  double where = random_uniform(key, 1) * parties;
+  const double group_share =
+      rule.share * groups / (rule.share * groups + (1 - rule.share) * people);
+  const RandomKey key{seed, id, 0, Purpose::kSocialGroup};
+  if (random_uniform(key, 0) >= group_share) return 1;
+  double where = random_uniform(key, 1) * groups;
   int size = 2;
-  for (size_t i = 0; i + 1 < c.sizes.size() && where >= c.sizes[i]; ++i, ++size)
-    where -= c.sizes[i];
+  for (size_t i = 0; i + 1 < rule.sizes.size() && where >= rule.sizes[i]; ++i, ++size)
+    where -= rule.sizes[i];
   return std::min(size, left);
 }
 
-Person person_of(const CrowdPlan& plan, size_t group_index, uint64_t id) {
+AgentSpec make_agent(const CrowdPlan& plan, size_t group_index, uint64_t id) {
   const Group& group = plan.groups[group_index];
-  Person person;
+  AgentSpec person;
   person.group = static_cast<uint32_t>(group_index);
   const AgeGroup& age = age_group(draw_age(group.ages, plan.seed, id));
   person.height_m = draw(group.height_m.value_or(age.height_m), plan.seed, id, Purpose::kHeight);
-  person.free_speed_mps =
-      draw(group.speed_mps.value_or(age.speed_mps), plan.seed, id, Purpose::kFreeSpeed);
-  person.delay_s = draw(group.delay_s, plan.seed, id, Purpose::kDelay);
-  person.face_m = group.face_m;
+  person.desired_speed_mps =
+      draw(group.speed_mps.value_or(age.speed_mps), plan.seed, id, Purpose::kDesiredSpeed);
+  person.premovement_s = draw(group.premovement_s, plan.seed, id, Purpose::kDelay);
+  person.look_at_m = group.look_at_m;
   person.radius_m = disc_of(group, person.height_m);
   person.phase = random_uniform({plan.seed, id, 0, Purpose::kGaitPhase});
-  if (group.driven.empty())
-    person.style = draw_style(group.styles.value_or(age.styles), plan.seed, id);
+  if (group.control_channel.empty())
+    person.style = draw_style(group.gait_styles.value_or(age.styles), plan.seed, id);
   return person;
 }
 
@@ -359,16 +365,17 @@ double wall_gap_m(double radius_m, double height_m) {
   return std::max(radius_m, std::min(kReferenceRadius_m, 0.125 * (height_m / kReferenceHeight_m)));
 }
 
-Spawned spawn(const CrowdPlan& plan, const Ways& ways, std::span<const Person> led) {
-  Spawned out;
-  out.people.assign(led.begin(), led.end());
-  double widest_m = 0;
+SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
+                  std::span<const AgentSpec> external) {
+  SpawnResult out;
+  out.people.assign(external.begin(), external.end());
+  double max_radius_m = 0;
   for (const Group& group : plan.groups)
-    widest_m = std::max(widest_m, disc_of(group, tallest_m(group)));
-  for (const Person& person : led) widest_m = std::max(widest_m, person.radius_m);
-  Places places(plan.ground, widest_m);
-  for (size_t i = 0; i < led.size(); ++i)
-    if (led[i].entrance == Person::kFromTheStart) places.add(led[i].position_m, i);
+    max_radius_m = std::max(max_radius_m, disc_of(group, tallest_m(group)));
+  for (const AgentSpec& person : external) max_radius_m = std::max(max_radius_m, person.radius_m);
+  PlacedDiscs places(plan.ground, max_radius_m);
+  for (size_t i = 0; i < external.size(); ++i)
+    if (external[i].entrance == AgentSpec::kFromTheStart) places.add(external[i].position_m, i);
   uint64_t id = 0;
   uint32_t entrance = 0;
   for (size_t g = 0; g < plan.groups.size(); ++g) {
@@ -378,13 +385,13 @@ Spawned spawn(const CrowdPlan& plan, const Ways& ways, std::span<const Person> l
       out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
     if (group.density_per_m2 > 0) {
-      placed = place_closely(plan, g, ways, id, widest_m, places, out.people);
+      placed = place_densely(plan, g, map, id, max_radius_m, places, out.people);
     } else {
-      placed = place_apart(plan, g, ways, id, places, out.people);
+      placed = place_at_random(plan, g, map, id, places, out.people);
     }
     id += static_cast<uint64_t>(group.count);
     for (const Source& source : group.sources) {
-      list_source(plan, ways, g, source, entrance++, id, out.people);
+      add_source(plan, map, g, source, entrance++, id, out.people);
       id += static_cast<uint64_t>(source.count);
     }
     out.unplaced.push_back(group.count - placed);

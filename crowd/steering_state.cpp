@@ -27,35 +27,37 @@ void archive_by_id(Archive& a, const SteeringState& state, const At& at) {
 
 /// Comparisons are written so that NaN is refused, too.
 void check_read(Archive& a, SteeringState& state) {
-  const auto check_look = [&](float look_rad) {
-    if (!(std::abs(look_rad) <= Gait::kMostLook_rad))
+  const auto check_head_yaw = [&](float head_yaw_rad) {
+    if (!(std::abs(head_yaw_rad) <= Gait::kMaxHeadYaw_rad))
       a.refuse("a head turned as far as heads do", "another");
   };
   const auto check_speed = [&](const Eigen::Vector2d& speed) {
     if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
   };
-  for (const float look_rad : state.looks_rad) check_look(look_rad);
+  for (const float head_yaw_rad : state.head_yaws_rad) check_head_yaw(head_yaw_rad);
   for (const auto* speeds : {&state.velocities_mps, &state.headings})
     for (const Eigen::Vector2d& speed : *speeds) check_speed(speed);
-  constexpr float kFastestLook_radps = 2 * Gait::kMostLook_rad / tuning::kLook_s;
-  state.agents.for_each_field([&](const auto& values, auto field, Saved saved) {
+  constexpr float kMaxHeadYaw_radps = 2 * Gait::kMaxHeadYaw_rad / tuning::kHeadYawTime_s;
+  state.agents.for_each_field([&](const auto& values, auto field, FieldCheck check) {
     for (size_t slot = 0; slot < state.grid.order().size(); ++slot) {
       const auto& value = values[slot].*field;
       using Value = std::remove_cvref_t<decltype(value)>;
       if constexpr (std::is_same_v<Value, double>) {
-        if (saved == Saved::kAsTurn && !(std::abs(value) <= 1.001 * tuning::kMaxTurn_radps))
+        if (check == FieldCheck::kTurnRate && !(std::abs(value) <= 1.001 * tuning::kMaxTurn_radps))
           a.refuse("a turn as fast as people turn", "another");
       } else if constexpr (std::is_same_v<Value, float>) {
-        if (saved == Saved::kAsLook) check_look(value);
-        if (saved == Saved::kAsLookSpeed && !(std::abs(value) <= kFastestLook_radps))
+        if (check == FieldCheck::kHeadYaw) check_head_yaw(value);
+        if (check == FieldCheck::kHeadYawRate && !(std::abs(value) <= kMaxHeadYaw_radps))
           a.refuse("a head that turns as fast as heads do", "another");
-        if (saved == Saved::kAsShare && !(value > 0 && value <= 1))
+        if (check == FieldCheck::kShare && !(value > 0 && value <= 1))
           a.refuse("a share of a disc", "another");
-        if (saved == Saved::kAsPart && !(value >= 0 && value <= 1)) a.refuse("a share", "another");
-        if (saved == Saved::kAsPace && !(std::abs(value) <= static_cast<float>(kLargest_mps)))
+        if (check == FieldCheck::kUnitInterval && !(value >= 0 && value <= 1))
+          a.refuse("a share", "another");
+        if (check == FieldCheck::kSpeedComponent &&
+            !(std::abs(value) <= static_cast<float>(kLargest_mps)))
           a.refuse("the speed of a person", "another");
       } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
-        if (saved == Saved::kAsSpeed) check_speed(value);
+        if (check == FieldCheck::kSpeed) check_speed(value);
       }
     }
   });
@@ -63,7 +65,7 @@ void check_read(Archive& a, SteeringState& state) {
 
 }  // namespace
 
-SteeringState::SteeringState(const Rectangle& ground, std::span<const Person> people,
+SteeringState::SteeringState(const Rectangle& ground, std::span<const AgentSpec> people,
                              double seconds_per_step, const SteeringTraits& model_traits,
                              SimdTarget simd, Workers& workers_of_run)
     : workers(workers_of_run),
@@ -72,19 +74,19 @@ SteeringState::SteeringState(const Rectangle& ground, std::span<const Person> pe
       grid(ground, people.size(), simd) {
   steps_per_period = std::max(1, static_cast<int>(std::floor(tuning::kPeriod_s / step_s + 0.5)));
   period_s = steps_per_period * step_s;
-  for (const Person& person : people) {
+  for (const AgentSpec& person : people) {
     radii_m.push_back(person.radius_m);
-    free_speeds_mps.push_back(person.free_speed_mps);
+    desired_speeds_mps.push_back(person.desired_speed_mps);
     positions_m.push_back(person.position_m);
     headings.push_back(person.heading);
-    widest_m = std::max(widest_m, static_cast<float>(person.radius_m));
-    fastest_mps = std::max(fastest_mps, person.free_speed_mps);
+    max_radius_m = std::max(max_radius_m, static_cast<float>(person.radius_m));
+    max_desired_speed_mps = std::max(max_desired_speed_mps, person.desired_speed_mps);
   }
   const size_t count = people.size();
   const auto blocks = static_cast<size_t>(block_count(count));
   velocities_mps.assign(count, Eigen::Vector2d::Zero());
-  walked_m.assign(count, 0);
-  looks_rad.assign(count, 0);
+  displacements_m.assign(count, 0);
+  head_yaws_rad.assign(count, 0);
   slot_of.assign(count, kNowhere);
   decider_slots.resize(count);
   first_deciders.assign(static_cast<size_t>(steps_per_period) + 2, 0);
@@ -93,32 +95,33 @@ SteeringState::SteeringState(const Rectangle& ground, std::span<const Person> pe
   block_values.resize(blocks);
 }
 
-void SteeringState::set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps) {
-  Seen& seen = agents.seen[slot];
-  seen.wanted_x_mps = wanted_mps.x();
-  seen.wanted_y_mps = wanted_mps.y();
-  const float length = std::sqrt(wanted_mps.x() * wanted_mps.x() + wanted_mps.y() * wanted_mps.y());
-  const bool walks = length >= static_cast<float>(tuning::kWish_mps);
-  seen.way_x = walks ? wanted_mps.x() / length : 0.0f;
-  seen.way_y = walks ? wanted_mps.y() / length : 0.0f;
+void SteeringState::set_preferred(size_t slot, const Eigen::Vector2f& preferred_mps) {
+  NeighbourState& published = agents.published[slot];
+  published.preferred_x_mps = preferred_mps.x();
+  published.preferred_y_mps = preferred_mps.y();
+  const float length =
+      std::sqrt(preferred_mps.x() * preferred_mps.x() + preferred_mps.y() * preferred_mps.y());
+  const bool walks = length >= static_cast<float>(tuning::kMinPreferred_mps);
+  published.direction_x = walks ? preferred_mps.x() / length : 0.0f;
+  published.direction_y = walks ? preferred_mps.y() / length : 0.0f;
 }
 
 void SteeringState::archive_agents(Archive& a) {
-  a(velocities_mps, looks_rad);
-  agents.for_each_field([&](auto& values, auto field, Saved saved) {
-    if (saved == Saved::kElsewhere) return;
+  a(velocities_mps, head_yaws_rad);
+  agents.for_each_field([&](auto& values, auto field, FieldCheck check) {
+    if (check == FieldCheck::kDerived) return;
     archive_by_id(
         a, *this, [&](size_t slot) -> auto& { return values[slot].*field; });
   });
   archive_by_id(
       a, *this, [&](size_t slot) -> auto& { return agents.queuing[slot]; });
   archive_by_id(
-      a, *this, [&](size_t slot) -> auto& { return agents.held_up[slot]; });
+      a, *this, [&](size_t slot) -> auto& { return agents.stall_cause[slot]; });
   if (!a.is_reading()) return;
   for (size_t slot = 0; slot < grid.order().size(); ++slot)
     agents[slot].velocity_mps = velocities_mps[grid.order()[slot]];
   check_read(a, *this);
-  for (size_t slot = 0; slot < grid.order().size(); ++slot) show(slot);
+  for (size_t slot = 0; slot < grid.order().size(); ++slot) publish_state(slot);
 }
 
 }  // namespace throng

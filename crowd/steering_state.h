@@ -26,18 +26,18 @@ namespace throng {
 
 /// A decision takes about half a microsecond per agent, a step a tenth of that: blocks of some ten
 /// microseconds.
-inline constexpr size_t kPeopleABlock = 256;
+inline constexpr size_t kAgentsPerBlock = 256;
 
 inline int block_count(size_t people) {
-  return static_cast<int>((people + kPeopleABlock - 1) / kPeopleABlock);
+  return static_cast<int>((people + kAgentsPerBlock - 1) / kAgentsPerBlock);
 }
 
 /// Calls body(begin, end, worker) for the blocks of so many people.
 template <typename Body>
-void for_people(Workers& workers, size_t people, const Body& body) {
+void for_blocks_of(Workers& workers, size_t people, const Body& body) {
   workers.for_blocks(block_count(people), [&](int block, int worker) {
-    const size_t begin = static_cast<size_t>(block) * kPeopleABlock;
-    body(begin, std::min(begin + kPeopleABlock, people), worker);
+    const size_t begin = static_cast<size_t>(block) * kAgentsPerBlock;
+    body(begin, std::min(begin + kAgentsPerBlock, people), worker);
   });
 }
 
@@ -45,12 +45,12 @@ void for_people(Workers& workers, size_t people, const Body& body) {
 struct SteeringState {
   /// A block of those who decide now.
   using Slots = std::span<const uint32_t>;
-  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMost;
+  static constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
   /// The slot of an agent that is outside or gone.
   static constexpr uint32_t kNowhere = UINT32_MAX;
 
   /// Keeps a reference to `workers_of_run`.
-  SteeringState(const Rectangle& ground, std::span<const Person> people, double seconds_per_step,
+  SteeringState(const Rectangle& ground, std::span<const AgentSpec> people, double seconds_per_step,
                 const SteeringTraits& model_traits, SimdTarget simd, Workers& workers_of_run);
 
   /// Every agent there may ever be.
@@ -81,33 +81,33 @@ struct SteeringState {
   THRONG_PREFETCH void prefetch_neighbours(uint32_t slot) const {
     const uint32_t* near = decisions.neighbours.data() + kMaxNeighbours * slot;
     for (size_t k = 0; k < decisions.neighbour_counts[slot]; ++k)
-      __builtin_prefetch(&agents.seen[near[k]]);
+      __builtin_prefetch(&agents.published[near[k]]);
   }
   /// Asks for what a step writes by person, which lies anywhere.
-  THRONG_PREFETCH void prefetch_person(uint32_t id) const {
+  THRONG_PREFETCH void prefetch_agent(uint32_t id) const {
     __builtin_prefetch(&positions_m[id], 1);
     __builtin_prefetch(&velocities_mps[id], 1);
     __builtin_prefetch(&headings[id], 1);
-    __builtin_prefetch(&looks_rad[id], 1);
-    __builtin_prefetch(&walked_m[id], 1);
+    __builtin_prefetch(&head_yaws_rad[id], 1);
+    __builtin_prefetch(&displacements_m[id], 1);
   }
 
   /// Calls body(begin, end, worker) for all slots, neighbours in space together.
   template <typename Body>
   void for_slots(const Body& body) const {
-    for_people(workers, grid.order().size(), body);
+    for_blocks_of(workers, grid.order().size(), body);
   }
   /// Calls body(block of slots, block, worker) for those who decide now.
   template <typename Body>
   void for_deciders(const Body& body) const {
     const Slots all = deciders();
-    for_people(workers, all.size(), [&](size_t begin, size_t end, int worker) {
-      body(all.subspan(begin, end - begin), begin / kPeopleABlock, worker);
+    for_blocks_of(workers, all.size(), [&](size_t begin, size_t end, int worker) {
+      body(all.subspan(begin, end - begin), begin / kAgentsPerBlock, worker);
     });
   }
   /// Returns the largest of body(block of deciders, block), and 0 at least.
   template <typename Body>
-  double largest(const Body& body) {
+  double max_over_blocks(const Body& body) {
     for_deciders([&](Slots slots, size_t block, int) { block_values[block] = body(slots, block); });
     double value = 0;
     for (int block = 0; block < block_count(deciders().size()); ++block)
@@ -117,34 +117,35 @@ struct SteeringState {
 
   /// True of an agent that wants to stand.
   bool stands(size_t slot) const {
-    return agents.seen[slot].way_x == 0 && agents.seen[slot].way_y == 0;
+    return agents.published[slot].direction_x == 0 && agents.published[slot].direction_y == 0;
   }
   /// From now on the agent wants that velocity, and others see its direction.
-  void set_preferred(size_t slot, const Eigen::Vector2f& wanted_mps);
+  void set_preferred(size_t slot, const Eigen::Vector2f& preferred_mps);
   /// Updates what others see of an agent.
-  void show(size_t slot) {
+  void publish_state(size_t slot) {
     const AgentState& w = agents[slot];
-    Seen& seen = agents.seen[slot];
+    NeighbourState& published = agents.published[slot];
     Eigen::Vector2f velocity = w.velocity_mps.cast<float>();
     // People who are stuck show where to, so that others can make way.
-    if (traits.is_nudged)
-      velocity += static_cast<float>(tuning::kShownIntent) * seen.urge *
-                  (Eigen::Vector2f(seen.wanted_x_mps, seen.wanted_y_mps) - velocity);
-    seen.vx_mps = velocity.x();
-    seen.vy_mps = velocity.y();
-    seen.radius_m = static_cast<float>(w.radius_m) * w.squeeze;
-    seen.x_m = grid.x()[slot];
-    seen.y_m = grid.y()[slot];
-    look_ahead(slot);
+    if (traits.uses_random_sidesteps)
+      velocity +=
+          static_cast<float>(tuning::kPublishedPreferredShare) * published.impatience *
+          (Eigen::Vector2f(published.preferred_x_mps, published.preferred_y_mps) - velocity);
+    published.vx_mps = velocity.x();
+    published.vy_mps = velocity.y();
+    published.radius_m = static_cast<float>(w.radius_m) * w.radius_scale;
+    published.x_m = grid.x()[slot];
+    published.y_m = grid.y()[slot];
+    predict_position(slot);
   }
   /// Updates where an agent will stand after a period of going on like this.
-  void look_ahead(size_t slot) {
+  void predict_position(size_t slot) {
     const AgentState& w = agents[slot];
-    Seen& seen = agents.seen[slot];
+    NeighbourState& published = agents.published[slot];
     const auto ahead_s = static_cast<float>(period_s);
     const Eigen::Vector2f velocity = (w.velocity_mps + w.drift_mps).cast<float>();
-    seen.ahead_x_m = seen.x_m + ahead_s * velocity.x();
-    seen.ahead_y_m = seen.y_m + ahead_s * velocity.y();
+    published.ahead_x_m = published.x_m + ahead_s * velocity.x();
+    published.ahead_y_m = published.y_m + ahead_s * velocity.y();
   }
 
   /// Lists by phase the slots that decide in it; phase_of(id) is any number, of which the remainder
@@ -166,16 +167,16 @@ struct SteeringState {
 
   // What never changes, by person.
   std::vector<double> radii_m;
-  std::vector<double> free_speeds_mps;
-  float widest_m = 0;      ///< of all radii
-  double fastest_mps = 0;  ///< of all free speeds
+  std::vector<double> desired_speeds_mps;
+  float max_radius_m = 0;            ///< of all radii
+  double max_desired_speed_mps = 0;  ///< of all free speeds
 
   // What others see, by person.
   std::vector<Eigen::Vector2d> positions_m;
   std::vector<Eigen::Vector2d> velocities_mps;
   std::vector<Eigen::Vector2d> headings;
-  std::vector<float> looks_rad;
-  std::vector<double> walked_m;  ///< in the latest step
+  std::vector<float> head_yaws_rad;
+  std::vector<double> displacements_m;  ///< in the latest step
 
   NeighbourGrid grid;
   std::vector<uint32_t> slot_of;         ///< by person, or kNowhere

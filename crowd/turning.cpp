@@ -4,34 +4,34 @@
 #include <cmath>
 
 #include "avatars/gait/gait.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
 
 /// The rate at which to turn by so much: no faster than it can be stopped at the end.
-double turn_to(double off_rad, double most_radps, double most_radps2, double step_s) {
+double turn_rate_radps(double off_rad, double max_radps, double max_radps2, double step_s) {
   const double size = std::abs(off_rad);
-  return std::copysign(std::min({most_radps, std::sqrt(2 * most_radps2 * size), size / step_s}),
+  return std::copysign(std::min({max_radps, std::sqrt(2 * max_radps2 * size), size / step_s}),
                        off_rad);
 }
 
 }  // namespace
 
-Turning::Turning(SteeringState& state, const Journeys& journeys, const Parties& parties,
-                 const Queues& queues, std::span<const Person> people)
-    : state_(state), journeys_(journeys), parties_(parties), queues_(queues) {
-  for (const Person& person : people) faces_m_.push_back(person.face_m);
+Turning::Turning(SteeringState& state, const Journeys& journeys, const SocialGroups& groups,
+                 const Queues& queues, std::span<const AgentSpec> people)
+    : state_(state), journeys_(journeys), social_groups_(groups), queues_(queues) {
+  for (const AgentSpec& person : people) look_at_m_.push_back(person.look_at_m);
 }
 
 void Turning::decide(size_t slot) {
   find_facing(slot);
-  state_.agents[slot].look_to_rad = look_to_rad(slot);
+  state_.agents[slot].target_head_yaw_rad = target_head_yaw_rad(slot);
 }
 
 double Turning::step(size_t slot) {
   const double turned_rad = turn(slot);
-  look(slot);
+  turn_head(slot);
   return turned_rad;
 }
 
@@ -39,41 +39,44 @@ double Turning::step(size_t slot) {
 /// their preferred velocity has found.
 void Turning::find_facing(size_t slot) {
   const uint32_t id = state_.id(slot);
-  if (journeys_.doing(id) == Doing::kWalking && !parties_.stands(id)) return;
+  if (journeys_.state(id) == JourneyState::kWalking && !social_groups_.stands(id)) return;
   const Eigen::Vector2d& position = state_.agents[slot].position_m;
   const bool looks_ahead = queues_.any() && !queues_.facing(id).isZero() &&
-                           (!faces_m_[id] || journeys_.doing(id) == Doing::kQueuing);
-  const Eigen::Vector2d facing = looks_ahead           ? queues_.facing(id)
-                                 : parties_.stands(id) ? parties_.waits_for_m(id) - position
-                                 : faces_m_[id]        ? *faces_m_[id] - position
-                                                       : journeys_.facing(id, position);
+                           (!look_at_m_[id] || journeys_.state(id) == JourneyState::kQueuing);
+  const Eigen::Vector2d facing = looks_ahead ? queues_.facing(id)
+                                 : social_groups_.stands(id)
+                                     ? social_groups_.waits_for_m(id) - position
+                                 : look_at_m_[id] ? *look_at_m_[id] - position
+                                                  : journeys_.facing(id, position);
   const double length = facing.norm();
   state_.agents[slot].facing =
       length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }
 
 /// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
-float Turning::look_to_rad(size_t slot) const {
+float Turning::target_head_yaw_rad(size_t slot) const {
   const Eigen::Vector2f heading = state_.agents[slot].heading.cast<float>();
-  float x = state_.agents.seen[slot].way_x, y = state_.agents.seen[slot].way_y;
+  float x = state_.agents.published[slot].direction_x,
+        y = state_.agents.published[slot].direction_y;
   if (x == 0 && y == 0) {  // stands
     x = static_cast<float>(state_.agents[slot].facing.x());
     y = static_cast<float>(state_.agents[slot].facing.y());
   }
   const float left = heading.x() * y - heading.y() * x, ahead = heading.x() * x + heading.y() * y;
-  if (ahead < 0) return std::copysign(Gait::kMostLook_rad, left);
-  return std::clamp(left, -Gait::kMostLook_rad, Gait::kMostLook_rad);
+  if (ahead < 0) return std::copysign(Gait::kMaxHeadYaw_rad, left);
+  return std::clamp(left, -Gait::kMaxHeadYaw_rad, Gait::kMaxHeadYaw_rad);
 }
 
-void Turning::look(size_t slot) {
+void Turning::turn_head(size_t slot) {
   const auto step_s = static_cast<float>(state_.step_s);
-  float& look_rad = state_.looks_rad[state_.id(slot)];
-  float& look_radps = state_.agents[slot].look_radps;
-  const float wanted_radps =
-      (state_.agents[slot].look_to_rad - look_rad) / (tuning::kLook_s + step_s);
-  const float most_radps = tuning::kLook_radps2 * step_s;
-  look_radps += std::clamp(wanted_radps - look_radps, -most_radps, most_radps);
-  look_rad = std::clamp(look_rad + step_s * look_radps, -Gait::kMostLook_rad, Gait::kMostLook_rad);
+  float& head_yaw_rad = state_.head_yaws_rad[state_.id(slot)];
+  float& head_yaw_radps = state_.agents[slot].head_yaw_radps;
+  const float target_radps =
+      (state_.agents[slot].target_head_yaw_rad - head_yaw_rad) / (tuning::kHeadYawTime_s + step_s);
+  const float max_radps = tuning::kHeadYaw_radps2 * step_s;
+  head_yaw_radps += std::clamp(target_radps - head_yaw_radps, -max_radps, max_radps);
+  head_yaw_rad = std::clamp(head_yaw_rad + step_s * head_yaw_radps, -Gait::kMaxHeadYaw_rad,
+                            Gait::kMaxHeadYaw_rad);
 }
 
 double Turning::turn(size_t slot) {
@@ -81,10 +84,12 @@ double Turning::turn(size_t slot) {
   smooth += state_.step_s / (tuning::kTurnSmoothing_s + state_.step_s) *
             (state_.agents[slot].velocity_mps - smooth);
   const double speed = smooth.norm(), now_square = state_.agents[slot].velocity_mps.squaredNorm();
-  if (speed >= tuning::kWalks_mps && now_square >= tuning::kWalks_mps * tuning::kWalks_mps)
-    return turn_into_way(slot, smooth / speed);
+  if (speed >= tuning::kWalkingSpeed_mps &&
+      now_square >= tuning::kWalkingSpeed_mps * tuning::kWalkingSpeed_mps)
+    return turn_to_direction(slot, smooth / speed);
   const double slower = std::min(speed, std::sqrt(now_square));
-  const double walks = (slower - tuning::kStands_mps) / (tuning::kWalks_mps - tuning::kStands_mps);
+  const double walks = (slower - tuning::kStandingSpeed_mps) /
+                       (tuning::kWalkingSpeed_mps - tuning::kStandingSpeed_mps);
   const Eigen::Vector2d& facing = state_.agents[slot].facing;
   Eigen::Vector2d to = facing;
   if (walks > 0) to = facing.isZero() ? smooth : (1 - walks) * facing + (walks / speed) * smooth;
@@ -92,18 +97,18 @@ double Turning::turn(size_t slot) {
 }
 
 /// Somebody who walks faces where it goes.
-double Turning::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
+double Turning::turn_to_direction(size_t slot, const Eigen::Vector2d& to) {
   const Eigen::Vector2d& from = state_.agents[slot].heading;
   double& rate = state_.agents[slot].turn_radps;
   const double left = from.x() * to.y() - from.y() * to.x(), ahead = from.dot(to);
   constexpr double kHardly = 0.99;  // a cosine: the sine is the angle, nearly
   const double off = ahead > kHardly ? left : arc_tan2(left, ahead);
-  const double wanted =
-      turn_to(off, tuning::kMaxTurn_radps, tuning::kTurnIntoWay_radps2, state_.step_s);
+  const double target =
+      turn_rate_radps(off, tuning::kMaxTurn_radps, tuning::kTurnWalking_radps2, state_.step_s);
   const double at_once = off / state_.step_s;
-  if (wanted != at_once || std::abs(wanted - rate) > tuning::kTurnIntoWay_radps2 * state_.step_s)
-    return turn_on(slot, wanted, tuning::kTurnIntoWay_radps2);
-  rate = wanted;
+  if (target != at_once || std::abs(target - rate) > tuning::kTurnWalking_radps2 * state_.step_s)
+    return apply_turn(slot, target, tuning::kTurnWalking_radps2);
+  rate = target;
   state_.headings[state_.id(slot)] = state_.agents[slot].heading = to;
   return std::abs(off);
 }
@@ -113,24 +118,25 @@ double Turning::turn_into_way(size_t slot, const Eigen::Vector2d& to) {
 double Turning::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
   const double rate = state_.agents[slot].turn_radps;
   const Eigen::Vector2d& from = state_.agents[slot].heading;
-  const double most =
+  const double max_radps =
       tuning::kTurnOnSpot_radps + walks * (tuning::kMaxTurn_radps - tuning::kTurnOnSpot_radps);
-  const double gently =
-      tuning::kTurnStart_radps2 + walks * (tuning::kTurnIntoWay_radps2 - tuning::kTurnStart_radps2);
-  double wanted = 0;
+  const double max_radps2 =
+      tuning::kTurnStart_radps2 + walks * (tuning::kTurnWalking_radps2 - tuning::kTurnStart_radps2);
+  double target = 0;
   if (!to.isZero()) {
     const double off = arc_tan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-    const double far = rate == 0 ? (1 - walks) * tuning::kTurnFrom_rad : tuning::kTurnDone_rad;
-    if (std::abs(off) > far) wanted = turn_to(off, most, gently, state_.step_s);
+    const double far = rate == 0 ? (1 - walks) * tuning::kTurnFrom_rad : tuning::kTurnTo_rad;
+    if (std::abs(off) > far) target = turn_rate_radps(off, max_radps, max_radps2, state_.step_s);
   }
-  return turn_on(slot, wanted, std::abs(rate) > most ? tuning::kTurnStop_radps2 : gently);
+  return apply_turn(slot, target,
+                    std::abs(rate) > max_radps ? tuning::kTurnStop_radps2 : max_radps2);
 }
 
 /// Turns on, at a rate that comes as near to the one wanted as it may.
-double Turning::turn_on(size_t slot, double wanted_radps, double most_radps2) {
+double Turning::apply_turn(size_t slot, double target_radps, double max_radps2) {
   double& rate = state_.agents[slot].turn_radps;
-  const double change = most_radps2 * state_.step_s;
-  rate += std::clamp(wanted_radps - rate, -change, change);
+  const double change = max_radps2 * state_.step_s;
+  rate += std::clamp(target_radps - rate, -change, change);
   if (rate == 0) return 0;
   const Eigen::Vector2d from = state_.agents[slot].heading;
   const SinCos turned = sin_cos(rate * state_.step_s);

@@ -17,13 +17,13 @@ namespace {
 
 /// Beyond, volumes leave what a float holds, and pairs would be lost.
 std::vector<PartShape> described(std::vector<PartShape> parts) {
-  constexpr auto kMost_m = static_cast<float>(kMaxDescribed);
+  constexpr auto kMax_m = static_cast<float>(kMaxDescribed);
   for (size_t i = 0; i < parts.size(); ++i)
     for (const Eigen::Vector3f& point : parts[i].points)
       for (const float at_m : point)
-        if (!(std::abs(at_m) <= kMost_m))
+        if (!(std::abs(at_m) <= kMax_m))
           throw InputError(fmt::format("parts[{}]", i),
-                           fmt::format("coordinates of at most {:g} m", kMost_m),
+                           fmt::format("coordinates of at most {:g} m", kMax_m),
                            fmt::format("{:g}", at_m));
   return parts;
 }

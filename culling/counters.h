@@ -31,22 +31,22 @@ struct StageCounters {
 };
 
 struct CullingCounters {
-  StageCounters avatar;    ///< spheres over bodies
-  StageCounters body_box;  ///< what bounds() says of a body, then its box in its pose
-  StageCounters box;       ///< boxes over the parts of pairs whose body boxes overlap
-  StageCounters part;      ///< the part volume over surviving parts
-  StageCounters exact;     ///< triangles
+  StageCounters body_sphere;  ///< spheres over bodies
+  StageCounters body_box;     ///< what bounds() says of a body, then its box in its pose
+  StageCounters part_box;     ///< boxes over the parts of pairs whose body boxes overlap
+  StageCounters part_volume;  ///< the part volume over surviving parts
+  StageCounters triangles;    ///< triangles
   /// Distances, beside the pass and not in its times: pairs of parts that were asked, and listed.
   /// Where one test of or-DOPs answers for contacts and distances, the stages above count and time
   /// all boxes within the margin, and this one the time of the or-DOPs.
-  StageCounters near;
+  StageCounters proximity;
   uint64_t primitive_tests = 0;  ///< boxes and triangles inside the exact stage: the paper's N_p
   std::array<uint64_t, kPairLevels> levels{};  ///< pairs reported at each PairLevel
   uint64_t posed_bodies = 0;
   double pose_ns = 0;  ///< time inside PoseSource, summed over threads
   double events_ns = 0;
-  double wall_ns = 0;              ///< the whole pass
-  uint64_t allocations_grown = 0;  ///< buffers that had to grow in this pass
+  double wall_ns = 0;          ///< the whole pass
+  uint64_t buffers_grown = 0;  ///< buffers that had to grow in this pass
 };
 
 }  // namespace throng

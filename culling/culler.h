@@ -15,10 +15,10 @@
 #include "culling/bodies.h"
 #include "culling/body_type.h"
 #include "culling/counters.h"
-#include "culling/near.h"
 #include "culling/pair.h"
 #include "culling/pair_filter.h"
 #include "culling/part_tally.h"
+#include "culling/proximity.h"
 #include "culling/volumes/volume_kind.h"
 
 namespace throng {
@@ -37,18 +37,18 @@ struct CullerOptions {
   SimdTarget simd = SimdTarget::kBest;
   /// A frame's budget after the pair search: when it is up, what is not refined is reported at the
   /// level it reached. Both may be given.
-  std::optional<double> deadline_ms{};       ///< of a whole pass, by the clock: not repeatable
-  std::optional<uint64_t> deadline_tests{};  ///< of boxes, part volumes and triangles together
+  std::optional<double> budget_ms{};       ///< of a whole pass, by the clock: not repeatable
+  std::optional<uint64_t> budget_tests{};  ///< of boxes, part volumes and triangles together
   /// Counts by pair of parts, too, and judges by triangles what the part volumes report; see
   /// part_tally(). Never changes a result. Only without a deadline.
   bool by_part = false;
   /// Distances beside what touches; by triangles with `exact`. A deadline counts for them again, by
   /// itself: what it leaves undecided is listed with what its volumes prove.
-  NearOptions near{};
+  ProximityOptions proximity{};
   /// What is asked for, of events and of distances alike.
   PairFilter filter{};
 
-  bool has_deadline() const { return deadline_ms || deadline_tests; }
+  bool has_budget() const { return budget_ms || budget_tests; }
 };
 
 /// The latest frame of a culler; see the functions of Culler of the same names. Spans are valid
@@ -58,11 +58,11 @@ struct CullingResult {
   std::span<const PairEvent> events;
   std::span<const uint8_t> levels;
   uint64_t persisting = 0;
-  NearRows near_pairs, near_bodies;
+  ProximityRows proximity_pairs, closest_parts;
   std::span<const ContactPoint> contact_points;
   const CullingCounters* counters = nullptr;
   uint64_t hash = 0;
-  uint64_t near_hash = 0;
+  uint64_t proximity_hash = 0;
 };
 
 /// What all cullers do, for callers that choose one at run time.
@@ -101,19 +101,19 @@ class Culler final : public AnyCuller {
   /// PairLevel of each of pairs(). Empty where everything is decided: without a deadline.
   std::span<const uint8_t> levels() const;
   uint64_t persisting() const;
-  /// The pairs of parts within `near.near_m`, and of each two bodies within `near.body_near_m` the
-  /// nearest pair; sorted.
-  NearRows near_pairs() const;
-  NearRows near_bodies() const;
-  /// One for each of pairs(), where `near.contact_points` asks for them; under a deadline none of
-  /// what it leaves undecided.
+  /// The pairs of parts within `proximity.margin_m`, and of each two bodies within
+  /// `proximity.closest_margin_m` the nearest pair; sorted.
+  ProximityRows proximity_pairs() const;
+  ProximityRows closest_parts() const;
+  /// One for each of pairs(), where `proximity.contact_points` asks for them; under a deadline none
+  /// of what it leaves undecided.
   std::span<const ContactPoint> contact_points() const;
   const CullingCounters& counters() const;
   /// Of every event so far (see event_hash.h); with a deadline, levels count.
   uint64_t hash() const;
   /// Of every near row so far: its pair, interval and level. hash() is the same with and without
   /// margins.
-  uint64_t near_hash() const;
+  uint64_t proximity_hash() const;
 
  private:
   struct State;

@@ -6,6 +6,6 @@
 #include "culling/body_type.h"
 #include "culling/counters.h"
 #include "culling/culler.h"
-#include "culling/near.h"
 #include "culling/pair.h"
 #include "culling/pair_filter.h"
+#include "culling/proximity.h"

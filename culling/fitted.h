@@ -12,8 +12,8 @@
 
 #include "culling/body_type.h"
 #include "culling/distance/hull_depth.h"
-#include "culling/exact/triangle_bvh.h"
 #include "culling/kernels/kernels.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/nearby_points.h"
 #include "culling/volumes/ordop_table.h"
 #include "culling/volumes/volume_list.h"
@@ -50,7 +50,7 @@ struct BodyType::Volumes {
   /// One a part, as all below.
   template <BoundingVolume V>
   const std::vector<typename V::Fitted>& of() const {
-    return std::get<kPlaceOf<V>>(volumes_).get(
+    return std::get<kVolumeIndex<V>>(volumes_).get(
         parts_, [](const PartShape& part) { return V::fit(part.points); });
   }
   /// What kernels read of an or-DOP: also the source of the boxes.
@@ -60,7 +60,7 @@ struct BodyType::Volumes {
   template <typename V>
   const std::vector<OrdopLanes>& lanes() const {
     constexpr int kCount = KernelsOf<V>::kDirectionCount;
-    return lanes_[kPlaceOf<V>].get(parts_, [](const PartShape& part) {
+    return lanes_[kVolumeIndex<V>].get(parts_, [](const PartShape& part) {
       return OrdopLanes(Slabs::around(part.points), kCount);
     });
   }

@@ -53,7 +53,7 @@ enum class PairLevel : uint8_t {
   kSphere = 0,      ///< the spheres of the two bodies
   kBox = 1,         ///< boxes: of the bodies in their poses, or of the parts
   kPartVolume = 2,  ///< the part volume
-  kExact = 3        ///< triangles
+  kTriangles = 3    ///< triangles
 };
 inline constexpr size_t kPairLevels = 4;
 

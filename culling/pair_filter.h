@@ -17,25 +17,27 @@ struct PairFilter {
   static constexpr Sides left_of(int rule) { return Sides{1} << (2 * rule); }
   static constexpr Sides right_of(int rule) { return Sides{2} << (2 * rule); }
   /// Some rule has one of them on its left and the other on its right.
-  static constexpr bool meet(Sides a, Sides b) {
+  static constexpr bool match(Sides a, Sides b) {
     constexpr Sides kLeft = 0x55555555;
     const Sides other_sides = (b & kLeft) << 1 | (b >> 1 & kLeft);
     return (a & other_sides) != 0;
   }
 
   /// By id; beyond the end: no side. Empty: every pair of bodies is asked for.
-  std::vector<Sides> of_body;
+  std::vector<Sides> sides_of_body;
   /// By type, by part. Empty: every pair of parts.
-  std::vector<std::vector<Sides>> of_part;
+  std::vector<std::vector<Sides>> sides_of_part;
 
-  bool asks_bodies(uint32_t a, uint32_t b) const {
-    if (of_body.empty()) return true;
-    return a < of_body.size() && b < of_body.size() && meet(of_body[a], of_body[b]);
+  bool includes_bodies(uint32_t a, uint32_t b) const {
+    if (sides_of_body.empty()) return true;
+    return a < sides_of_body.size() && b < sides_of_body.size() &&
+           match(sides_of_body[a], sides_of_body[b]);
   }
-  bool asks_parts(size_t type_a, size_t part_a, size_t type_b, size_t part_b) const {
-    return of_part.empty() || meet(of_part[type_a][part_a], of_part[type_b][part_b]);
+  bool includes_parts(size_t type_a, size_t part_a, size_t type_b, size_t part_b) const {
+    return sides_of_part.empty() ||
+           match(sides_of_part[type_a][part_a], sides_of_part[type_b][part_b]);
   }
-  bool is_empty() const { return of_body.empty() && of_part.empty(); }
+  bool is_empty() const { return sides_of_body.empty() && sides_of_part.empty(); }
 };
 
 }  // namespace throng

@@ -33,7 +33,7 @@ PartPairCounts& PartTally::cell(Block& block, uint16_t type_a, uint16_t type_b, 
 }
 
 void PartTally::add(const PartTally& other) {
-  knows_truth &= other.knows_truth;
+  counts_touching &= other.counts_touching;
   for (const auto& [types, theirs] : other.blocks_) {
     Block& ours = block(types.first, types.second, theirs.parts_a, theirs.parts_b);
     ours.body_pairs += theirs.body_pairs;

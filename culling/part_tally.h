@@ -16,7 +16,7 @@ struct PartPairCounts {
   uint64_t box_tests = 0;    ///< box against box
   uint64_t box_passed = 0;   ///< and then volume against volume
   uint64_t part_passed = 0;  ///< and then, where asked, triangles against triangles
-  uint64_t touching = 0;     ///< truly, see PartTally::knows_truth
+  uint64_t touching = 0;     ///< truly, see PartTally::counts_touching
   void add(const PartPairCounts& other);
 };
 
@@ -41,7 +41,7 @@ class PartTally {
   Blocks blocks() const;
 
   /// False where parts have no triangles and nobody can say what truly touches.
-  bool knows_truth = true;
+  bool counts_touching = true;
 
  private:
   Blocks blocks_;

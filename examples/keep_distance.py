@@ -1,6 +1,6 @@
 """keep_distance.py [SLEEP_S]: drives the robot of keep_distance.yaml, slower the nearer somebody is."""
 import random, socket, struct, sys, time
-from throng import answer_t, end_t, near_t, turn_t
+from throng import step_reply_t, end_t, proximity_t, step_request_t
 
 GROUP, PORT = "239.255.76.67", 7684
 bus = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)  # all that LCM is, for messages of one datagram
@@ -13,15 +13,15 @@ bus.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
 instance, frame, chunks, separation = None, -1, 0, {}  # of the newest near rows: how near each robot has somebody
 
 
-def drive(turn, answer, i):
+def drive(request, answer, i):
     """The law: full speed from 0.6 m on, none at 0.2 m; brakes with 4 m/s2, gets faster with 1 m/s2."""
-    ahead = 1 if turn.qw[i] > turn.qz[i] else -1  # along x or against it; it turns at the ends
-    if ahead * turn.x_m[i] > 6:
+    ahead = 1 if request.qw[i] > request.qz[i] else -1  # along x or against it; it turns at the ends
+    if ahead * request.x_m[i] > 6:
         ahead = -ahead
     answer.qw[i], answer.qz[i] = (1, 0) if ahead > 0 else (0, 1)
-    nearest_m = separation.get(turn.avatar[i], 0.6)
-    wanted_mps = 1.2 * min(max((nearest_m - 0.2) / 0.4, 0.0), 1.0)
-    speed_mps = min(max(wanted_mps, abs(turn.vx_mps[i]) - 4 / 60), abs(turn.vx_mps[i]) + 1 / 60, 1.2)
+    min_distance_m = separation.get(request.avatar[i], 0.6)
+    wanted_mps = 1.2 * min(max((min_distance_m - 0.2) / 0.4, 0.0), 1.0)
+    speed_mps = min(max(wanted_mps, abs(request.vx_mps[i]) - 4 / 60), abs(request.vx_mps[i]) + 1 / 60, 1.2)
     speed_mps = max(speed_mps, 0.0)
     answer.x_m[i] += ahead * speed_mps / 60
     answer.vx_mps[i] = ahead * speed_mps
@@ -30,26 +30,26 @@ def drive(turn, answer, i):
 while True:
     packet = bus.recv(65536)
     name, _, data = packet[8:].partition(b"\0")
-    if name == b"THRONG_NEAR":
-        near = near_t.decode(data)
-        if near.frame != frame:
-            frame, chunks, separation = near.frame, 0, {}
+    if name == b"THRONG_PROXIMITY":
+        message = proximity_t.decode(data)
+        if message.frame != frame:
+            frame, chunks, separation = message.frame, 0, {}
         chunks += 1
-        is_whole = chunks == near.chunk_count
-        for a, b, lo_m in zip(near.a, near.b, near.lo_m):
+        is_complete = chunks == message.chunk_count
+        for a, b, lo_m in zip(message.a, message.b, message.lo_m):
             for body in (a, b):
                 separation[body] = min(lo_m, separation.get(body, lo_m))
-    elif name == b"PICKER_TURN":
-        turn, answer = turn_t.decode(data), answer_t()
-        instance = turn.instance
-        if not turn.is_first and not (frame == turn.frame and is_whole):
+    elif name == b"PICKER_REQUEST":
+        request, answer = step_request_t.decode(data), step_reply_t()
+        instance = request.instance
+        if not request.is_first and not (frame == request.frame and is_complete):
             sys.exit(f"frame {turn.frame}: near rows were lost")
-        for field in set(answer.__slots__) & set(turn.__slots__):
-            setattr(answer, field, getattr(turn, field))  # run, frame, avatars and where they are
+        for field in set(answer.__slots__) & set(request.__slots__):
+            setattr(answer, field, getattr(request, field))  # run, frame, avatars and where they are
         for column in ("x_m", "qw", "qz", "vx_mps"):
-            setattr(answer, column, list(getattr(turn, column)))
-        for i in range(0 if turn.is_first else turn.count):
-            drive(turn, answer, i)
+            setattr(answer, column, list(getattr(request, column)))
+        for i in range(0 if request.is_first else request.count):
+            drive(request, answer, i)
         time.sleep(random.uniform(0, float(sys.argv[1]) if len(sys.argv) > 1 else 0))
         bus.sendto(b"LC02\0\0\0\0PICKER_ANSWER\0" + answer.encode(), (GROUP, PORT))
     elif name == b"THRONG_END" and end_t.decode(data).instance == instance:

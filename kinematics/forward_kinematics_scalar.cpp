@@ -1,7 +1,7 @@
 // One avatar after the other, op by op: the reference that the vector version equals to the bit.
 #include <array>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "kinematics/flat_ops.h"
 
 namespace throng {
@@ -54,8 +54,8 @@ void emit(const RunningPose& pose, float scale, PartPose& out) {
   }
 }
 
-void pose_one(const FlatModel::Ops& ops, const float* posture, const RootFrame& root,
-              PartPose* out) {
+void pose_avatar(const FlatModel::Ops& ops, const float* posture, const RootFrame& root,
+                 PartPose* out) {
   RunningPose pose = root_pose(root.world_from_root);
   std::array<RunningPose, kMaxSlots> slots;
   for (const Op& op : ops.program) {
@@ -106,7 +106,7 @@ void forward_kinematics_scalar(const FlatModel& model, const PostureRows& rows,
                                std::span<const RootFrame> roots, std::span<PartPose> poses) {
   const size_t outputs = static_cast<size_t>(model.output_count());
   for (size_t i = 0; i < roots.size(); ++i)
-    pose_one(model.ops(), rows[i], roots[i], poses.data() + i * outputs);
+    pose_avatar(model.ops(), rows[i], roots[i], poses.data() + i * outputs);
 }
 
 }  // namespace throng

@@ -37,7 +37,7 @@ std::string in_xml(std::string_view value) {
 
 class Writer {
  public:
-  Writer(const std::vector<XmlElement>& elements, const UrdfUse& use)
+  Writer(const std::vector<XmlElement>& elements, const UrdfCheckResult& use)
       : elements_(elements), use_(use) {}
 
   std::string text() {
@@ -112,25 +112,25 @@ class Writer {
   }
 
   const std::vector<XmlElement>& elements_;
-  const UrdfUse& use_;
+  const UrdfCheckResult& use_;
   std::string out_;
 };
 
 }  // namespace
 
-std::string plain_urdf(const std::vector<XmlElement>& elements, const UrdfUse& use) {
+std::string plain_urdf(const std::vector<XmlElement>& elements, const UrdfCheckResult& use) {
   return Writer(elements, use).text();
 }
 
 namespace {
 
 /// A page; the rest is a number.
-constexpr size_t kMostIdleNotes = 40;
+constexpr size_t kMaxIgnoredNotes = 40;
 
 /// Finds the idle tags of links.
-class Idle {
+class IgnoredTags {
  public:
-  explicit Idle(const std::vector<XmlElement>& elements) : elements_(elements) {}
+  explicit IgnoredTags(const std::vector<XmlElement>& elements) : elements_(elements) {}
 
   /// Why a child of a link is idle, or "".
   std::string reason_for(int child) const {
@@ -161,17 +161,17 @@ class Idle {
     const int shape = geometry < 0 ? -1 : at(geometry).first_child;
     if (shape < 0) return "";
     const std::string_view kind = at(shape).name;
-    bool is_idle = false;
+    bool is_ignored = false;
     if (kind == "box") {
       const auto edges = sizes_above_zero(shape, "size", 3);
-      is_idle = edges && *edges < 2;  // a plate has a surface, a line has none
+      is_ignored = edges && *edges < 2;  // a plate has a surface, a line has none
     } else if (kind == "sphere") {
-      is_idle = sizes_above_zero(shape, "radius", 1) == size_t{0};
+      is_ignored = sizes_above_zero(shape, "radius", 1) == size_t{0};
     } else if (kind == "cylinder" || kind == "capsule") {
-      is_idle = sizes_above_zero(shape, "radius", 1) == size_t{0} &&
-                sizes_above_zero(shape, "length", 1).has_value();
+      is_ignored = sizes_above_zero(shape, "radius", 1) == size_t{0} &&
+                   sizes_above_zero(shape, "length", 1).has_value();
     }
-    return is_idle ? fmt::format("a {} of size zero, which touches nothing", kind) : "";
+    return is_ignored ? fmt::format("a {} of size zero, which touches nothing", kind) : "";
   }
 
   bool is_incomplete(int inertial) const {
@@ -188,29 +188,29 @@ class Idle {
 
 }  // namespace
 
-std::string without_idle(const std::string& text, const std::vector<XmlElement>& elements,
-                         std::vector<std::string>& notes) {
+std::string blank_ignored_tags(const std::string& text, const std::vector<XmlElement>& elements,
+                               std::vector<std::string>& notes) {
   std::string out = text;
-  const Idle idle(elements);
+  const IgnoredTags ignored(elements);
   size_t left_out = 0;
   for (size_t i = 1; i < elements.size(); ++i) {
     const XmlElement& element = elements[i];
     if (element.parent < 0) continue;
     const XmlElement& owner = elements[static_cast<size_t>(element.parent)];
     if (owner.parent != 0 || owner.name != "link") continue;
-    const std::string reason = idle.reason_for(static_cast<int>(i));
+    const std::string reason = ignored.reason_for(static_cast<int>(i));
     if (reason.empty()) continue;
     const auto begin = static_cast<size_t>(element.name.data() - text.data()) - 1;
     for (size_t k = begin; k < element.end; ++k)
       if (out[k] != '\n') out[k] = ' ';
-    if (++left_out > kMostIdleNotes) continue;
+    if (++left_out > kMaxIgnoredNotes) continue;
     const std::string* name = owner.attribute("name");
     notes.push_back(fmt::format("<{}> of link '{}', line {}: skipped: {}", element.name,
                                 name == nullptr ? "" : name->substr(0, kMaxNameBytes), element.line,
                                 reason));
   }
-  if (left_out > kMostIdleNotes)
-    notes.push_back(fmt::format("and {} more such tags: skipped", left_out - kMostIdleNotes));
+  if (left_out > kMaxIgnoredNotes)
+    notes.push_back(fmt::format("and {} more such tags: skipped", left_out - kMaxIgnoredNotes));
   return out;
 }
 

@@ -112,8 +112,9 @@ Geometry to_geometry(const urdf::Geometry& shape, const urdf::Pose& origin,
 /// read.
 template <typename Shapes>
 std::vector<Geometry> to_geometries(const Shapes& shapes, std::string_view tag,
-                                    const std::vector<XmlElement>& elements, const UrdfUse& use,
-                                    int link, const std::filesystem::path& file) {
+                                    const std::vector<XmlElement>& elements,
+                                    const UrdfCheckResult& use, int link,
+                                    const std::filesystem::path& file) {
   std::vector<int> owners;
   for (int i = elements[static_cast<size_t>(link)].first_child; i >= 0;
        i = elements[static_cast<size_t>(i)].next_sibling)
@@ -130,8 +131,8 @@ std::vector<Geometry> to_geometries(const Shapes& shapes, std::string_view tag,
 }
 
 /// `element` is the <link> that urdfdom read as `link`.
-Link to_link(const urdf::Link& link, const std::vector<XmlElement>& elements, const UrdfUse& use,
-             int element, const std::filesystem::path& file) {
+Link to_link(const urdf::Link& link, const std::vector<XmlElement>& elements,
+             const UrdfCheckResult& use, int element, const std::filesystem::path& file) {
   Link out;
   out.name = link.name;
   out.visual = to_geometries(link.visual_array, "visual", elements, use, element, file);
@@ -205,8 +206,8 @@ Link frame_of(const Joint& spherical, char axis, const std::map<std::string, int
 }
 
 /// The robot's own <link> or <joint> tags that are read, by name.
-std::map<std::string, int> named(const std::vector<XmlElement>& elements, const UrdfUse& use,
-                                 std::string_view tag) {
+std::map<std::string, int> named(const std::vector<XmlElement>& elements,
+                                 const UrdfCheckResult& use, std::string_view tag) {
   std::map<std::string, int> out;
   for (size_t i = 1; i < elements.size(); ++i)
     if (elements[i].parent == 0 && elements[i].name == tag && !use.skipped[i])
@@ -216,7 +217,8 @@ std::map<std::string, int> named(const std::vector<XmlElement>& elements, const 
 
 /// Joints in depth-first order from the root, siblings as they stand in the file.
 std::vector<std::string> joints_from_root(const std::vector<XmlElement>& elements,
-                                          const UrdfUse& use, const urdf::ModelInterface& model) {
+                                          const UrdfCheckResult& use,
+                                          const urdf::ModelInterface& model) {
   std::map<std::string, std::vector<std::string>> below;  // by parent link, last one first
   for (size_t i = elements.size(); i-- > 1;) {
     if (elements[i].parent != 0 || elements[i].name != "joint" || use.skipped[i]) continue;
@@ -273,14 +275,14 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
   if (text.find('<') == std::string::npos) text = whole;
   if (text.size() < whole.size())
     notes.push_back(fmt::format("the last {} bytes are zero: skipped", whole.size() - text.size()));
-  auto elements = scan_xml(text, file.string(), kUrdfCaps);
+  auto elements = scan_xml(text, file.string(), kUrdfLimits);
   const size_t notes_before = notes.size();
-  std::string used = without_idle(text, elements, notes);
+  std::string used = blank_ignored_tags(text, elements, notes);
   if (notes.size() > notes_before) {
     text = std::move(used);
-    elements = scan_xml(text, file.string(), kUrdfCaps);
+    elements = scan_xml(text, file.string(), kUrdfLimits);
   }
-  const UrdfUse use = check_urdf(elements, file.string());
+  const UrdfCheckResult use = check_urdf(elements, file.string());
   Messages messages;
   const auto model = parse_quietly(plain_urdf(elements, use), messages);
   messages.errors = one_line(messages.errors);
@@ -343,8 +345,8 @@ std::string read_urdf_text(const std::filesystem::path& file) {
     throw InputError(file.string(), "a URDF file", "a directory");
   const auto size = std::filesystem::file_size(file, error);
   if (error) throw InputError(file.string(), "a URDF file", error.message());
-  if (size > kUrdfCaps.bytes)
-    throw InputError(file.string(), fmt::format("at most {} bytes", kUrdfCaps.bytes),
+  if (size > kUrdfLimits.bytes)
+    throw InputError(file.string(), fmt::format("at most {} bytes", kUrdfLimits.bytes),
                      fmt::format("{}", size));
   std::ifstream in(file, std::ios::binary);
   std::string text(size, '\0');

@@ -26,7 +26,7 @@ class Check {
     use_.skipped.resize(elements.size());
   }
 
-  UrdfUse run() {
+  UrdfCheckResult run() {
     check_root();
     refuse_xacro(elements_, file_);
     for_children(0, [&](int child) {
@@ -229,8 +229,8 @@ class Check {
       check_shape(visual);
     } catch (const InputError& error) {
       use_.skipped[static_cast<size_t>(visual)] = true;
-      constexpr size_t kMostNotes = 40;  // a page
-      if (++unsound_visuals_ > kMostNotes) return;
+      constexpr size_t kMaxNotes = 40;  // a page
+      if (++unsound_visuals_ > kMaxNotes) return;
       use_.notes.push_back(fmt::format(
           "<visual> of link {}, line {}: skipped, its <collision> counts: {}", in_quotes(link),
           at(visual).line, std::string(error.what()).substr(error.where().size() + 2)));
@@ -310,11 +310,11 @@ class Check {
     const std::string& name = required(element, "link");
     const auto link = links_.find(name);
     if (link == links_.end())
-      fail(element, "the name of a <link>", in_quotes(name) + near(name, links_));
+      fail(element, "the name of a <link>", in_quotes(name) + suggestion(name, links_));
     return link->second;
   }
 
-  static std::string near(std::string_view name, const Named& known) {
+  static std::string suggestion(std::string_view name, const Named& known) {
     std::vector<std::string> names;
     for (const auto& [known_name, element] : known) names.push_back(known_name);
     return did_you_mean(name, names);
@@ -346,9 +346,9 @@ class Check {
 
   /// It becomes three joints with two more links, whose names are longer.
   void add_spherical(const std::string& name, int joint) {
-    constexpr size_t kMostBytes = kMaxNameBytes - 8;
-    if (name.size() > kMostBytes)
-      fail(joint, fmt::format("a name of at most {} bytes for a spherical joint", kMostBytes),
+    constexpr size_t kMaxBytes = kMaxNameBytes - 8;
+    if (name.size() > kMaxBytes)
+      fail(joint, fmt::format("a name of at most {} bytes for a spherical joint", kMaxBytes),
            fmt::format("one of {}", name.size()));
     spherical_.emplace(joint, name);
     if (links_.size() + 2 * spherical_.size() > static_cast<size_t>(kMaxLinks))
@@ -362,12 +362,12 @@ class Check {
   void check_limit(const std::string& name, int joint, const std::string& kind) {
     const int limit = child_of(elements_, joint, "limit");
     if (limit < 0) {
-      if (!follows(joint)) (kind == "revolute" ? unlimited_ : held_).emplace(joint, name);
+      if (!follows(joint)) (kind == "revolute" ? unlimited_ : fixed_).emplace(joint, name);
       return;
     }
-    const double most = kind == "prismatic" ? kMaxLength_m : kMaxAngle_rad;
-    const double lower = number_or(limit, "lower", 0, most);
-    const double upper = number_or(limit, "upper", 0, most);
+    const double max_value = kind == "prismatic" ? kMaxLength_m : kMaxAngle_rad;
+    const double lower = number_or(limit, "lower", 0, max_value);
+    const double upper = number_or(limit, "upper", 0, max_value);
     if (lower > upper)
       fail(limit, "lower <= upper", fmt::format("lower {:g}, upper {:g}", lower, upper));
     if (!at(limit).attribute("lower") && !at(limit).attribute("upper") && !follows(joint))
@@ -376,21 +376,21 @@ class Check {
 
   void assume(const std::map<int, std::string>& joints, std::string_view what) {
     if (joints.empty()) return;
-    constexpr size_t kMostNames = 4;
+    constexpr size_t kMaxNames = 4;
     std::string names;
     size_t count = 0;
     for (const auto& [joint, name] : joints)
-      if (++count <= kMostNames)
+      if (++count <= kMaxNames)
         names +=
             fmt::format("{}{} (line {})", count > 1 ? ", " : "", in_quotes(name), at(joint).line);
-    if (count > kMostNames) names += fmt::format(" and {} more", count - kMostNames);
+    if (count > kMaxNames) names += fmt::format(" and {} more", count - kMaxNames);
     use_.assumptions.push_back(fmt::format("{}: {}", what, names));
   }
 
   void tell_assumptions() {
     assume(spherical_, "spherical joints are read as three continuous ones, about x, y and z");
     assume(unlimited_, "revolute joints without <limit> turn as continuous ones do");
-    assume(held_, "prismatic joints without <limit> stay at 0 m");
+    assume(fixed_, "prismatic joints without <limit> stay at 0 m");
     assume(stuck_,
            "joints whose <limit> has neither lower nor upper, which are then 0, do not move");
   }
@@ -409,7 +409,8 @@ class Check {
       const std::string& leader = required(mimic, "joint");
       const auto entry = joints_.find(leader);
       if (entry == joints_.end())
-        fail(mimic, "the name of a <joint> to mimic", in_quotes(leader) + near(leader, joints_));
+        fail(mimic, "the name of a <joint> to mimic",
+             in_quotes(leader) + suggestion(leader, joints_));
       if (!is_of_one_number(entry->second))
         fail(mimic, "a joint that moves to mimic",
              fmt::format("{}, which is {}", in_quotes(leader), kind_of(entry->second)));
@@ -452,10 +453,10 @@ class Check {
   const std::string& file_;
   Named links_;
   Named joints_;
-  UrdfUse use_;
+  UrdfCheckResult use_;
   int shapes_ = 0;
   size_t unsound_visuals_ = 0;
-  std::map<int, std::string> unlimited_, held_, stuck_, spherical_;  ///< joints by element
+  std::map<int, std::string> unlimited_, fixed_, stuck_, spherical_;  ///< joints by element
   std::map<int, int> joint_above_;
   std::map<int, int> parent_link_;
 };
@@ -480,7 +481,7 @@ std::optional<std::vector<double>> finite_numbers(std::string_view text) {
   }
 }
 
-UrdfUse check_urdf(const std::vector<XmlElement>& elements, const std::string& file) {
+UrdfCheckResult check_urdf(const std::vector<XmlElement>& elements, const std::string& file) {
   return Check(elements, file).run();
 }
 
@@ -565,26 +566,26 @@ void refuse_xacro(const std::vector<XmlElement>& elements, const std::string& fi
 
 std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements) {
   std::map<std::string, std::pair<int, std::string_view>> counts;
-  std::vector<bool> told(elements.size(), false);  // an unused tag speaks for all inside it
+  std::vector<bool> is_reported(elements.size(), false);  // an unused tag speaks for all inside it
   for (size_t i = 1; i < elements.size(); ++i) {
     const size_t parent = static_cast<size_t>(elements[i].parent);
-    told[i] = told[parent];
-    if (told[i]) continue;
+    is_reported[i] = is_reported[parent];
+    if (is_reported[i]) continue;
     const auto* known = std::find_if(kKnownTags.begin(), kKnownTags.end(),
                                      [&](const Use& use) { return use.tag == elements[i].name; });
     if (known != kKnownTags.end() && known->note.empty()) continue;
     const bool understood = known != kKnownTags.end();
-    told[i] = elements[i].name != "inertial";
+    is_reported[i] = elements[i].name != "inertial";
     const std::string key = fmt::format("<{}>", escaped(elements[i].name.substr(0, 60)));
     auto& entry = counts.emplace(key, std::pair{0, understood ? known->note : "not understood"})
                       .first->second;
     ++entry.first;
   }
-  constexpr size_t kMostTags = 60;  // a page; the rest is a number
+  constexpr size_t kMaxTags = 60;  // a page; the rest is a number
   std::vector<std::string> notes;
   for (const auto& [tag, count] : counts) {
-    if (notes.size() == kMostTags) {
-      notes.push_back(fmt::format("and {} more tags: not understood", counts.size() - kMostTags));
+    if (notes.size() == kMaxTags) {
+      notes.push_back(fmt::format("and {} more tags: not understood", counts.size() - kMaxTags));
       break;
     }
     notes.push_back(fmt::format("{} x{}: {}", tag, count.first, count.second));

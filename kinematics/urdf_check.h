@@ -16,12 +16,12 @@ namespace throng {
 /// A real URDF is below 1 MB and 6 tags deep (a dozen with simulator extensions); tinyxml, which
 /// urdfdom uses, overflows the stack at some 10^5 nested tags, and looks through all attributes of
 /// a tag for each further one: a tag of URDF has ten at most.
-inline constexpr XmlCaps kUrdfCaps{.bytes = 16u << 20,
-                                   .depth = 64,
-                                   .elements = 200'000,
-                                   .value_bytes = 4096,
-                                   .attributes = 64,
-                                   .name_bytes = 256};
+inline constexpr XmlLimits kUrdfLimits{.bytes = 16u << 20,
+                                       .depth = 64,
+                                       .elements = 200'000,
+                                       .value_bytes = 4096,
+                                       .attributes = 64,
+                                       .name_bytes = 256};
 /// Three shapes a link are many; a sphere becomes some hundred triangles.
 inline constexpr int kMaxShapes = 16'384;
 /// Beyond 10 km a float no longer tells millimetres apart.
@@ -35,14 +35,14 @@ inline constexpr double kMaxMeshScale = 1e6;
 std::optional<std::vector<double>> finite_numbers(std::string_view text);
 
 /// What is read of a URDF that is sound.
-struct UrdfUse {
+struct UrdfCheckResult {
   std::vector<bool> skipped;             ///< by element: links, joints and shapes that are left out
   std::vector<std::string> notes;        ///< a line for each such element or group of them
   std::vector<std::string> assumptions;  ///< see parse_urdf()
 };
 
 /// Throws InputError "file:line: ..." at the first defect.
-UrdfUse check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
+UrdfCheckResult check_urdf(const std::vector<XmlElement>& elements, const std::string& file);
 
 /// Finds what is still to be expanded: xacro is a language of macros for URDFs, and its program
 /// makes plain ones of them. Throws InputError "file:line: ..." at the first tag of xacro, and at

@@ -57,8 +57,8 @@ bool append_entity(std::string& out, std::string_view entity) {
 
 class Scanner {
  public:
-  Scanner(std::string_view text, const std::string& file, const XmlCaps& caps)
-      : text_(text), file_(file), caps_(caps) {}
+  Scanner(std::string_view text, const std::string& file, const XmlLimits& limits)
+      : text_(text), file_(file), limits_(limits) {}
 
   std::vector<XmlElement> run() {
     if (text_.substr(0, 3) == "\xef\xbb\xbf") advance(3);
@@ -111,8 +111,8 @@ class Scanner {
     const size_t start = at_;
     while (at_ < text_.size() && !ends_name(text_[at_])) ++at_;
     const std::string_view found = text_.substr(start, at_ - start);
-    if (found.size() > caps_.name_bytes)
-      fail(line_, fmt::format("names of at most {} bytes", caps_.name_bytes),
+    if (found.size() > limits_.name_bytes)
+      fail(line_, fmt::format("names of at most {} bytes", limits_.name_bytes),
            fmt::format("'{}...' of {}", shown(found), found.size()));
     return found;
   }
@@ -139,8 +139,8 @@ class Scanner {
     advance(1);
     element.name = name();
     if (element.name.empty()) fail(line_, "a tag name after '<'", "none");
-    if (static_cast<int>(elements_.size()) >= caps_.elements)
-      fail(line_, fmt::format("at most {} elements", caps_.elements), "more");
+    if (static_cast<int>(elements_.size()) >= limits_.elements)
+      fail(line_, fmt::format("at most {} elements", limits_.elements), "more");
     attributes(element);
     const bool empty = here() == '/';
     if (empty) advance(1);
@@ -157,9 +157,9 @@ class Scanner {
       if (attribute_name.empty())
         fail(line_, fmt::format("an attribute or '>' in <{}", shown(element.name)),
              at_ < text_.size() ? "something else" : "the end of the file");
-      if (element.attributes.size() == caps_.attributes)
+      if (element.attributes.size() == limits_.attributes)
         fail(line_,
-             fmt::format("at most {} attributes in <{}>", caps_.attributes, shown(element.name)),
+             fmt::format("at most {} attributes in <{}>", limits_.attributes, shown(element.name)),
              "more");
       skip_spaces();
       if (here() != '=')
@@ -179,9 +179,9 @@ class Scanner {
     if (end == std::string_view::npos)
       fail(line_, fmt::format("a closing quote for '{}'", shown(of)), "the end of the file");
     const std::string_view raw = text_.substr(at_ + 1, end - at_ - 1);
-    if (raw.size() > caps_.value_bytes)
+    if (raw.size() > limits_.value_bytes)
       fail(line_,
-           fmt::format("at most {} bytes in the value of '{}'", caps_.value_bytes, shown(of)),
+           fmt::format("at most {} bytes in the value of '{}'", limits_.value_bytes, shown(of)),
            fmt::format("{}", raw.size()));
     std::string decoded;
     for (size_t i = 0; i < raw.size(); ++i) {
@@ -215,13 +215,13 @@ class Scanner {
     youngest_child_.push_back(-1);
     if (empty) return;
     open_.push_back(index);
-    if (static_cast<int>(open_.size()) > caps_.depth)
-      fail(line, fmt::format("tags nested at most {} deep", caps_.depth), "deeper nesting");
+    if (static_cast<int>(open_.size()) > limits_.depth)
+      fail(line, fmt::format("tags nested at most {} deep", limits_.depth), "deeper nesting");
   }
 
   std::string_view text_;
   const std::string& file_;
-  const XmlCaps& caps_;
+  const XmlLimits& limits_;
   size_t at_ = 0;
   int line_ = 1;
   std::vector<XmlElement> elements_;
@@ -238,13 +238,13 @@ const std::string* XmlElement::attribute(std::string_view attribute_name) const 
 }
 
 std::vector<XmlElement> scan_xml(std::string_view text, const std::string& file,
-                                 const XmlCaps& caps) {
-  if (text.size() > caps.bytes)
-    throw InputError(file, fmt::format("at most {} bytes", caps.bytes),
+                                 const XmlLimits& limits) {
+  if (text.size() > limits.bytes)
+    throw InputError(file, fmt::format("at most {} bytes", limits.bytes),
                      fmt::format("{}", text.size()));
   if (text.find('\0') != std::string_view::npos)
     throw InputError(file, "XML text in UTF-8", "a binary or UTF-16 file (it holds a zero byte)");
-  return Scanner(text, file, caps).run();
+  return Scanner(text, file, limits).run();
 }
 
 std::string_view root_tag_of(std::string_view text) {

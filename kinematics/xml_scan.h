@@ -25,7 +25,7 @@ struct XmlElement {
   const std::string* attribute(std::string_view attribute_name) const;
 };
 
-struct XmlCaps {
+struct XmlLimits {
   size_t bytes;
   int depth;
   int elements;
@@ -37,7 +37,7 @@ struct XmlCaps {
 /// Tags, attributes and line numbers of `text`; character data is skipped. Throws InputError
 /// "file:line: ..." for text that is not XML, badly nested, or over a cap.
 std::vector<XmlElement> scan_xml(std::string_view text, const std::string& file,
-                                 const XmlCaps& caps);
+                                 const XmlLimits& limits);
 
 /// The name of the first start tag of `text`, which may be the head of a longer one; empty if the
 /// text begins otherwise than an XML text does, or ends before.

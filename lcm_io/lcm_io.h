@@ -5,7 +5,7 @@
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
 #include "lcm_io/log/log_sink.h"
-#include "lcm_io/wire/drive_receiver.h"
 #include "lcm_io/wire/lcm_sink.h"
 #include "lcm_io/wire/lockstep.h"
+#include "lcm_io/wire/pose_command_receiver.h"
 #include "lcm_io/wire/receiver.h"

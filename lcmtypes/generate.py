@@ -166,7 +166,7 @@ def wrapped(items, indent="    ", width=98):
 def channels(types):
     known = types.on_channels()
     names = [f'"{struct.channel}"' for struct in known]
-    asked = [f"channel == Channel::{constant(struct.channel)}" for struct in known if struct.on_request]
+    on_request = [f"channel == Channel::{constant(struct.channel)}" for struct in known if struct.on_request]
     return f"""#include <array>
 #include <cstdint>
 #include <string_view>
@@ -183,8 +183,8 @@ inline constexpr std::array<Channel, kChannelCount> kAllChannels = {{
 inline constexpr std::array<std::string_view, kChannelCount> kChannelNames = {{
 {wrapped(names)}}};
 
-/// Whether only runs that were asked for it say something on the channel.
-constexpr bool is_on_request([[maybe_unused]] Channel channel) {{ return {" || ".join(asked) or "false"}; }}
+/// Whether only runs that were on_request for it say something on the channel.
+constexpr bool is_on_request([[maybe_unused]] Channel channel) {{ return {" || ".join(on_request) or "false"}; }}
 
 }}  // namespace throng
 """

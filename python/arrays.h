@@ -22,7 +22,7 @@ pybind11::array_t<T> array_over(std::shared_ptr<std::vector<T>> values,
   T* const data = values->data();
   auto* const share = new std::shared_ptr<std::vector<T>>(std::move(values));
   const pybind11::capsule owner(
-      share, [](void* held) { delete static_cast<std::shared_ptr<std::vector<T>>*>(held); });
+      share, [](void* shared) { delete static_cast<std::shared_ptr<std::vector<T>>*>(shared); });
   return pybind11::array_t<T>(std::move(shape), data, owner);
 }
 

@@ -87,10 +87,10 @@ ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, b
 
 /// A culler whose bodies may be posed in any way: where they reach farther than before, it is made
 /// anew with larger spheres, and goes on.
-class OwnCuller {
+class PosedCuller {
  public:
-  OwnCuller(std::vector<ShapePtr> shapes, const PartVolumes& volumes, const CullerOptions& options,
-            int threads)
+  PosedCuller(std::vector<ShapePtr> shapes, const PartVolumes& volumes,
+              const CullerOptions& options, int threads)
       : shapes_(shapes.begin(), shapes.end()),
         volumes_(volumes),
         options_(options),
@@ -111,12 +111,12 @@ class OwnCuller {
       culler_->archive(again);
     }
     culler_->step({ids, types, scales, parts_.roots()}, parts_);
-    keep();
+    store_events();
     ++frame_;
   }
   void finish() {
     culler_->finish();
-    keep();
+    store_events();
   }
 
   const Culler& culler() const { return *culler_; }
@@ -137,11 +137,11 @@ class OwnCuller {
 
  private:
   bool grow() {
-    constexpr float kRoom = 1.5F;
+    constexpr float kGrowth = 1.5F;
     bool grows = false;
     for (size_t type = 0; type < reach_m_.size(); ++type) {
       if (parts_.reach_m()[type] * 1.0001F <= reach_m_[type]) continue;
-      reach_m_[type] = parts_.reach_m()[type] * (reach_m_[type] > 0 ? kRoom : 1.05F);
+      reach_m_[type] = parts_.reach_m()[type] * (reach_m_[type] > 0 ? kGrowth : 1.05F);
       grows = true;
     }
     return grows;
@@ -159,7 +159,7 @@ class OwnCuller {
     }
     culler_ = std::make_unique<Culler>(std::move(types), options_, workers_);
   }
-  void keep() {
+  void store_events() {
     latest_ = events_.size();
     for (const PairEvent& event : culler_->events()) events_.push_back(event_row(frame_, event));
   }
@@ -179,7 +179,7 @@ class OwnCuller {
 template <typename T>
 using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-void require_bodies(const OwnCuller& culler, const Numbers<int64_t>& ids,
+void require_bodies(const PosedCuller& culler, const Numbers<int64_t>& ids,
                     const Numbers<int64_t>& types, const DoubleArray& scales) {
   if (ids.size() != types.size() || ids.size() != scales.size())
     throw InputError("ids, types, scales", "one of each a body",
@@ -201,29 +201,29 @@ void require_bodies(const OwnCuller& culler, const Numbers<int64_t>& ids,
   }
 }
 
-std::vector<EventRow> latest_events(const OwnCuller& culler) {
+std::vector<EventRow> latest_events(const PosedCuller& culler) {
   const auto from = culler.events().begin() + static_cast<std::ptrdiff_t>(culler.latest());
   return {from, culler.events().end()};
 }
 
-using CullerPtr = std::shared_ptr<OwnCuller>;
+using CullerPtr = std::shared_ptr<PosedCuller>;
 
 /// A step of so few bodies takes about as long as the last, however they are posed.
-constexpr size_t kFew = 100;
+constexpr size_t kFewBodies = 100;
 constexpr double kShort_s = 1e-3;
 
 /// Others may run Python meanwhile, but not this culler.
-class Turn {
+class BusyGuard {
  public:
-  explicit Turn(CullerPtr culler) : culler_(std::move(culler)) {
+  explicit BusyGuard(CullerPtr culler) : culler_(std::move(culler)) {
     culler_->expect_idle();
     culler_->is_busy = true;
   }
-  ~Turn() { culler_->is_busy = false; }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
+  ~BusyGuard() { culler_->is_busy = false; }
+  BusyGuard(const BusyGuard&) = delete;
+  BusyGuard& operator=(const BusyGuard&) = delete;
 
-  OwnCuller& culler() const { return *culler_; }
+  PosedCuller& culler() const { return *culler_; }
 
  private:
   CullerPtr culler_;
@@ -231,8 +231,8 @@ class Turn {
 
 /// What a step takes. It may go on where nobody waits for it.
 struct StepWork {
-  explicit StepWork(const CullerPtr& culler) : turn(culler) {}
-  Turn turn;
+  explicit StepWork(const CullerPtr& culler) : guard(culler) {}
+  BusyGuard guard;
   std::vector<double> matrices;
   size_t stride = 0;
   std::vector<uint32_t> ids;
@@ -255,29 +255,29 @@ py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbe
   work->scales.assign(scales.data(), scales.data() + scales.size());
   // Taken within the turn: the next may begin as soon as this one is over.
   const auto events = std::make_shared<std::vector<EventRow>>();
-  const bool is_short = work->ids.size() <= kFew && culler->step_s < kShort_s;
-  std::function<void(WorkSigns&)> stepping = [held = std::move(work), events](WorkSigns&) {
-    OwnCuller& mine = held->turn.culler();
+  const bool is_short = work->ids.size() <= kFewBodies && culler->step_s < kShort_s;
+  std::function<void(WorkState&)> stepping = [shared = std::move(work), events](WorkState&) {
+    PosedCuller& posed = shared->guard.culler();
     const auto start = std::chrono::steady_clock::now();
-    mine.step(held->matrices, held->stride, held->ids, held->types, held->scales);
-    mine.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    *events = latest_events(mine);
+    posed.step(shared->matrices, shared->stride, shared->ids, shared->types, shared->scales);
+    posed.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    *events = latest_events(posed);
   };
   if (is_short)
-    run_here(stepping);
+    run_inline(stepping);
   else
-    run_apart(std::move(stepping), py::none(), Unwanted::kLingers);
+    run_in_thread(std::move(stepping), py::none(), AbandonPolicy::kJoinBriefly);
   return array_over(events);
 }
 
 CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
   if (shapes.empty()) throw InputError("bodies", "at least one kind of body", "none");
   const auto taken = [&given](const char* name) { return given.attr("pop")(name).cast<double>(); };
-  const double body_near_m = taken("body_near");
+  const double closest_margin_m = taken("body_near");
   const double step_s = taken("step_s");
-  const double most_m = static_cast<double>(kMostNear_m);
-  require_number("body_near", body_near_m, 0, most_m, false,
-                 fmt::format("metres from 0 to {}", most_m));
+  const double max_m = static_cast<double>(kMaxProximity_m);
+  require_number("body_near", closest_margin_m, 0, max_m, false,
+                 fmt::format("metres from 0 to {}", max_m));
   require_number("step_s", step_s, 0, 1e6, true, "a number of seconds above 0");
   const RunRequest request = request_of(given);
   const PartVolumes volumes = request.options.part_volume.value_or(PartVolumes());
@@ -286,20 +286,21 @@ CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
     part_names.insert(part_names.end(), shape->part_names.begin(), shape->part_names.end());
   require_parts(volumes, std::move(part_names));
   CullerOptions options = request.simulation.culler;
-  options.near = {static_cast<float>(request.options.near_m.value_or(0)),
-                  static_cast<float>(body_near_m), step_s, request.options.contact_points};
+  options.proximity = {static_cast<float>(request.options.proximity_m.value_or(0)),
+                       static_cast<float>(closest_margin_m), step_s,
+                       request.options.contact_points};
   options.part_volume = volumes.fallback;
   options.exact = request.options.exact;
   const int threads = request.simulation.threads;
-  return result_apart<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
-    return std::make_shared<OwnCuller>(shapes, volumes, options, threads);
+  return result_from_thread<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
+    return std::make_shared<PosedCuller>(shapes, volumes, options, threads);
   });
 }
 
 /// Of a culler that is idle.
 template <typename Function>
 auto idle(const Function& function) {
-  return [function](const OwnCuller& culler) {
+  return [function](const PosedCuller& culler) {
     culler.expect_idle();
     return function(culler);
   };
@@ -314,40 +315,42 @@ void bind_culler(py::module_& module) {
                              [](const BodyShape& shape) { return shape.parts.size(); });
   module.def("body_of_model", shape_of_model);
   module.def("body_of_parts", shape_of_parts);
-  py::class_<OwnCuller, CullerPtr>(module, "Culler")
+  py::class_<PosedCuller, CullerPtr>(module, "Culler")
       .def(py::init(&made), py::arg("bodies"), py::arg("options"))
-      .def("contact_points", idle([](const OwnCuller& culler) {
+      .def("contact_points", idle([](const PosedCuller& culler) {
              return array_of(contact_point_rows(culler.culler().contact_points()));
            }))
-      .def("near", idle([](const OwnCuller& culler) {
-             return array_of(near_rows(culler.culler().near_pairs()));
+      .def("near", idle([](const PosedCuller& culler) {
+             return array_of(proximity_rows(culler.culler().proximity_pairs()));
            }))
-      .def("near_bodies", idle([](const OwnCuller& culler) {
-             return array_of(near_rows(culler.culler().near_bodies()));
+      .def("closest_parts", idle([](const PosedCuller& culler) {
+             return array_of(proximity_rows(culler.culler().closest_parts()));
            }))
       .def("step", step)
       .def("finish",
            [](const CullerPtr& culler) {
-             const Turn turn(culler);
+             const BusyGuard guard(culler);
              culler->finish();
              return array_of(latest_events(*culler));
            })
-      .def("pairs", idle([](const OwnCuller& culler) {
+      .def("pairs", idle([](const PosedCuller& culler) {
              std::vector<PairRow> rows;
              for (const PairKey& pair : culler.culler().pairs())
                rows.push_back({pair.a(), pair.b(), static_cast<uint8_t>(pair.part_a()),
                                static_cast<uint8_t>(pair.part_b())});
              return array_of(std::move(rows));
            }))
-      .def("events", idle([](const OwnCuller& culler) { return array_of(culler.events()); }))
+      .def("events", idle([](const PosedCuller& culler) { return array_of(culler.events()); }))
       .def("contacts",
-           [](const OwnCuller& culler, double step_s) {
+           [](const PosedCuller& culler, double step_s) {
              culler.expect_idle();
              return array_of(contacts_of(culler.events(), step_s, culler.frame()));
            })
-      .def_property_readonly("frame", idle([](const OwnCuller& culler) { return culler.frame(); }))
-      .def_property_readonly(
-          "hash", idle([](const OwnCuller& culler) { return hash_text(culler.culler().hash()); }));
+      .def_property_readonly("frame",
+                             idle([](const PosedCuller& culler) { return culler.frame(); }))
+      .def_property_readonly("hash", idle([](const PosedCuller& culler) {
+                               return hash_text(culler.culler().hash());
+                             }));
 }
 
 }  // namespace throng

@@ -19,18 +19,18 @@ namespace {
 /// Until a signal is seen, at most.
 constexpr auto kPatience = std::chrono::milliseconds(50);
 /// For work that nobody wants any more.
-constexpr auto kMoment = std::chrono::milliseconds(100);
+constexpr auto kAbandonWait = std::chrono::milliseconds(100);
 
 struct Job {
-  WorkSigns signs;
+  WorkState state;
   std::mutex mutex;
   std::condition_variable changed;
   bool is_over = false;
   std::exception_ptr failure;
 
-  void run(std::function<void(WorkSigns&)>& work) {
+  void run(std::function<void(WorkState&)>& work) {
     try {
-      work(signs);
+      work(state);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -45,14 +45,14 @@ struct Job {
   }
 };
 
-struct LeftJob {
+struct AbandonedJob {
   std::shared_ptr<Job> job;
   std::thread thread;
 };
 
 /// Those who have been left, until the interpreter ends. With the interpreter's lock held.
-std::vector<LeftJob>& left() {
-  static std::vector<LeftJob> jobs;
+std::vector<AbandonedJob>& abandoned_jobs() {
+  static std::vector<AbandonedJob> jobs;
   return jobs;
 }
 
@@ -63,39 +63,39 @@ void leave_now(int exit_code, void*) {
 }
 
 /// With the interpreter's lock held. Throws what Python raised.
-void look_up(const Job& job, const py::object& progress, int64_t& told) {
+void poll(const Job& job, const py::object& progress, int64_t& reported) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  const int64_t done = job.signs.done;
-  const int64_t frames = job.signs.frames;
-  if (progress.is_none() || frames == 0 || done == told) return;
+  const int64_t done = job.state.done;
+  const int64_t frames = job.state.frames;
+  if (progress.is_none() || frames == 0 || done == reported) return;
   progress(done, frames);
-  told = done;
+  reported = done;
 }
 
 }  // namespace
 
-void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress,
-               Unwanted unwanted) {
+void run_in_thread(std::function<void(WorkState&)> work, const py::object& progress,
+                   AbandonPolicy policy) {
   const auto job = std::make_shared<Job>();
   std::thread thread([job, work = std::move(work)]() mutable { job->run(work); });
-  int64_t told = -1;
+  int64_t reported = -1;
   try {
     for (bool is_over = false; !is_over;) {
       {
         const py::gil_scoped_release others;
         is_over = job->wait(kPatience);
       }
-      if (!is_over || !job->failure) look_up(*job, progress, told);
+      if (!is_over || !job->failure) poll(*job, progress, reported);
     }
   } catch (...) {
-    job->signs.stop = true;
-    bool is_over = unwanted == Unwanted::kStops;
+    job->state.stop = true;
+    bool is_over = policy == AbandonPolicy::kStop;
     {
       const py::gil_scoped_release others;
-      if (unwanted == Unwanted::kLingers) is_over = job->wait(kMoment);
+      if (policy == AbandonPolicy::kJoinBriefly) is_over = job->wait(kAbandonWait);
       if (is_over) thread.join();
     }
-    if (!is_over) left().push_back({job, std::move(thread)});
+    if (!is_over) abandoned_jobs().push_back({job, std::move(thread)});
     throw;
   }
   {
@@ -105,13 +105,13 @@ void run_apart(std::function<void(WorkSigns&)> work, const py::object& progress,
   if (job->failure) std::rethrow_exception(job->failure);
 }
 
-void join_left() {
-  std::vector<LeftJob> jobs;
-  jobs.swap(left());
+void join_abandoned_jobs() {
+  std::vector<AbandonedJob> jobs;
+  jobs.swap(abandoned_jobs());
   const py::gil_scoped_release others;
   bool goes_on = false;
-  for (LeftJob& each : jobs) {
-    if (each.job->wait(goes_on ? std::chrono::milliseconds(0) : kMoment)) {
+  for (AbandonedJob& each : jobs) {
+    if (each.job->wait(goes_on ? std::chrono::milliseconds(0) : kAbandonWait)) {
       each.thread.join();
     } else {
       each.thread.detach();

@@ -39,7 +39,7 @@ namespace {
 struct LogArrays {
   RunFacts facts;
   std::vector<EventRow> events;
-  std::vector<PlaceRow> places;
+  std::vector<PositionRow> positions;
   std::vector<FrameRow> frames;
   int64_t end_frame = 0;  ///< where the run is over, as far as the log goes
   bool finished = false;  ///< the run said that it was
@@ -75,8 +75,8 @@ RunFacts facts_of(const run_description_t& run, int64_t run_id) {
 /// Reads one run, message after message.
 class Reading {
  public:
-  Reading(LogArrays& out, std::optional<double> fps, bool places)
-      : out_(out), fps_(fps), keeps_places_(places) {}
+  Reading(LogArrays& out, std::optional<double> fps, bool positions)
+      : out_(out), fps_(fps), stores_positions_(positions) {}
 
   void take(std::string_view name, std::span<const uint8_t> bytes) {
     const std::optional<Channel> channel = channel_of(name);
@@ -100,21 +100,21 @@ class Reading {
   bool take(Channel channel, const MessageHeader& header, std::span<const uint8_t> bytes) {
     switch (channel) {
       case Channel::kEvents:
-        return decode(bytes, events_).empty() && keep_events();
+        return decode(bytes, events_).empty() && store_events();
       case Channel::kRun:
         return reader_.take(name_of(channel), bytes) != RunReader::Update::kRefused;
       case Channel::kStates:
-        return keep_places(header, bytes);
+        return store_positions(header, bytes);
       case Channel::kFrameStats:
-        return decode(bytes, frame_stats_).empty() && keep_frame_stats();
+        return decode(bytes, frame_stats_).empty() && store_frame_stats();
       case Channel::kEnd:
-        return decode(bytes, end_).empty() && keep_end();
+        return decode(bytes, end_).empty() && store_end();
       default:
         return true;
     }
   }
 
-  bool keep_events() {
+  bool store_events() {
     const size_t before = out_.events.size();
     for (size_t i = 0; i < events_.a.size(); ++i) {
       const auto a = static_cast<uint32_t>(events_.a[i]), b = static_cast<uint32_t>(events_.b[i]);
@@ -131,16 +131,17 @@ class Reading {
     return true;
   }
 
-  bool keep_places(const MessageHeader& header, std::span<const uint8_t> bytes) {
-    if (!keeps_places_ || (reader_.run() != nullptr && header.frame % every() != 0)) return true;
+  bool store_positions(const MessageHeader& header, std::span<const uint8_t> bytes) {
+    if (!stores_positions_ || (reader_.run() != nullptr && header.frame % every() != 0))
+      return true;
     const RunReader::Update update = reader_.take(name_of(Channel::kStates), bytes);
     if (update == RunReader::Update::kState) {
       const CrowdState& crowd = reader_.state();
       for (size_t i = 0; i < crowd.roots.size(); ++i)
         if (crowd.present[i] != 0)
-          out_.places.push_back(place_of(crowd.frame, static_cast<double>(crowd.utime_us) * 1e-6,
-                                         static_cast<uint32_t>(i), crowd.roots[i],
-                                         crowd.speeds_mps[i]));
+          out_.positions.push_back(
+              position_row(crowd.frame, static_cast<double>(crowd.utime_us) * 1e-6,
+                           static_cast<uint32_t>(i), crowd.roots[i], crowd.speeds_mps[i]));
     }
     return update != RunReader::Update::kRefused;
   }
@@ -148,7 +149,7 @@ class Reading {
     return fps_ ? std::max<int64_t>(1, std::llround(1 / (*fps_ * reader_.run()->step_s))) : 1;
   }
 
-  bool keep_frame_stats() {
+  bool store_frame_stats() {
     FrameRow row{};
     row.frame = frame_stats_.frame;
     row.time_s = static_cast<double>(frame_stats_.utime) * 1e-6;
@@ -174,7 +175,7 @@ class Reading {
     return true;
   }
 
-  bool keep_end() {
+  bool store_end() {
     out_.finished = true;
     out_.end_frame = end_.frames;
     out_.hash = hash_text(static_cast<uint64_t>(end_.hash));
@@ -183,7 +184,7 @@ class Reading {
 
   LogArrays& out_;
   std::optional<double> fps_;
-  bool keeps_places_;
+  bool stores_positions_;
   std::optional<std::pair<int64_t, int64_t>> id_;
   RunReader reader_;
   events_t events_{};
@@ -191,19 +192,19 @@ class Reading {
   end_t end_{};
 };
 
-/// Throws InputError where the file is no log, or says of no run. `fps`: see places_every();
+/// Throws InputError where the file is no log, or says of no run. `fps`: see position_interval();
 /// without, every state that there is.
-LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps, bool places,
-                   WorkSigns& signs) {
+LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps, bool positions,
+                   WorkState& state) {
   LogArrays out;
   LogReader log(file);
-  Reading reading(out, fps, places);
-  signs.frames = static_cast<int64_t>(log.size());
+  Reading reading(out, fps, positions);
+  state.frames = static_cast<int64_t>(log.size());
   LogEvent event;
   LogGaps gaps;
-  while (!signs.stop && gaps.next(log, event)) {
+  while (!state.stop && gaps.next(log, event)) {
     reading.take(event.channel, event.data);
-    signs.done = static_cast<int64_t>(event.offset + event.bytes);
+    state.done = static_cast<int64_t>(event.offset + event.bytes);
   }
   if (reading.run() == nullptr)
     throw InputError(file.string(), "a run's description", gaps.found_no_description());
@@ -213,17 +214,17 @@ LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps,
   return out;
 }
 
-py::dict read(const fs::path& file, std::optional<double> fps, bool places,
+py::dict read(const fs::path& file, std::optional<double> fps, bool positions,
               const py::object& progress) {
   if (fps)
     require_number("trajectory_fps", *fps, 0, 1e4, true, "a number of frames a second above 0");
   const auto log = std::make_shared<LogArrays>();
-  run_apart(
-      [log, file, fps, places](WorkSigns& signs) { *log = read_log(file, fps, places, signs); },
-      progress, Unwanted::kStops);
-  RunRecorder recorder(fps, places);
+  run_in_thread([log, file, fps,
+                 positions](WorkState& state) { *log = read_log(file, fps, positions, state); },
+                progress, AbandonPolicy::kStop);
+  RunRecorder recorder(fps, positions);
   recorder.events = std::move(log->events);
-  recorder.places = std::move(log->places);
+  recorder.positions = std::move(log->positions);
   recorder.frames = std::move(log->frames);
   recorder.end_frame = log->end_frame;
   const double step_s = log->facts.step_s;
@@ -241,7 +242,7 @@ py::dict read(const fs::path& file, std::optional<double> fps, bool places,
 }
 
 py::dict check(const fs::path& file) {
-  const auto report = result_apart<LogReport>([file] { return check_log(file); });
+  const auto report = result_from_thread<LogReport>([file] { return check_log(file); });
   py::dict out;
   out["sound"] = report.is_sound();
   out["finished"] = report.finished;
@@ -286,7 +287,7 @@ py::array render_frame(const fs::path& log, int64_t number, int width, int heigh
                                point_of("eye_m", eye_m)};
   if (options.eye_m && options.eye_m == options.target_m)
     throw InputError("eye_m", "another point than target_m", "the same");
-  auto image = result_apart<Image>([=] {
+  auto image = result_from_thread<Image>([=] {
     RecordedFrame frame(log, number);
     return picture_of(frame, options);
   });
@@ -294,7 +295,7 @@ py::array render_frame(const fs::path& log, int64_t number, int width, int heigh
 }
 
 void write_page(const fs::path& log, const fs::path& html, double limit_mb) {
-  result_apart<int>([=] {
+  result_from_thread<int>([=] {
     write_replay(log, html, page_html(), limit_mb);
     return 0;
   });

@@ -23,7 +23,7 @@ using ModelPtr = std::shared_ptr<Model>;  // never changed: pybind11 holds no po
 std::shared_ptr<Model> opened(const std::filesystem::path& urdf) {
   const std::filesystem::path file = urdf == "adult" ? adult_urdf() : urdf;
   return std::const_pointer_cast<Model>(
-      result_apart<std::shared_ptr<const Model>>([file] { return load_model(file); }));
+      result_from_thread<std::shared_ptr<const Model>>([file] { return load_model(file); }));
 }
 
 std::vector<std::string> joint_names(const Model& model) {
@@ -164,14 +164,14 @@ py::array poses(const ModelPtr& model, const DoubleArray& joints,
   std::vector<double> out =
       work->roots.size() * parts < kFew
           ? work->matrices()
-          : result_apart<std::vector<double>>([work] { return work->matrices(); });
+          : result_from_thread<std::vector<double>>([work] { return work->matrices(); });
   return array_of(std::move(out), {rows, static_cast<py::ssize_t>(parts), 4, 4});
 }
 
 /// With notes.
 py::tuple mesh_arrays(const std::filesystem::path& file) {
   using Read = std::pair<Mesh, std::vector<std::string>>;
-  const auto [mesh, notes] = result_apart<Read>([file] {
+  const auto [mesh, notes] = result_from_thread<Read>([file] {
     Read read;
     read.first = read_mesh(file, {}, &read.second);
     return read;

@@ -62,5 +62,5 @@ PYBIND11_MODULE(_core, module) {
   throng::bind_culler(module);
   throng::bind_log(module);
   throng::bind_recording(module);
-  py::module_::import("atexit").attr("register")(py::cpp_function(throng::join_left));
+  py::module_::import("atexit").attr("register")(py::cpp_function(throng::join_abandoned_jobs));
 }

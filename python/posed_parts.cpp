@@ -19,8 +19,8 @@ void require_rigid(const Rows& pose, size_t body, size_t part) {
   const std::string where = fmt::format("poses[{}, {}]", body, part);
   if (!pose.allFinite()) throw InputError(where, "finite numbers", "another one");
   for (const double place_m : {pose(0, 3), pose(1, 3), pose(2, 3)})
-    if (std::abs(place_m) > kMaxPlace_m)
-      throw InputError(where, fmt::format("a position within {:g} m of the origin", kMaxPlace_m),
+    if (std::abs(place_m) > kMaxPosition_m)
+      throw InputError(where, fmt::format("a position within {:g} m of the origin", kMaxPosition_m),
                        fmt::format("{:g}", place_m));
   const Eigen::Matrix3d turn = pose.leftCols<3>();
   const double off = (turn * turn.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();

@@ -1,5 +1,5 @@
 // Bodies whose parts somebody posed already: own bodies, own poses.
-// One rule: a pose is checked before it is believed: within kMaxPlace_m, and a rotation without
+// One rule: a pose is checked before it is believed: within kMaxPosition_m, and a rotation without
 // scale.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace throng {
 
 /// Of a part's position, along each axis: places between parts stay far within float.
-inline constexpr double kMaxPlace_m = 1e9;
+inline constexpr double kMaxPosition_m = 1e9;
 
 /// A kind of body as somebody described it.
 struct BodyShape {

@@ -28,11 +28,11 @@ FrameRow row_of(const Frame& frame) {
   for (const PairEvent& event : frame.events)
     ++(event.kind == EventKind::kBegin ? row.begins : row.ends);
   const CullingCounters& c = *frame.counters;
-  add_stage(c.avatar, row.avatar_updates, row.avatar_tests, row.avatar_passed);
+  add_stage(c.body_sphere, row.avatar_updates, row.avatar_tests, row.avatar_passed);
   add_stage(c.body_box, row.body_box_updates, row.body_box_tests, row.body_box_passed);
-  add_stage(c.box, row.part_box_updates, row.part_box_tests, row.part_box_passed);
-  add_stage(c.part, row.part_updates, row.part_tests, row.part_passed);
-  add_stage(c.exact, row.exact_updates, row.exact_tests, row.exact_passed);
+  add_stage(c.part_box, row.part_box_updates, row.part_box_tests, row.part_box_passed);
+  add_stage(c.part_volume, row.part_updates, row.part_tests, row.part_passed);
+  add_stage(c.triangles, row.exact_updates, row.exact_tests, row.exact_passed);
   row.posed_bodies = static_cast<int64_t>(c.posed_bodies);
   row.cull_ms = (c.wall_ns - c.events_ns) * 1e-6;
   for (const double stage_ns : frame.times->stage_ns) row.frame_ms += stage_ns * 1e-6;
@@ -62,7 +62,7 @@ RunFacts facts_of(const RunInfo& run) {
   return facts;
 }
 
-int64_t places_every(const Scene& scene, double step_s, std::optional<double> fps) {
+int64_t position_interval(const Scene& scene, double step_s, std::optional<double> fps) {
   const double recorded = scene.recorded ? scene.recorded->recording->facts().fps : 0;
   const double wanted = fps.value_or(recorded > 0 ? recorded : 10);
   return std::max<int64_t>(1, std::llround(1 / (wanted * step_s)));
@@ -73,8 +73,8 @@ float heading_of(const RootPose& root) {
   return std::atan2(2 * (q.w() * q.z() + q.x() * q.y()), 1 - 2 * (q.y() * q.y() + q.z() * q.z()));
 }
 
-PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& root,
-                  float speed_mps) {
+PositionRow position_row(int64_t frame, double time_s, uint32_t id, const RootPose& root,
+                         float speed_mps) {
   return {frame,
           time_s,
           id,
@@ -87,18 +87,18 @@ PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& roo
 
 void RunRecorder::begin(const RunInfo& run) {
   facts = facts_of(run);
-  every_ = places_every(*run.scene, run.step_s, fps_);
+  every_ = position_interval(*run.scene, run.step_s, fps_);
 }
 
 void RunRecorder::frame(const RunInfo&, const Frame& frame) {
   for (const PairEvent& event : frame.events) events.push_back(event_row(frame.number, event));
   frames.push_back(row_of(frame));
-  if (!keeps_places_ || frame.number % every_ != 0) return;
+  if (!stores_positions_ || frame.number % every_ != 0) return;
   const double time_s = static_cast<double>(frame.utime_us) * 1e-6;
   for (size_t i = 0; i < frame.roots.size(); ++i)
     if (frame.present.empty() || frame.present[i] != 0)
-      places.push_back(place_of(frame.number, time_s, static_cast<uint32_t>(i), frame.roots[i],
-                                frame.speeds_mps[i]));
+      positions.push_back(position_row(frame.number, time_s, static_cast<uint32_t>(i),
+                                       frame.roots[i], frame.speeds_mps[i]));
 }
 
 void RunRecorder::end(const RunInfo&, const RunEnd& end) {
@@ -134,7 +134,7 @@ void add_rows(py::dict& out, RunRecorder& recorder, double step_s) {
     }
     return array_of(std::move(contacts));
   });
-  out["trajectories"] = array_of(std::move(recorder.places));
+  out["trajectories"] = array_of(std::move(recorder.positions));
   out["counters"] = array_of(std::move(recorder.frames));
 }
 

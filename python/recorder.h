@@ -31,13 +31,13 @@ RunFacts facts_of(const RunInfo& run);
 
 /// Frames from one recorded place to the next: those that come nearest to `fps`; without, as a
 /// recording has it, else ten a second.
-int64_t places_every(const Scene& scene, double step_s, std::optional<double> fps);
+int64_t position_interval(const Scene& scene, double step_s, std::optional<double> fps);
 
 class RunRecorder final : public Sink {
  public:
-  /// `fps`: see places_every(); `keeps_places`: whether any are kept.
-  RunRecorder(std::optional<double> fps, bool keeps_places)
-      : fps_(fps), keeps_places_(keeps_places) {}
+  /// `fps`: see position_interval(); `stores_positions`: whether any are kept.
+  RunRecorder(std::optional<double> fps, bool stores_positions)
+      : fps_(fps), stores_positions_(stores_positions) {}
 
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
@@ -45,18 +45,19 @@ class RunRecorder final : public Sink {
 
   RunFacts facts;
   std::vector<EventRow> events;
-  std::vector<PlaceRow> places;
+  std::vector<PositionRow> positions;
   std::vector<FrameRow> frames;
   int64_t end_frame = 0;
 
  private:
   std::optional<double> fps_;
-  bool keeps_places_;
+  bool stores_positions_;
   int64_t every_ = 1;
 };
 
 /// Where somebody is, from the root of the body.
-PlaceRow place_of(int64_t frame, double time_s, uint32_t id, const RootPose& root, float speed_mps);
+PositionRow position_row(int64_t frame, double time_s, uint32_t id, const RootPose& root,
+                         float speed_mps);
 float heading_of(const RootPose& root);
 
 /// As `throng run` prints hashes.

@@ -38,7 +38,7 @@ using RecordingPtr = std::shared_ptr<Recording>;
 RecordingPtr opened(const py::dict& dict) {
   const RunRequest request = request_of(dict);
   const RecordingOptions options = recording_options(request.source, request.options.recording);
-  return std::const_pointer_cast<Recording>(result_apart<std::shared_ptr<const Recording>>(
+  return std::const_pointer_cast<Recording>(result_from_thread<std::shared_ptr<const Recording>>(
       [options] { return read_recording(options); }));
 }
 
@@ -52,18 +52,18 @@ py::array people(const Recording& recording) {
 
 py::array samples(const RecordingPtr& recording) {
   const auto rows = std::make_shared<std::vector<SampleRow>>();
-  run_apart(
-      [rows, recording](WorkSigns& signs) {
+  run_in_thread(
+      [rows, recording](WorkState& state) {
         rows->reserve(static_cast<size_t>(recording->facts().samples));
         std::vector<Sample> track;
-        for (size_t person = 0; person < recording->people().size() && !signs.stop; ++person) {
+        for (size_t person = 0; person < recording->people().size() && !state.stop; ++person) {
           recording->read(person, track);
           for (const Sample& sample : track)
             rows->push_back({recording->people()[person].id, sample.time_s, sample.position_m.x(),
                              sample.position_m.y(), sample.z_m, sample.heading_rad});
         }
       },
-      py::none(), Unwanted::kStops);
+      py::none(), AbandonPolicy::kStop);
   return array_over(rows);
 }
 
@@ -71,30 +71,31 @@ py::dict facts(const Recording& recording) {
   const RecordingFacts& f = recording.facts();
   py::dict out;
   out["kind"] = f.kind;
-  out["tracks"] = f.tracks == TrackedPoint::kHead ? "head" : "centre";
+  out["tracked_point"] = f.tracked_point == TrackedPoint::kHead ? "head" : "centre";
   out["fps"] = f.fps;
   out["frames"] = f.frames;
   out["duration_s"] = f.duration_s;
   out["samples"] = f.samples;
   out["shift_m"] = py::make_tuple(f.shift_m.x(), f.shift_m.y());
   out["wkt"] = f.wkt;
-  py::list odd;
-  for (const Oddity& oddity : f.odd)
-    odd.append(py::make_tuple(oddity.what, oddity.count, oddity.first));
-  out["odd"] = odd;
+  py::list anomalies;
+  for (const Anomaly& anomaly : f.anomalies)
+    anomalies.append(py::make_tuple(anomaly.what, anomaly.count, anomaly.first));
+  out["odd"] = anomalies;
   return out;
 }
 
-py::tuple of(const Spread& spread) {
+py::tuple of(const Percentiles& spread) {
   return py::make_tuple(spread.low, spread.median, spread.high);
 }
 
 py::dict summary(const RecordingPtr& recording) {
-  const auto found = result_apart<RecordingSummary>([recording] { return summary_of(*recording); });
+  const auto found =
+      result_from_thread<RecordingSummary>([recording] { return summary_of(*recording); });
   py::dict out;
   out["mean_people"] = found.mean_people;
-  out["most_people"] = found.most_people;
-  out["most_at_s"] = found.most_at_s;
+  out["most_people"] = found.max_people;
+  out["most_at_s"] = found.max_people_at_s;
   out["speed_mps"] = of(found.speed_mps);
   out["density_per_m2"] = of(found.density_per_m2);
   out["height_m"] = of(found.height_m);
@@ -112,29 +113,29 @@ struct CompareWork {
   Comparison found;
 };
 
-MeasuredRun measured(RunSource source, const CompareWork& work, WorkSigns& signs) {
+MeasuredRun measured(RunSource source, const CompareWork& work, WorkState& state) {
   SimulationOptions options{.threads = work.a.simulation.threads};
-  options.world = std::move(source.world);
+  options.motion = std::move(source.motion);
   Simulation simulation(std::move(source.scene), options);
   CrowdMeasures measures({.line = work.line});
   Sink* const sink = &measures;
-  const int64_t before = signs.done;
+  const int64_t before = state.done;
   run(simulation, {&sink, 1}, [&](const Frame& frame) {
-    signs.done = before + frame.number + 1;
-    return !signs.stop;
+    state.done = before + frame.number + 1;
+    return !state.stop;
   });
   return {simulation.scene().name, measures.facts(), measures.tables()};
 }
 
-void compare_runs(CompareWork& work, WorkSigns& signs) {
+void compare_runs(CompareWork& work, WorkState& state) {
   RunSource a = open_run_source(work.a.source, work.a.options);
   RunSource b = open_run_source(work.b.source, work.b.options);
   const auto frames = [](const Scene& scene) {
     return frame_count(scene.duration_s, scene.step_s);
   };
-  signs.frames = frames(a.scene) + frames(b.scene);
-  work.found.a = measured(std::move(a), work, signs);
-  if (!signs.stop) work.found.b = measured(std::move(b), work, signs);
+  state.frames = frames(a.scene) + frames(b.scene);
+  work.found.a = measured(std::move(a), work, state);
+  if (!state.stop) work.found.b = measured(std::move(b), work, state);
 }
 
 Comparison compare(const py::dict& a, const py::dict& b,
@@ -152,7 +153,8 @@ Comparison compare(const py::dict& a, const py::dict& b,
     if (from == to) throw InputError("line", "two points", "the same point twice");
     work->line = Passage{from, to};
   }
-  run_apart([work](WorkSigns& signs) { compare_runs(*work, signs); }, progress, Unwanted::kLingers);
+  run_in_thread([work](WorkState& state) { compare_runs(*work, state); }, progress,
+                AbandonPolicy::kJoinBriefly);
   return std::move(work->found);
 }
 
@@ -177,15 +179,15 @@ py::dict tables(const Comparison& found) {
 py::dict figures(const std::shared_ptr<Comparison>& found, const fs::path& folder) {
   using Drawn = std::vector<std::tuple<std::string, std::string, std::string>>;
   const auto drawn = std::make_shared<Drawn>();
-  run_apart(
-      [drawn, found, folder](WorkSigns& signs) {
+  run_in_thread(
+      [drawn, found, folder](WorkState& state) {
         require_gnuplot();
         for (const Figure& figure : comparison_figures(found->a, found->b)) {
-          if (signs.stop) return;
+          if (state.stop) return;
           drawn->emplace_back(figure.id, figure.title, draw(figure, folder));
         }
       },
-      py::none(), Unwanted::kStops);
+      py::none(), AbandonPolicy::kStop);
   py::dict out;
   for (const auto& [id, title, svg] : *drawn) out[py::str(id)] = py::make_tuple(title, svg);
   return out;

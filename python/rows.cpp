@@ -57,11 +57,11 @@ std::vector<ContactRow> contacts_of(const std::vector<EventRow>& events, double 
   return contacts;
 }
 
-std::vector<NearRow> near_rows(const NearRows& pairs) {
-  std::vector<NearRow> rows;
+std::vector<ProximityRow> proximity_rows(const ProximityRows& pairs) {
+  std::vector<ProximityRow> rows;
   rows.reserve(pairs.size());
-  for (const NearPair& pair : pairs) {
-    NearRow& row = rows.emplace_back();
+  for (const ProximityPair& pair : pairs) {
+    ProximityRow& row = rows.emplace_back();
     set_pair(row, pair.pair);
     row.level = static_cast<uint8_t>(pair.level);
     row.lo_m = pair.lo_m;
@@ -70,8 +70,8 @@ std::vector<NearRow> near_rows(const NearRows& pairs) {
     std::copy(pair.point_b_m.begin(), pair.point_b_m.end(), row.b_m);
     std::copy(pair.normal.begin(), pair.normal.end(), row.normal);
     row.depth_m = pair.depth_m;
-    row.closing_mps = pair.closing_mps;
-    row.contact_in_s = pair.contact_in_s();
+    row.closing_speed_mps = pair.closing_speed_mps;
+    row.time_to_contact_s = pair.time_to_contact_s();
   }
   return rows;
 }
@@ -83,7 +83,7 @@ std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> po
     ContactPointRow& row = rows.emplace_back();
     set_pair(row, point.pair);
     std::copy(point.point_m.begin(), point.point_m.end(), row.point_m);
-    std::copy(point.direction.begin(), point.direction.end(), row.direction);
+    std::copy(point.normal.begin(), point.normal.end(), row.direction);
     row.depth_m = point.depth_m;
   }
   return rows;
@@ -94,11 +94,11 @@ void register_rows() {
   PYBIND11_NUMPY_DTYPE(ContactRow, a, b, part_a, part_b, level, ended, begin_frame, end_frame,
                        begin_s, end_s);
   PYBIND11_NUMPY_DTYPE(PairRow, a, b, part_a, part_b);
-  PYBIND11_NUMPY_DTYPE(NearRow, a, b, part_a, part_b, level, lo_m, hi_m, a_m, b_m, normal, depth_m,
-                       closing_mps, contact_in_s);
+  PYBIND11_NUMPY_DTYPE(ProximityRow, a, b, part_a, part_b, level, lo_m, hi_m, a_m, b_m, normal,
+                       depth_m, closing_speed_mps, time_to_contact_s);
   PYBIND11_NUMPY_DTYPE(ContactPointRow, a, b, part_a, part_b, point_m, direction, depth_m);
   PYBIND11_NUMPY_DTYPE(PersonRow, id, group, model, scale, height_m);
-  PYBIND11_NUMPY_DTYPE(PlaceRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
+  PYBIND11_NUMPY_DTYPE(PositionRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
   PYBIND11_NUMPY_DTYPE(FrameRow, frame, time_s, touching, begins, ends, persisting, avatar_updates,
                        avatar_tests, avatar_passed, body_box_updates, body_box_tests,
                        body_box_passed, part_box_updates, part_box_tests, part_box_passed,

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "culling/near.h"
 #include "culling/pair.h"
+#include "culling/proximity.h"
 
 namespace throng {
 
@@ -37,18 +37,18 @@ struct PairRow {
   uint8_t part_a, part_b;
 };
 
-/// How near a pair of parts is; see culling/near.h. NaN where only volumes were asked.
-struct NearRow {
+/// How near a pair of parts is; see culling/proximity.h. NaN where only volumes were asked.
+struct ProximityRow {
   uint32_t a, b;
   uint8_t part_a, part_b;
   uint8_t level;  ///< PairLevel: 2 volumes, 3 triangles
   float lo_m, hi_m;
   double a_m[3], b_m[3];  ///< the nearest points, in the world
   float normal[3];
-  float depth_m, closing_mps, contact_in_s;
+  float depth_m, closing_speed_mps, time_to_contact_s;
 };
 
-/// Where a pair of parts touches; see ContactPoint in culling/near.h.
+/// Where a pair of parts touches; see ContactPoint in culling/proximity.h.
 struct ContactPointRow {
   uint32_t a, b;
   uint8_t part_a, part_b;
@@ -65,7 +65,7 @@ struct PersonRow {
   float height_m;
 };
 
-struct PlaceRow {
+struct PositionRow {
   int64_t frame;
   double time_s;
   uint32_t id;
@@ -88,7 +88,7 @@ struct FrameRow {
   double frame_ms, cull_ms;
 };
 
-std::vector<NearRow> near_rows(const NearRows& pairs);
+std::vector<ProximityRow> proximity_rows(const ProximityRows& pairs);
 std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points);
 
 inline EventRow event_row(int64_t frame, const PairEvent& event) {

@@ -68,15 +68,15 @@ void prepare(RunWork& work) {
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
   require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
                           "trajectory_area");
-  request.simulation.world = std::move(work.source.world);
+  request.simulation.motion = std::move(work.source.motion);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
   state_every(request.options, work.source.scene);
   if (!request.log.empty() || !request.html.empty())
-    require_readable(work.simulation->info(), request.options.publish_parts);
+    require_encodable(work.simulation->info(), request.options.publish_part_poses);
 }
 
-void run_to_end(RunWork& work, WorkSigns& signs) {
+void run_to_end(RunWork& work, WorkState& state) {
   const RunRequest& request = work.request;
   Simulation& simulation = *work.simulation;
   std::vector<std::unique_ptr<Sink>> files;
@@ -96,16 +96,16 @@ void run_to_end(RunWork& work, WorkSigns& signs) {
     LogOptions options;
     options.threads = request.simulation.threads;
     options.state_every = state_every(request.options, simulation.scene());
-    options.part_poses = request.options.publish_parts;
+    options.part_poses = request.options.publish_part_poses;
     files.push_back(std::make_unique<LogSink>(request.log, options));
   }
   std::vector<Sink*> sinks{work.recorder.get()};
   for (const auto& file : files) sinks.push_back(file.get());
   if (work.separation) sinks.push_back(work.separation.get());
-  signs.frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
+  state.frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
   work.summary = run(simulation, sinks, [&](const Frame& frame) {
-    signs.done = frame.number + 1;
-    return !signs.stop;
+    state.done = frame.number + 1;
+    return !state.stop;
   });
 }
 
@@ -120,8 +120,8 @@ py::dict dict_of(const RunSummary& summary) {
   out["ends"] = summary.ends;
   out["persists"] = summary.persists;
   out["pairs_peak"] = summary.pairs_peak;
-  out["entered"] = summary.traffic.entered;
-  out["left"] = summary.traffic.left;
+  out["entered"] = summary.population.entered;
+  out["left"] = summary.population.left;
   return out;
 }
 
@@ -132,17 +132,17 @@ py::dict dict_of(const SeparationTotals& totals) {
     if (!region.is_there) continue;
     py::dict of_region;
     of_region["shortfalls"] = region.shortfalls;
-    of_region["short_s"] = region.short_s;
-    of_region["most_short_m"] = region.most_short_m;
-    of_region["least_lo_m"] = region.least_lo_m;
-    of_region["least_hi_m"] = region.least_hi_m;
+    of_region["shortfall_s"] = region.shortfall_s;
+    of_region["max_shortfall_m"] = region.max_shortfall_m;
+    of_region["min_distance_lo_m"] = region.min_distance_lo_m;
+    of_region["min_distance_hi_m"] = region.min_distance_hi_m;
     regions[py::str(std::string(name_of(static_cast<BodyRegion>(i))))] = of_region;
   }
   py::dict out;
   out["robots"] = totals.robots;
   out["shortfalls"] = totals.shortfalls;
   out["pairs"] = totals.pairs;
-  out["unjudged"] = totals.unjudged;
+  out["undetermined"] = totals.undetermined;
   out["beyond_margin"] = totals.beyond_margin;
   out["regions"] = regions;
   return out;
@@ -151,10 +151,10 @@ py::dict dict_of(const SeparationTotals& totals) {
 py::dict run_scene(const py::dict& options, const py::object& progress) {
   const auto work = std::make_shared<RunWork>();
   work->request = request_of(options);
-  run_apart([work](WorkSigns&) { prepare(*work); }, py::none(), Unwanted::kEnds);
+  run_in_thread([work](WorkState&) { prepare(*work); }, py::none(), AbandonPolicy::kDetach);
   // A file is worth waiting for until it is complete.
-  run_apart([work](WorkSigns& signs) { run_to_end(*work, signs); }, progress,
-            writes_files(work->request) ? Unwanted::kStops : Unwanted::kLingers);
+  run_in_thread([work](WorkState& state) { run_to_end(*work, state); }, progress,
+                writes_files(work->request) ? AbandonPolicy::kStop : AbandonPolicy::kJoinBriefly);
   py::dict out = throng::dict_of(std::move(work->recorder->facts));
   std::vector<std::string> notes = work->source.notes;
   const std::vector<std::string>& more = work->simulation->notes();

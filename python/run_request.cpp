@@ -16,16 +16,16 @@ namespace throng {
 namespace {
 
 /// Takes values out of a dictionary, so that what is left is what nobody knows.
-class Given {
+class Arguments {
  public:
-  explicit Given(const py::dict& given) : given_(given) {}
+  explicit Arguments(const py::dict& arguments) : arguments_(arguments) {}
 
   /// Throws TypeError for what is of another type, InputError for whole numbers of too many bits.
   template <typename T>
   std::optional<T> take(const char* name, const char* what) {
-    known_.emplace_back(name);
-    if (!given_.contains(name) || given_[name].is_none()) return {};
-    const py::object value = given_[name];
+    known_names_.emplace_back(name);
+    if (!arguments_.contains(name) || arguments_[name].is_none()) return {};
+    const py::object value = arguments_[name];
     try {
       return value.cast<T>();
     } catch (const py::cast_error&) {
@@ -53,11 +53,11 @@ class Given {
 
   /// Throws TypeError where something is left, as a function of Python does.
   void expect_all_known() const {
-    for (const auto& [key, value] : given_) {
+    for (const auto& [key, value] : arguments_) {
       const auto name = key.cast<std::string>();
-      if (std::find(known_.begin(), known_.end(), name) == known_.end())
+      if (std::find(known_names_.begin(), known_names_.end(), name) == known_names_.end())
         throw py::type_error(
-            fmt::format("unexpected option '{}'{}", name, did_you_mean(name, known_)));
+            fmt::format("unexpected option '{}'{}", name, did_you_mean(name, known_names_)));
     }
   }
 
@@ -87,14 +87,14 @@ class Given {
 
   /// Python writes no number of more than 4300 digits.
   static std::string written(const py::int_& number) {
-    constexpr size_t kMostBits = 256;
+    constexpr size_t kMaxBits = 256;
     const auto bits = number.attr("bit_length")().cast<size_t>();
-    return bits > kMostBits ? fmt::format("one of {} bits", bits)
-                            : py::str(py::handle(number)).cast<std::string>();
+    return bits > kMaxBits ? fmt::format("one of {} bits", bits)
+                           : py::str(py::handle(number)).cast<std::string>();
   }
 
-  const py::dict& given_;
-  std::vector<std::string> known_;
+  const py::dict& arguments_;
+  std::vector<std::string> known_names_;
 };
 
 }  // namespace
@@ -106,29 +106,29 @@ void require_number(const char* option, double value, double low, double high, b
 }
 
 RunRequest request_of(const py::dict& dict) {
-  Given given(dict);
+  Arguments arguments(dict);
   RunRequest request;
-  given.take("source", "a name or a path", request.source);
-  for (const RunOption& row : run_options()) given.option(row, request.options);
+  arguments.take("source", "a name or a path", request.source);
+  for (const RunOption& row : run_options()) arguments.option(row, request.options);
   request.simulation = simulation_options(request.options);
-  given.take("culling", "True or False", request.simulation.culling);
-  given.take("postures", "True or False", request.simulation.postures);
-  given.number("trajectory_fps", 0, 1e4, true, "a number of frames a second above 0",
-               request.trajectory_fps);
-  given.take("trajectories", "True or False", request.trajectories);
-  given.take("log", "a path", request.log);
-  given.take("html", "a path", request.html);
-  given.take("contacts", "a folder", request.contacts);
-  given.take("separation", "a folder", request.separation);
-  given.take("trace_hash", "a path", request.trace_hash);
-  given.take("trajectory", "a list of paths", request.trajectory);
+  arguments.take("culling", "True or False", request.simulation.culling);
+  arguments.take("postures", "True or False", request.simulation.postures);
+  arguments.number("trajectory_fps", 0, 1e4, true, "a number of frames a second above 0",
+                   request.trajectory_fps);
+  arguments.take("trajectories", "True or False", request.trajectories);
+  arguments.take("log", "a path", request.log);
+  arguments.take("html", "a path", request.html);
+  arguments.take("contacts", "a folder", request.contacts);
+  arguments.take("separation", "a folder", request.separation);
+  arguments.take("trace_hash", "a path", request.trace_hash);
+  arguments.take("trajectory", "a list of paths", request.trajectory);
   std::string area;
-  given.take("trajectory_area", "'largest' or a whole number from 1", area);
+  arguments.take("trajectory_area", "'largest' or a whole number from 1", area);
   request.trajectory_piece = trajectory_piece(area);
   if (!area.empty() && !request.trajectory_piece)
     throw InputError("trajectory_area", "'largest' or a whole number from 1",
                      fmt::format("'{}'", area));
-  given.expect_all_known();
+  arguments.expect_all_known();
   return request;
 }
 

@@ -28,7 +28,7 @@ struct RunRequest {
 
 /// Of a dictionary whose values are None where they were not given. With the interpreter's lock
 /// held. Throws InputError, or TypeError of Python.
-RunRequest request_of(const pybind11::dict& given);
+RunRequest request_of(const pybind11::dict& arguments);
 
 /// Throws InputError naming `option` unless `value` is a number in [low, high], above low if
 /// `open`.

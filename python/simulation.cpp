@@ -92,8 +92,8 @@ struct FrameView {
   }
   py::array near() const {
     const Frame& f = frame();
-    require(run->scene().near_m > 0, "without near=M, and its scene has no near_m");
-    return array_of(near_rows(f.near_pairs));
+    require(run->scene().proximity_m > 0, "without near=M, and its scene has no proximity_m");
+    return array_of(proximity_rows(f.proximity_pairs));
   }
   py::array contact_points() const {
     const Frame& f = frame();
@@ -101,10 +101,10 @@ struct FrameView {
             "without contact_points=True, and its scene does not ask for them");
     return array_of(contact_point_rows(f.contact_points));
   }
-  py::array near_people() const {
+  py::array closest_parts() const {
     const Frame& f = frame();
-    require(run->scene().person_near_m > 0, "without person_near=M, and its scene has none");
-    return array_of(near_rows(f.near_bodies));
+    require(run->scene().closest_parts_m > 0, "without person_near=M, and its scene has none");
+    return array_of(proximity_rows(f.closest_parts));
   }
   py::array part_poses(const Numbers& people) const;
 
@@ -156,7 +156,7 @@ py::array FrameView::part_poses(const Numbers& people) const {
 }
 
 std::shared_ptr<SteppedRun> opened(const py::dict& options) {
-  return result_apart<std::shared_ptr<SteppedRun>>(
+  return result_from_thread<std::shared_ptr<SteppedRun>>(
       [request = request_of(options)] { return std::make_shared<SteppedRun>(request); });
 }
 
@@ -169,12 +169,12 @@ void require_finite(const char* name, const DoubleArray& values) {
 /// Not made a unit where a float holds it: what a frame told is told back to the last bit.
 Eigen::Quaternionf rotation_of(const DoubleArray& xyzw) {
   Eigen::Quaterniond q(Eigen::Map<const Eigen::Vector4d>(xyzw.data()));
-  const double largest = q.coeffs().cwiseAbs().maxCoeff();
-  if (largest < 1e-6)
+  const double max_component = q.coeffs().cwiseAbs().maxCoeff();
+  if (max_component < 1e-6)
     throw InputError("rotation_xyzw", "a quaternion that is not zero",
                      fmt::format("({:g}, {:g}, {:g}, {:g})", q.x(), q.y(), q.z(), q.w()));
   constexpr double kFitsFloat = 1e30;
-  if (largest > kFitsFloat) q.coeffs() /= largest;
+  if (max_component > kFitsFloat) q.coeffs() /= max_component;
   return q.cast<float>();
 }
 
@@ -185,7 +185,7 @@ int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
     throw InputError(
         "drive", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
         fmt::format("{}, {} and {}", position_m.size(), rotation_xyzw.size(), velocity_mps.size()));
-  if (!run.is_driven(avatar))
+  if (!run.is_external(avatar))
     throw InputError("avatar", "one of a driven group", fmt::format("{}, which is none", avatar));
   const Model& model = *run.info().models[run.info().model_of_avatar[avatar]];
   if (joints.size() != 0 && joints.size() != model.kinematics.column_count())
@@ -196,12 +196,12 @@ int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
   require_finite("rotation_xyzw", rotation_xyzw);
   require_finite("joints", joints);
   require_finite("velocity_mps", velocity_mps);
-  DrivenPose pose;
+  ExternalPose pose;
   pose.root.position_m = Eigen::Map<const Eigen::Vector3d>(position_m.data());
   pose.root.world_from_root = rotation_of(rotation_xyzw);
   pose.velocity_mps = Eigen::Map<const Eigen::Vector2d>(velocity_mps.data());
   pose.joints = {joints.data(), static_cast<size_t>(joints.size())};
-  return run.drive(avatar, pose);
+  return run.set_pose(avatar, pose);
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("pairs", &FrameView::pairs)
       .def_property_readonly("events", &FrameView::events)
       .def_property_readonly("near", &FrameView::near)
-      .def_property_readonly("near_people", &FrameView::near_people)
+      .def_property_readonly("closest_parts", &FrameView::closest_parts)
       .def_property_readonly("contact_points", &FrameView::contact_points)
       .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
       .def("part_poses", &FrameView::part_poses, py::arg("people"));

@@ -40,7 +40,7 @@ SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
   RunSource source = open_run_source(request_.source, request_.options);
   notes_ = std::move(source.notes);
   SimulationOptions options = request_.simulation;
-  options.world = std::move(source.world);
+  options.motion = std::move(source.motion);
   simulation_.emplace(std::move(source.scene), options);
   notes_.insert(notes_.end(), simulation_->notes().begin(), simulation_->notes().end());
 }
@@ -59,13 +59,13 @@ int64_t SteppedRun::step(const std::shared_ptr<SteppedRun>& run) {
   const auto number = std::make_shared<int64_t>(-1);
   constexpr double kShort_ms = 5;  // the next takes about as long as the last
   const bool is_short = run->frame_ != nullptr && run->step_ms_ < kShort_ms;
-  std::function<void(WorkSigns&)> work = [held = std::move(busy), number](WorkSigns&) {
+  std::function<void(WorkState&)> work = [held = std::move(busy), number](WorkState&) {
     *number = held->step();
   };
   if (is_short)
-    run_here(work);
+    run_inline(work);
   else
-    run_apart(std::move(work), py::none(), Unwanted::kLingers);
+    run_in_thread(std::move(work), py::none(), AbandonPolicy::kJoinBriefly);
   return *number;
 }
 
@@ -77,9 +77,9 @@ void SteppedRun::finish() {
   frame_ = nullptr;
 }
 
-int SteppedRun::drive(uint32_t avatar, const DrivenPose& pose) {
+int SteppedRun::set_pose(uint32_t avatar, const ExternalPose& pose) {
   expect_idle();
-  return simulation_->drive(avatar, pose);
+  return simulation_->set_pose(avatar, pose);
 }
 
 std::vector<uint8_t> SteppedRun::saved() {
@@ -93,8 +93,8 @@ void SteppedRun::resume(std::span<const uint8_t> state) {
   if (simulation_->next_frame() != 0)
     throw std::runtime_error("a simulation resumes before its first step, or not at all");
   const Checkpoint checkpoint = parse_checkpoint(state, "state");
-  const bool is_own = checkpoint.run_id == simulation_->info().run_id;
-  if (is_own && checkpoint.next_frame > frames())
+  const bool is_same_run = checkpoint.run_id == simulation_->info().run_id;
+  if (is_same_run && checkpoint.next_frame > frames())
     throw InputError(
         "state", fmt::format("one of a run of {} frames", frames()),
         fmt::format("one of which {} are done; ask for more seconds", checkpoint.next_frame));

@@ -51,8 +51,8 @@ class SteppedRun {
   /// Ctrl-C a step that takes long ends by itself, and `run` is busy until then.
   static int64_t step(const std::shared_ptr<SteppedRun>& run);
   void finish();
-  int drive(uint32_t avatar, const DrivenPose& pose);
-  bool is_driven(uint32_t avatar) const { return simulation_->driven_pose(avatar) != nullptr; }
+  int set_pose(uint32_t avatar, const ExternalPose& pose);
+  bool is_external(uint32_t avatar) const { return simulation_->external_pose(avatar) != nullptr; }
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);
 

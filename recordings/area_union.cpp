@@ -128,9 +128,9 @@ class Joiner {
     for (const auto& [pair, seam] : seams_) {
       if (!(seam.width_m > kAreaUnit_m && seam.length_m > seam.width_m)) continue;
       gaps.insert(pair);
-      if (seam.width_m <= out.widest_m) continue;
-      out.widest_m = seam.width_m;
-      out.widest_at_m = seam.middle_m;
+      if (seam.width_m <= out.max_gap_m) continue;
+      out.max_gap_m = seam.width_m;
+      out.max_gap_at_m = seam.middle_m;
     }
     out.gaps = static_cast<int64_t>(gaps.size());
     return out;
@@ -209,19 +209,19 @@ class Joiner {
 
   /// A gap between two edges of one polygon, which is closed like one between polygons.
   bool add_slit(const AreaEdge& a, const AreaEdge& b) {
-    const double most_m = kMaxAreaGap_m + kAreaRounding_m;
-    if (!(a.may_slit && b.may_slit && a.distance_m(b) <= most_m)) return false;
+    const double max_m = kMaxAreaGap_m + kAreaRounding_m;
+    if (!(a.may_slit && b.may_slit && a.distance_m(b) <= max_m)) return false;
     const std::optional<Seam> seam = seam_between(a, b);
     if (!seam || !(seam->width_m >= 0)) return false;
     // Of a notch that ends in a point only one that is as narrow all along.
     const bool ends = a.to == b.from, begins = b.to == a.from;
-    if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= most_m)) return false;
-    if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= most_m)) return false;
+    if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= max_m)) return false;
+    if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= max_m)) return false;
     has_slit_[a.polygon] = true;
     // The union itself closes what has no width, and takes off what sticks out without one.
     if (seam->width_m > kNoWidth_m) seams_.push_back({{a.polygon, b.polygon}, *seam});
     const auto mark = [&](const Eigen::Vector2d& corner, const AreaEdge& other) {
-      if (other.distance_m(corner) <= most_m) slit_corners_.push_back(corner);
+      if (other.distance_m(corner) <= max_m) slit_corners_.push_back(corner);
     };
     mark(a.from, b);
     mark(a.to, b);
@@ -453,7 +453,7 @@ namespace {
 /// What closes a gap reaches so far into the polygons where it does not end in their corners.
 constexpr double kOverlap_m = 3 * kAreaUnit_m;
 /// Edges of a gap are antiparallel within 20 degrees, the cosine.
-constexpr double kFacing = -0.94;
+constexpr double kOppositeCosine = -0.94;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -488,7 +488,7 @@ double AreaEdge::distance_m(const AreaEdge& other) const {
 std::optional<Seam> seam_between(const AreaEdge& a, const AreaEdge& b) {
   const Eigen::Vector2d along_a = (a.to - a.from).normalized();
   const Eigen::Vector2d along_b = (b.from - b.to).normalized();
-  if (!(-along_a.dot(along_b) < kFacing)) return std::nullopt;
+  if (!(-along_a.dot(along_b) < kOppositeCosine)) return std::nullopt;
   const Eigen::Vector2d along = (along_a + along_b).normalized(), out(along.y(), -along.x());
   const auto at = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, double s) {
     const double first = from.dot(along), last = to.dot(along);
@@ -510,14 +510,14 @@ std::optional<Seam> seam_between(const AreaEdge& a, const AreaEdge& b) {
     if (over_begin <= 0 && over_end > 0)
       high = std::min(high, begin + over_begin / (over_begin - over_end) * (end - begin));
   };
-  const double most_m = kMaxAreaGap_m + kAreaRounding_m;
-  keep(at_begin - most_m, at_end - most_m);
+  const double max_m = kMaxAreaGap_m + kAreaRounding_m;
+  keep(at_begin - max_m, at_end - max_m);
   keep(-kOffGrid_m - at_begin, -kOffGrid_m - at_end);
   if (!(high - low > kAreaUnit_m)) return std::nullopt;
   // Corners that face each other belong together, also where the gap is cut off slantwise.
   const auto ends = [&](double s, bool is_limit, const Eigen::Vector2d& corner_a,
                         const Eigen::Vector2d& corner_b) {
-    if (is_limit && (corner_a - corner_b).norm() <= most_m)
+    if (is_limit && (corner_a - corner_b).norm() <= max_m)
       return std::pair(SeamEnd{corner_a, true}, SeamEnd{corner_b, true});
     const auto is_at = [&](const Eigen::Vector2d& corner) {
       return is_limit && std::abs(corner.dot(along) - s) <= 1e-9;

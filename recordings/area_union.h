@@ -18,8 +18,8 @@ struct JoinedArea {
   /// Pairs of polygons with a gap wider than rounding, which is closed; a polygon with such a slit
   /// is a pair with itself.
   int64_t gaps = 0;
-  double widest_m = 0;  ///< the widest of these gaps
-  Eigen::Vector2d widest_at_m = Eigen::Vector2d::Zero();
+  double max_gap_m = 0;  ///< the widest of these gaps
+  Eigen::Vector2d max_gap_at_m = Eigen::Vector2d::Zero();
 };
 
 /// The union of polygons in metres. Slits of up to 1 mm within a ring are closed like gaps between

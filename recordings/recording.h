@@ -30,12 +30,12 @@ struct RecordingOptions {
   std::optional<double> fps{};
   std::optional<double> unit_m{};            ///< metres per unit of length of the file: 0.01 for cm
   std::optional<double> heading_unit_rad{};  ///< radians per unit of its headings
-  std::string columns{};                 ///< "id=pedID,t=time,x=posX,y=posY"; empty: by their names
-  char separator = 0;                    ///< of columns; 0: as the first line shows
-  std::optional<TrackedPoint> tracks{};  ///< none: by the kind of file
-  double from_s = 0;  ///< after the first frame of the file; 0 s is then the first
-                      ///< frame of the part
-  double until_s = std::numeric_limits<double>::infinity();
+  std::string columns{};  ///< "id=pedID,t=time,x=posX,y=posY"; empty: by their names
+  char separator = 0;     ///< of columns; 0: as the first line shows
+  std::optional<TrackedPoint> tracked_point{};  ///< none: by the kind of file
+  double start_s = 0;  ///< after the first frame of the file; 0 s is then the first
+                       ///< frame of the part
+  double end_s = std::numeric_limits<double>::infinity();
   bool strict = false;  ///< what is odd is bad input
 };
 
@@ -56,7 +56,7 @@ struct RecordedPerson {
 };
 
 /// A kind of oddity, how often it was seen, and where first.
-struct Oddity {
+struct Anomaly {
   std::string what;  ///< "faster than 12 m/s"
   int64_t count = 0;
   std::string first;  ///< "id 7 at frame 112: 3.2 m in 0.04 s"
@@ -65,7 +65,7 @@ struct Oddity {
 /// What a file says besides positions.
 struct RecordingFacts {
   std::string kind;  ///< "archive text", "JuPedSim SQLite", ...
-  TrackedPoint tracks = TrackedPoint::kCentre;
+  TrackedPoint tracked_point = TrackedPoint::kCentre;
   double fps = 0;           ///< of the recorded frames; 0: events at any time (footsteps)
   int64_t first_frame = 0;  ///< as the file numbers them; 0 where it has times
   int64_t frame_step = 1;   ///< from one recorded frame to the next, as the file numbers them
@@ -77,7 +77,7 @@ struct RecordingFacts {
   bool has_headings = false;
   std::string wkt;  ///< the walkable area as the file has it (its units, not shifted); empty: none
   double wkt_unit_m = 1;
-  std::vector<Oddity> odd;
+  std::vector<Anomaly> anomalies;
 };
 
 class RecordedSamples;

@@ -42,7 +42,7 @@ class TrackCheck {
   /// A person's samples in ascending order of time.
   void take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates);
   /// What was found so far, the gravest first.
-  std::vector<Oddity> found() const;
+  std::vector<Anomaly> found() const;
 
  private:
   enum Kind { kJump, kFast, kReturn, kHole, kTwice, kOutside, kOnce, kKinds };
@@ -51,7 +51,7 @@ class TrackCheck {
     std::string first;
   };
 
-  void step(int64_t id, const Sample& from, const Sample& to, double usual_s);
+  void check_step(int64_t id, const Sample& from, const Sample& to, double usual_s);
   double usual_interval_s(std::span<const Sample> samples);
   /// Counts; true if it was the first, which then wants words.
   bool is_first(Kind kind, int64_t times = 1) {
@@ -87,8 +87,8 @@ class PeopleSurvey {
   int64_t samples_ = 0;
   double duration_s_ = 0;
   Rectangle bounds_;
-  double least_z_m_ = std::numeric_limits<double>::infinity();
-  double most_z_m_ = -std::numeric_limits<double>::infinity();
+  double min_z_m_ = std::numeric_limits<double>::infinity();
+  double max_z_m_ = -std::numeric_limits<double>::infinity();
   std::vector<float> heights_m_;  ///< of the person at hand
   Hasher hash_;
 };
@@ -96,30 +96,30 @@ class PeopleSurvey {
 namespace {
 
 /// Further away is no place on Earth, whichever coordinates a map has.
-constexpr double kMostCoordinate_m = 1e8;
+constexpr double kMaxCoordinate_m = 1e8;
 /// Doubles count so far.
-constexpr double kMostFrame = 9e15;
-constexpr double kMostTime_s = 1e12;
-constexpr double kLongest_s = 1e7;
+constexpr double kMaxFrame = 9e15;
+constexpr double kMaxTime_s = 1e12;
+constexpr double kMaxDuration_s = 1e7;
 /// From the middle of all positions.
-constexpr double kWidest_m = 10'000;
+constexpr double kMaxExtent_m = 10'000;
 /// Coordinates beyond are those of a map.
 constexpr double kNoMap_m = 10'000;
 constexpr int64_t kDirectIds = 1 << 16;
 /// Where a step ends and the next begins.
 constexpr double kSameEvent_s = 1e-6;
 
-constexpr double kSmallest_m = 1.0, kTallest_m = 2.3;  ///< people
+constexpr double kMinHeight_m = 1.0, kMaxHeight_m = 2.3;  ///< people
 constexpr double kSameHeight_m = 1e-6;
 
 /// Sprinters reach it; nobody in a crowd does.
-constexpr double kFastest_mps = 12;
+constexpr double kMaxSpeed_mps = 12;
 /// A track that was continued with somebody else's head.
 constexpr double kJump_m = 3;
 /// Somebody out of sight for longer has left and come back.
-constexpr double kLongAway_s = 1;
+constexpr double kMaxAbsence_s = 1;
 /// Of the usual interval: what is longer lacks a sample.
-constexpr double kLacking = 1.5;
+constexpr double kGapFactor = 1.5;
 /// Between footsteps people stand where they are for as long as they like.
 constexpr double kMoved_m = 0.01;
 
@@ -142,7 +142,7 @@ void RecordingBuilder::refuse(int64_t place, std::string_view expected,
 }
 
 void RecordingBuilder::note(std::string what, int64_t count, std::string first) {
-  odd_.push_back({std::move(what), count, std::move(first)});
+  anomalies_.push_back({std::move(what), count, std::move(first)});
 }
 
 size_t RecordingBuilder::person_of(int64_t id, int64_t place) {
@@ -159,12 +159,12 @@ size_t RecordingBuilder::person_of(int64_t id, int64_t place) {
   return last_person_;
 }
 
-void RecordingBuilder::widen(const StoredSample& sample, int64_t place) {
+void RecordingBuilder::extend_bounds(const StoredSample& sample, int64_t place) {
   const bool is_first = ids_.size() == 1 && store_->count(0) == 0;
   const double xy[2] = {sample.x_m, sample.y_m};
   for (int axis = 0; axis < 2; ++axis) {
-    if (is_first || xy[axis] < least_[axis].value) least_[axis] = {xy[axis], place};
-    if (is_first || xy[axis] > most_[axis].value) most_[axis] = {xy[axis], place};
+    if (is_first || xy[axis] < min_[axis].value) min_[axis] = {xy[axis], place};
+    if (is_first || xy[axis] > max_[axis].value) max_[axis] = {xy[axis], place};
   }
   if (is_first) first_instant_ = last_instant_ = sample.instant;
   if (has_frames() && step_ != 1)
@@ -191,40 +191,40 @@ void RecordingBuilder::skip_empty_row(int64_t place) {
 void RecordingBuilder::add(int64_t id, const StoredSample& sample, int64_t place) {
   if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
   // Written so that NaN is refused.
-  if (!(std::abs(sample.instant) <= (has_frames() ? kMostFrame : kMostTime_s)))
+  if (!(std::abs(sample.instant) <= (has_frames() ? kMaxFrame : kMaxTime_s)))
     refuse(place, has_frames() ? "a frame within 9e15" : "a time within 1e12 s",
            fmt::format("{}", sample.instant));
   if (std::isnan(sample.x_m) || std::isnan(sample.y_m)) return add_gap(id, sample.instant);
-  if (!(std::abs(sample.x_m) <= kMostCoordinate_m && std::abs(sample.y_m) <= kMostCoordinate_m))
+  if (!(std::abs(sample.x_m) <= kMaxCoordinate_m && std::abs(sample.y_m) <= kMaxCoordinate_m))
     refuse(place, "x and y within 1e8 m", fmt::format("({}, {})", sample.x_m, sample.y_m));
   const size_t person = person_of(id, place);
-  widen(sample, place);
+  extend_bounds(sample, place);
   has_headings_ |= !std::isnan(sample.heading_rad);
   store_->add(person, sample);
 }
 
 Eigen::Vector2d RecordingBuilder::shift() const {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
-  const double far = std::max({-least_[0].value, most_[0].value, -least_[1].value, most_[1].value});
+  const double far = std::max({-min_[0].value, max_[0].value, -min_[1].value, max_[1].value});
   if (far <= kNoMap_m) return out;
   for (int axis = 0; axis < 2; ++axis)
-    out[axis] = 1000 * std::floor(0.5 * (least_[axis].value + most_[axis].value) / 1000);
+    out[axis] = 1000 * std::floor(0.5 * (min_[axis].value + max_[axis].value) / 1000);
   return out;
 }
 
 void RecordingBuilder::check_extent() const {
   for (int axis = 0; axis < 2; ++axis) {
-    const Extreme& least = least_[axis];
-    const Extreme& most = most_[axis];
-    if (most.value - least.value <= 2 * kWidest_m) continue;
+    const Extreme& min = min_[axis];
+    const Extreme& max = max_[axis];
+    if (max.value - min.value <= 2 * kMaxExtent_m) continue;
     // The one further from where the file begins is the likelier to be wrong.
-    const Extreme& odd = std::max(least.place, most.place) == most.place ? most : least;
-    refuse(
-        odd.place,
-        fmt::format("{} within 10 km of the middle of all (--unit is for files that "
-                    "are not in metres)",
-                    axis == 0 ? "x" : "y"),
-        fmt::format("{} m, and {} m elsewhere", odd.value, (&odd == &most ? least : most).value));
+    const Extreme& outlier = std::max(min.place, max.place) == max.place ? max : min;
+    refuse(outlier.place,
+           fmt::format("{} within 10 km of the middle of all (--unit is for files that "
+                       "are not in metres)",
+                       axis == 0 ? "x" : "y"),
+           fmt::format("{} m, and {} m elsewhere", outlier.value,
+                       (&outlier == &max ? min : max).value));
   }
 }
 
@@ -250,14 +250,14 @@ double RecordingBuilder::given_rate(const PrintedTimes& times) const {
 
 SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   SampleMapping out;
-  const auto step = static_cast<double>(std::max<int64_t>(step_, 1));
+  const auto check_step = static_cast<double>(std::max<int64_t>(step_, 1));
   switch (head_.clock) {
     case RecordedClock::kFrames:
       out.per_s = head_.per_s;
-      facts.fps = head_.per_s / step;
+      facts.fps = head_.per_s / check_step;
       break;
     case RecordedClock::kSteps:
-      out.per_s = head_.per_s * step;
+      out.per_s = head_.per_s * check_step;
       facts.fps = head_.per_s;
       break;
     case RecordedClock::kTimes: {
@@ -273,20 +273,20 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   }
   if (facts.fps == 0) out.same_within_s = kSameEvent_s;
   out.origin = first_instant_;
-  if (last_instant_ - first_instant_ > kLongest_s * out.per_s)
+  if (last_instant_ - first_instant_ > kMaxDuration_s * out.per_s)
     throw InputError(options_.file.string(), "a recording of at most 1e7 s",
                      fmt::format("one of {:.4g} s", (last_instant_ - first_instant_) / out.per_s));
   // A part of the time, with room for rounding at both ends.
   const double slack_s = facts.fps > 0 ? 0.01 / facts.fps : kSameEvent_s;
-  const double most_instant = first_instant_ + (options_.until_s + slack_s) * out.per_s;
-  out.last = most_instant;
-  if (options_.from_s > 0) {
-    out.first = first_instant_ + (options_.from_s - slack_s) * out.per_s;
+  const double max_instant = first_instant_ + (options_.end_s + slack_s) * out.per_s;
+  out.last = max_instant;
+  if (options_.start_s > 0) {
+    out.first = first_instant_ + (options_.start_s - slack_s) * out.per_s;
     const double first = first_instant_from(out.first);
     if (!std::isfinite(first) || first > out.last)
       throw InputError(
           options_.file.string(),
-          fmt::format("somebody from {} s to {} s", options_.from_s, options_.until_s),
+          fmt::format("somebody from {} s to {} s", options_.start_s, options_.end_s),
           fmt::format("a recording of {:.6g} s", (last_instant_ - first_instant_) / out.per_s));
     // Frames of a part are on the grid of the whole.
     out.origin = first;
@@ -303,15 +303,15 @@ std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) 
   const JoinedArea area = recorded_area(facts, options_.file.string());
   if (area.gaps > 0)
     note("gaps of up to 1 mm in the walkable area, which are closed", area.gaps,
-         fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.widest_m,
-                     area.widest_at_m.x(), area.widest_at_m.y()));
+         fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.max_gap_m,
+                     area.max_gap_at_m.x(), area.max_gap_at_m.y()));
   return std::optional<WalkableArea>(std::in_place, area.polygons);
 }
 
-RecordingFacts RecordingBuilder::what_is_said() const {
+RecordingFacts RecordingBuilder::stated_facts() const {
   RecordingFacts facts;
   facts.kind = head_.kind;
-  facts.tracks = options_.tracks.value_or(head_.tracks);
+  facts.tracked_point = options_.tracked_point.value_or(head_.tracked_point);
   facts.has_headings = has_headings_;
   facts.wkt = head_.wkt;
   facts.wkt_unit_m = head_.wkt_unit_m;
@@ -338,13 +338,14 @@ void RecordingBuilder::compare_rates() {
                    takes_times ? "that of the times" : fmt::format("{:g}", stated_per_s_)));
 }
 
-void RecordingBuilder::be_strict(const std::vector<Oddity>& odd) const {
-  if (!options_.strict || odd.empty()) return;
-  const Oddity& first = odd.front();
+void RecordingBuilder::reject_anomalies(const std::vector<Anomaly>& anomalies) const {
+  if (!options_.strict || anomalies.empty()) return;
+  const Anomaly& first = anomalies.front();
   throw InputError(
       options_.file.string(), "nothing odd, because of --strict",
-      fmt::format("{} ({}), first {}{}", first.what, first.count, first.first,
-                  odd.size() > 1 ? fmt::format("; and {} more kinds", odd.size() - 1) : ""));
+      fmt::format(
+          "{} ({}), first {}{}", first.what, first.count, first.first,
+          anomalies.size() > 1 ? fmt::format("; and {} more kinds", anomalies.size() - 1) : ""));
 }
 
 std::shared_ptr<const Recording> RecordingBuilder::finish() {
@@ -359,7 +360,7 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
   small_ids_ = {};
   large_ids_ = {};
   check_extent();
-  RecordingFacts facts = what_is_said();
+  RecordingFacts facts = stated_facts();
   SampleMapping mapping = this->mapping(facts);
   mapping.shift_m = facts.shift_m;
   compare_rates();
@@ -386,12 +387,12 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
     check.take(ids_[person], track, duplicates);
   }
   if (kept.empty())
-    throw InputError(options_.file.string(), fmt::format("somebody before {} s", options_.until_s),
+    throw InputError(options_.file.string(), fmt::format("somebody before {} s", options_.end_s),
                      "nobody");
-  facts.odd = check.found();
-  facts.odd.insert(facts.odd.end(), odd_.begin(), odd_.end());
+  facts.anomalies = check.found();
+  facts.anomalies.insert(facts.anomalies.end(), anomalies_.begin(), anomalies_.end());
   std::vector<RecordedPerson> people = survey.finish(facts);
-  be_strict(facts.odd);
+  reject_anomalies(facts.anomalies);
   samples->order(std::move(kept));
   return std::make_shared<const Recording>(std::move(facts), std::move(people), std::move(samples),
                                            survey.hash());
@@ -404,9 +405,9 @@ std::optional<double> PeopleSurvey::height_of(std::span<const Sample> samples) {
   for (const Sample& sample : samples)
     if (!std::isnan(sample.z_m)) heights_m_.push_back(sample.z_m);
   if (heights_m_.empty()) return std::nullopt;
-  const auto [least, most] = std::minmax_element(heights_m_.begin(), heights_m_.end());
-  least_z_m_ = std::min(least_z_m_, static_cast<double>(*least));
-  most_z_m_ = std::max(most_z_m_, static_cast<double>(*most));
+  const auto [min, max] = std::minmax_element(heights_m_.begin(), heights_m_.end());
+  min_z_m_ = std::min(min_z_m_, static_cast<double>(*min));
+  max_z_m_ = std::max(max_z_m_, static_cast<double>(*max));
   const auto middle = heights_m_.begin() + static_cast<ptrdiff_t>(heights_m_.size() / 2);
   std::nth_element(heights_m_.begin(), middle, heights_m_.end());
   return static_cast<double>(*middle);
@@ -434,12 +435,12 @@ void PeopleSurvey::take(int64_t id, std::span<const Sample> samples) {
 
 void PeopleSurvey::judge_heights(RecordingFacts& facts) {
   // A z that is the same for all was measured of nobody.
-  const bool are_the_same = people_.size() > 1 && most_z_m_ - least_z_m_ <= kSameHeight_m;
-  const bool are_heights = facts.tracks == TrackedPoint::kHead && !are_the_same;
-  Oddity none{"heads lower than 1.0 m or higher than 2.3 m", 0, {}};
+  const bool are_the_same = people_.size() > 1 && max_z_m_ - min_z_m_ <= kSameHeight_m;
+  const bool are_heights = facts.tracked_point == TrackedPoint::kHead && !are_the_same;
+  Anomaly none{"heads lower than 1.0 m or higher than 2.3 m", 0, {}};
   for (RecordedPerson& person : people_) {
     if (!person.height_m) continue;
-    const bool is_one = *person.height_m >= kSmallest_m && *person.height_m <= kTallest_m;
+    const bool is_one = *person.height_m >= kMinHeight_m && *person.height_m <= kMaxHeight_m;
     if (!is_one && none.count++ == 0)
       none.first = fmt::format("id {}: {:.3g} m", person.id, *person.height_m);
     if (!are_heights || !is_one) person.height_m.reset();
@@ -447,7 +448,7 @@ void PeopleSurvey::judge_heights(RecordingFacts& facts) {
   }
   // Where all are so, z is something else: the floor, or nothing.
   if (are_heights && none.count > 0 && none.count < static_cast<int64_t>(people_.size()))
-    facts.odd.push_back(std::move(none));
+    facts.anomalies.push_back(std::move(none));
 }
 
 std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
@@ -455,9 +456,9 @@ std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
   facts.duration_s = duration_s_;
   facts.bounds = bounds_;
   if (facts.fps > 0) facts.frames = std::llround(facts.duration_s * facts.fps) + 1;
-  if (duration_s_ == 0) facts.odd.push_back({"a single frame", 1, "nobody moves"});
+  if (duration_s_ == 0) facts.anomalies.push_back({"a single frame", 1, "nobody moves"});
   judge_heights(facts);
-  hash_.add(facts.fps).add(facts.duration_s).add(static_cast<uint64_t>(facts.tracks));
+  hash_.add(facts.fps).add(facts.duration_s).add(static_cast<uint64_t>(facts.tracked_point));
   hash_.add(facts.shift_m.x()).add(facts.shift_m.y());
   hash_.add(std::string_view(facts.wkt)).add(facts.wkt_unit_m);
   return std::move(people_);
@@ -467,23 +468,23 @@ double TrackCheck::usual_interval_s(std::span<const Sample> samples) {
   gaps_s_.clear();
   for (size_t i = 1; i < samples.size(); ++i)
     gaps_s_.push_back(samples[i].time_s - samples[i - 1].time_s);
-  const auto [least, most] = std::minmax_element(gaps_s_.begin(), gaps_s_.end());
-  if (*most <= kLacking * *least) return *most;
+  const auto [min, max] = std::minmax_element(gaps_s_.begin(), gaps_s_.end());
+  if (*max <= kGapFactor * *min) return *max;
   const auto middle = gaps_s_.begin() + static_cast<ptrdiff_t>((gaps_s_.size() - 1) / 2);
   std::nth_element(gaps_s_.begin(), middle, gaps_s_.end());
   return *middle;
 }
 
-void TrackCheck::step(int64_t id, const Sample& from, const Sample& to, double usual_s) {
+void TrackCheck::check_step(int64_t id, const Sample& from, const Sample& to, double usual_s) {
   const double gap_s = to.time_s - from.time_s;
-  const double way_m = (to.position_m - from.position_m).norm();
-  const bool lacks_some = gap_s > kLacking * usual_s;
-  const bool may_stand = fps_ == 0 && way_m < kMoved_m;
-  if (lacks_some && gap_s > kLongAway_s && !may_stand) {
+  const double distance_m = (to.position_m - from.position_m).norm();
+  const bool lacks_some = gap_s > kGapFactor * usual_s;
+  const bool may_stand = fps_ == 0 && distance_m < kMoved_m;
+  if (lacks_some && gap_s > kMaxAbsence_s && !may_stand) {
     if (is_first(kReturn))
       counts_[kReturn].first =
           fmt::format("id {} at {}, {:.4g} s and {:.3g} m after its last position", id,
-                      name_(to.time_s), gap_s, way_m);
+                      name_(to.time_s), gap_s, distance_m);
     return;
   }
   if (lacks_some && !may_stand && is_first(kHole))
@@ -492,11 +493,11 @@ void TrackCheck::step(int64_t id, const Sample& from, const Sample& to, double u
                                              name_(to.time_s), std::lround(gap_s * fps_) - 1)
                                : fmt::format("id {} at {}: {:.3g} s after its last position", id,
                                              name_(to.time_s), gap_s);
-  if (way_m <= kFastest_mps * gap_s) return;
-  const Kind kind = way_m > kJump_m ? kJump : kFast;
+  if (distance_m <= kMaxSpeed_mps * gap_s) return;
+  const Kind kind = distance_m > kJump_m ? kJump : kFast;
   if (is_first(kind))
     counts_[kind].first =
-        fmt::format("id {} at {}: {:.3g} m in {:.3g} s", id, name_(to.time_s), way_m, gap_s);
+        fmt::format("id {} at {}: {:.3g} m in {:.3g} s", id, name_(to.time_s), distance_m, gap_s);
 }
 
 void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates) {
@@ -508,7 +509,7 @@ void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplica
       counts_[kOnce].first = fmt::format("id {} at {}", id, name_(samples[0].time_s));
   } else {
     const double usual_s = usual_interval_s(samples);
-    for (size_t i = 1; i < samples.size(); ++i) step(id, samples[i - 1], samples[i], usual_s);
+    for (size_t i = 1; i < samples.size(); ++i) check_step(id, samples[i - 1], samples[i], usual_s);
   }
   if (area_ == nullptr) return;
   for (const Sample& sample : samples)
@@ -518,8 +519,8 @@ void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplica
                       sample.position_m.x(), sample.position_m.y());
 }
 
-std::vector<Oddity> TrackCheck::found() const {
-  static constexpr const char* kWhat[kKinds] = {
+std::vector<Anomaly> TrackCheck::found() const {
+  static constexpr const char* kNames[kKinds] = {
       "jumps of more than 3 m",
       "faster than 12 m/s",
       "ids that come back after more than a second",
@@ -527,10 +528,10 @@ std::vector<Oddity> TrackCheck::found() const {
       "second positions at one instant (the first is kept)",
       "positions outside the walkable area",
       "people who are seen at one instant only"};
-  std::vector<Oddity> out;
+  std::vector<Anomaly> out;
   for (size_t kind = 0; kind < kKinds; ++kind)
     if (counts_[kind].count > 0)
-      out.push_back({kWhat[kind], counts_[kind].count, counts_[kind].first});
+      out.push_back({kNames[kind], counts_[kind].count, counts_[kind].first});
   return out;
 }
 

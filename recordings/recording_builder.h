@@ -30,7 +30,7 @@ enum class RecordedClock : uint8_t {
 /// What a reader knows of a file besides samples.
 struct RecordingHead {
   std::string kind;
-  TrackedPoint tracks = TrackedPoint::kCentre;  ///< if options do not say
+  TrackedPoint tracked_point = TrackedPoint::kCentre;  ///< if options do not say
   RecordedClock clock = RecordedClock::kFrames;
   double per_s = 0;       ///< kFrames: frames a second as numbered; kSteps: smallest steps a second
   double rounding_s = 0;  ///< kTimes: half of the last digit printed
@@ -50,7 +50,7 @@ class RecordingBuilder {
   /// is compared with the times of the file, if it has them.
   void state_rate(std::optional<double> per_s, std::string_view by);
   /// For files that number their frames and have their times, too.
-  RateByTimes& frame_times() { return frame_times_; }
+  RateEstimator& frame_times() { return frame_times_; }
 
   /// Positions in metres, not shifted; NaN as x or y is a gap, which is counted. `place`: the line
   /// of the file, from 1. Throws InputError where a number is beyond what can be.
@@ -78,22 +78,22 @@ class RecordingBuilder {
   }
   void add_gap(int64_t id, double instant);
   size_t person_of(int64_t id, int64_t place);
-  void widen(const StoredSample& sample, int64_t place);
+  void extend_bounds(const StoredSample& sample, int64_t place);
   Eigen::Vector2d shift() const;
   void check_extent() const;
   double given_rate(const PrintedTimes& times) const;
   SampleMapping mapping(RecordingFacts& facts);
   double first_instant_from(double instant) const;
-  RecordingFacts what_is_said() const;
+  RecordingFacts stated_facts() const;
   std::optional<WalkableArea> area(const RecordingFacts& facts);
   void compare_rates();
-  void be_strict(const std::vector<Oddity>& odd) const;
+  void reject_anomalies(const std::vector<Anomaly>& anomalies) const;
 
   RecordingOptions options_;
   RecordingHead head_;
   double stated_per_s_ = 0;  ///< 0: none is stated
   std::string stated_by_;
-  RateByTimes frame_times_;
+  RateEstimator frame_times_;
   std::optional<double> times_per_s_;  ///< kTimes: of the times, whatever --fps is
   std::unique_ptr<SampleStore> store_;
   std::vector<int64_t> ids_;  ///< of people, as they are numbered in the store
@@ -101,14 +101,14 @@ class RecordingBuilder {
   std::unordered_map<int64_t, uint32_t> large_ids_;
   int64_t last_id_ = -1;
   size_t last_person_ = 0;
-  Extreme least_[2], most_[2];  ///< of x and y
+  Extreme min_[2], max_[2];  ///< of x and y
   double first_instant_ = 0, last_instant_ = 0;
   int64_t step_ = 0;  ///< the greatest that all differences of frames are multiples of
   bool has_headings_ = false;
   int64_t gaps_ = 0;
   std::string first_gap_;
   int64_t empty_rows_ = 0, first_empty_row_ = 0;
-  std::vector<Oddity> odd_;
+  std::vector<Anomaly> anomalies_;
 };
 
 }  // namespace throng

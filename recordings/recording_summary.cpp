@@ -9,12 +9,12 @@
 namespace throng {
 namespace {
 
-constexpr size_t kMostInstants = 300, kLeastInstants = 20;
+constexpr size_t kMaxInstants = 300, kMinInstants = 20;
 /// Positions in memory at once.
-constexpr size_t kMostPlaces = 2'000'000;
+constexpr size_t kMaxPositions = 2'000'000;
 /// Whoever is away for longer is not there.
-constexpr double kAway_s = 2;
-constexpr double kSpeedOver_s = 1;
+constexpr double kMaxGap_s = 2;
+constexpr double kSpeedWindow_s = 1;
 
 /// Where somebody is between samples; none before the first, behind the last and while away.
 std::optional<Eigen::Vector2d> place_at(std::span<const Sample> track, double time_s) {
@@ -25,15 +25,15 @@ std::optional<Eigen::Vector2d> place_at(std::span<const Sample> track, double ti
   if (after->time_s == time_s || after == track.begin()) return after->position_m;
   const Sample& before = *(after - 1);
   const double gap_s = after->time_s - before.time_s;
-  if (gap_s > kAway_s) return std::nullopt;
+  if (gap_s > kMaxGap_s) return std::nullopt;
   const double t = (time_s - before.time_s) / gap_s;
   return before.position_m + t * (after->position_m - before.position_m);
 }
 
 /// People in squares as wide as the radius, sorted by square.
-class Crowd {
+class DensityGrid {
  public:
-  explicit Crowd(const Rectangle& bounds)
+  explicit DensityGrid(const Rectangle& bounds)
       : origin_(bounds.min_m),
         columns_(static_cast<int64_t>(bounds.size_m().x() / kDensityRadius_m) + 3) {}
 
@@ -41,14 +41,14 @@ class Crowd {
     people_.clear();
     for (const Eigen::Vector2f& p : people) people_.push_back({cell_of(p), p});
     std::sort(people_.begin(), people_.end(),
-              [](const Person& a, const Person& b) { return a.cell < b.cell; });
+              [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
   }
   int64_t near(const Eigen::Vector2f& point) const {
     int64_t count = 0;
     const int64_t middle = cell_of(point);
     for (const int64_t row : {middle - columns_, middle, middle + columns_}) {
       auto it = std::lower_bound(people_.begin(), people_.end(), row - 1,
-                                 [](const Person& p, int64_t cell) { return p.cell < cell; });
+                                 [](const Entry& p, int64_t cell) { return p.cell < cell; });
       for (; it != people_.end() && it->cell <= row + 1; ++it)
         count += static_cast<double>((it->place - point).squaredNorm()) <=
                  kDensityRadius_m * kDensityRadius_m;
@@ -57,7 +57,7 @@ class Crowd {
   }
 
  private:
-  struct Person {
+  struct Entry {
     int64_t cell;
     Eigen::Vector2f place;
   };
@@ -69,15 +69,15 @@ class Crowd {
 
   Eigen::Vector2d origin_;
   int64_t columns_;
-  std::vector<Person> people_;
+  std::vector<Entry> people_;
 };
 
 std::vector<double> instants_of(const Recording& recording) {
-  const size_t most =
-      std::clamp(kMostPlaces / recording.people().size(), kLeastInstants, kMostInstants);
+  const size_t max =
+      std::clamp(kMaxPositions / recording.people().size(), kMinInstants, kMaxInstants);
   const double duration_s = recording.facts().duration_s;
   const double fps = recording.facts().fps;
-  const auto count = std::min(most, static_cast<size_t>(duration_s) + 1);
+  const auto count = std::min(max, static_cast<size_t>(duration_s) + 1);
   std::vector<double> out;
   for (size_t i = 0; i < count; ++i) {
     // At a recorded frame where there are any, in the middle of an equal part of the time.
@@ -89,7 +89,7 @@ std::vector<double> instants_of(const Recording& recording) {
 
 }  // namespace
 
-Spread spread_of(std::vector<float>& values) {
+Percentiles percentiles_of(std::vector<float>& values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto at = [&](double part) {
@@ -113,29 +113,29 @@ RecordingSummary summary_of(const Recording& recording) {
       const auto place = place_at(track, instants[i]);
       if (!place) continue;
       places[i].push_back(place->cast<float>());
-      const auto before = place_at(track, instants[i] - 0.5 * kSpeedOver_s);
-      const auto after = place_at(track, instants[i] + 0.5 * kSpeedOver_s);
+      const auto before = place_at(track, instants[i] - 0.5 * kSpeedWindow_s);
+      const auto after = place_at(track, instants[i] + 0.5 * kSpeedWindow_s);
       if (before && after)
-        speeds.push_back(static_cast<float>((*after - *before).norm() / kSpeedOver_s));
+        speeds.push_back(static_cast<float>((*after - *before).norm() / kSpeedWindow_s));
     }
   }
-  Crowd crowd(recording.facts().bounds);
+  DensityGrid grid(recording.facts().bounds);
   constexpr double kArea_m2 = std::numbers::pi * kDensityRadius_m * kDensityRadius_m;
   for (size_t i = 0; i < instants.size(); ++i) {
     const auto count = static_cast<int64_t>(places[i].size());
     out.mean_people += static_cast<double>(count) / static_cast<double>(instants.size());
-    if (count > out.most_people) {
-      out.most_people = count;
-      out.most_at_s = instants[i];
+    if (count > out.max_people) {
+      out.max_people = count;
+      out.max_people_at_s = instants[i];
     }
-    crowd.place(places[i]);
+    grid.place(places[i]);
     for (const Eigen::Vector2f& place : places[i])
-      densities.push_back(static_cast<float>(static_cast<double>(crowd.near(place)) / kArea_m2));
+      densities.push_back(static_cast<float>(static_cast<double>(grid.near(place)) / kArea_m2));
   }
-  out.speed_mps = spread_of(speeds);
-  out.density_per_m2 = spread_of(densities);
+  out.speed_mps = percentiles_of(speeds);
+  out.density_per_m2 = percentiles_of(densities);
   out.heights = static_cast<int64_t>(heights.size());
-  out.height_m = spread_of(heights);
+  out.height_m = percentiles_of(heights);
   return out;
 }
 

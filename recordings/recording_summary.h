@@ -10,20 +10,20 @@
 namespace throng {
 
 /// Of many values the middle one, and those that 5 % are below and above.
-struct Spread {
+struct Percentiles {
   double low = 0, median = 0, high = 0;
 };
 /// Zeros if there are none.
-Spread spread_of(std::vector<float>& values);
+Percentiles percentiles_of(std::vector<float>& values);
 
 struct RecordingSummary {
   double mean_people = 0;  ///< there at once
-  int64_t most_people = 0;
-  double most_at_s = 0;
-  Spread speed_mps;       ///< over a second
-  Spread density_per_m2;  ///< within kDensityRadius_m of everybody, that person included
-  int64_t heights = 0;    ///< people who have one
-  Spread height_m;
+  int64_t max_people = 0;
+  double max_people_at_s = 0;
+  Percentiles speed_mps;       ///< over a second
+  Percentiles density_per_m2;  ///< within kDensityRadius_m of everybody, that person included
+  int64_t heights = 0;         ///< people who have one
+  Percentiles height_m;
 };
 
 inline constexpr double kDensityRadius_m = 1;

@@ -31,7 +31,7 @@ void SampleStore::finish() {
 }
 
 void SampleStore::stage(size_t person) {
-  if (staged_people_.size() == kMostStaged) flush_all();
+  if (staged_people_.size() == kMaxStaged) flush_all();
   chains_[person].staged = static_cast<uint32_t>(staged_people_.size());
   staged_people_.push_back(static_cast<uint32_t>(person));
   staged_.resize(staged_people_.size() * kBlockSamples);

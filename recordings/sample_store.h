@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/files/nameless_file.h"
+#include "base/files/anonymous_file.h"
 
 namespace throng {
 
@@ -43,7 +43,7 @@ class SampleStore {
   static constexpr size_t kBlockSamples = 64;
   static constexpr size_t kBlockBytes = sizeof(BlockHead) + kBlockSamples * sizeof(StoredSample);
   /// Blocks being filled, 64 MiB of them: beyond, all go to the file as full as they are.
-  static constexpr size_t kMostStaged = 32'768;
+  static constexpr size_t kMaxStaged = 32'768;
   static constexpr size_t kWriteBytes = 1 << 20;
   static constexpr uint32_t kNotStaged = ~uint32_t{0};
 
@@ -61,7 +61,7 @@ class SampleStore {
   void flush_all();
   void write_out();
 
-  NamelessFile file_;
+  AnonymousFile file_;
   int64_t written_ = 0;
   std::vector<std::byte> unwritten_;
   std::vector<Chain> chains_;

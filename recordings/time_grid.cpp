@@ -15,8 +15,8 @@ double allowed_s(const PrintedTimes& times, double per_s, double time_s) {
 }
 
 struct Spans {
-  double least_gap_s = std::numeric_limits<double>::infinity();  ///< of one person
-  size_t longest = 0;                                            ///< whose track is
+  double min_gap_s = std::numeric_limits<double>::infinity();  ///< of one person
+  size_t longest = 0;                                          ///< whose track is
 };
 
 Spans spans_of(const SampleStore& store) {
@@ -33,7 +33,7 @@ Spans spans_of(const SampleStore& store) {
     }
     for (size_t i = 1; i < samples.size(); ++i) {
       const double gap_s = samples[i].instant - samples[i - 1].instant;
-      if (gap_s > 1e-6) out.least_gap_s = std::min(out.least_gap_s, gap_s);
+      if (gap_s > 1e-6) out.min_gap_s = std::min(out.min_gap_s, gap_s);
     }
   }
   return out;
@@ -75,7 +75,7 @@ double rounded(double per_s, double allowed) {
 
 }  // namespace
 
-void RateByTimes::take(double frame, double time_s, double rounding_s) {
+void RateEstimator::take(double frame, double time_s, double rounding_s) {
   if (!std::isfinite(frame) || !std::isfinite(time_s)) return;
   // Zeros at the end may be left out: the longest number shows how many digits there are.
   rounding_s_ = is_empty_ ? rounding_s : std::min(rounding_s_, rounding_s);
@@ -90,12 +90,12 @@ void RateByTimes::take(double frame, double time_s, double rounding_s) {
   is_empty_ = false;
 }
 
-std::optional<double> RateByTimes::per_s() const {
+std::optional<double> RateEstimator::per_s() const {
   if (!(last_frame_ > first_frame_ && last_s_ > first_s_)) return std::nullopt;
   return (last_frame_ - first_frame_) / (last_s_ - first_s_);
 }
 
-double RateByTimes::uncertainty() const { return 2 * rounding_s_ / (last_s_ - first_s_); }
+double RateEstimator::uncertainty() const { return 2 * rounding_s_ / (last_s_ - first_s_); }
 
 bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
   std::vector<StoredSample> samples;
@@ -118,7 +118,7 @@ bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
 
 std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes& times) {
   const Spans spans = spans_of(store);
-  if (!std::isfinite(spans.least_gap_s)) return std::nullopt;
+  if (!std::isfinite(spans.min_gap_s)) return std::nullopt;
   std::vector<StoredSample> track;
   store.read(spans.longest, track);
   const double span_s = track.back().instant - track.front().instant;
@@ -132,7 +132,7 @@ std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes&
       return rate;
   }
   // Most are exact; those of 60 a second are not, with as few digits as there are.
-  const double guess = refined(track, 1 / spans.least_gap_s);
+  const double guess = refined(track, 1 / spans.min_gap_s);
   if (const double rate = rate_from(guess, 0); lie_on(store, {times.first_s, 0}, rate)) return rate;
   if (const double rate = rate_from(guess, times.rounding_s); lie_on(store, times, rate))
     return rate;

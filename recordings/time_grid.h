@@ -14,7 +14,7 @@ struct PrintedTimes {
 };
 
 /// The rate of frames in a file that has their times as well.
-class RateByTimes {
+class RateEstimator {
  public:
   /// `rounding_s`: half of the last digit printed.
   void take(double frame, double time_s, double rounding_s);

@@ -133,9 +133,9 @@ bool Remainder::take_decimals_behind_comma(double& value, std::string_view whole
   while (digits < text_.size() && text_[digits] >= '0' && text_[digits] <= '9') ++digits;
   const std::string_view decimals = text_.substr(1, digits - 1);
   // No camera takes 23 976 frames per second, and some take 1 000.
-  constexpr double kMostThousands = 10;
+  constexpr double kMaxThousands = 10;
   const bool could_be_thousands =
-      decimals.size() == 3 && !whole.starts_with('0') && value <= kMostThousands;
+      decimals.size() == 3 && !whole.starts_with('0') && value <= kMaxThousands;
   if (decimals.empty() || could_be_thousands) return false;
   if (!parse_number(fmt::format("{}.{}", whole, decimals), value)) return false;
   text_ = trimmed(text_.substr(digits));

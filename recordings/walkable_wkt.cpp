@@ -15,9 +15,9 @@
 namespace throng {
 namespace {
 
-constexpr size_t kMostVertices = 100'000;
-constexpr int kDeepest = 8;
-constexpr double kMost = 1e12;
+constexpr size_t kMaxVertices = 100'000;
+constexpr int kMaxDepth = 8;
+constexpr double kMaxCoordinate = 1e12;
 constexpr double kOnEdge_m = 1e-3;
 
 class Parser {
@@ -34,7 +34,7 @@ class Parser {
 
  private:
   void geometry(int depth) {
-    if (depth > kDeepest) refuse("collections at most 8 deep");
+    if (depth > kMaxDepth) refuse("collections at most 8 deep");
     const std::string kind = word();
     constexpr const char* kAreas = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION";
     if (kind.empty()) refuse(kAreas);
@@ -76,7 +76,7 @@ class Parser {
         number();
         skip_blanks();
       }
-      if (++vertices_ > kMostVertices) refuse("at most 100000 vertices");
+      if (++vertices_ > kMaxVertices) refuse("at most 100000 vertices");
       ring.emplace_back(x, y);
     });
     if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
@@ -101,7 +101,7 @@ class Parser {
     skip_blanks();
     double value = 0;
     const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
-    if (error != std::errc() || !(std::abs(value) <= kMost)) refuse("a coordinate");
+    if (error != std::errc() || !(std::abs(value) <= kMaxCoordinate)) refuse("a coordinate");
     rest_.remove_prefix(static_cast<size_t>(end - rest_.data()));
     return value;
   }

@@ -16,7 +16,7 @@ for argument in "$@"; do
     *) filter=${filter:+$filter:}*/$(basename "$argument" .md) ;;
   esac
 done
-bash scripts/build.sh release docs_tests throng no_miss crowd_tests gait_tests scenes_tests fuzz_replay own_volume own_engine
+bash scripts/build.sh release docs_tests throng no_miss crowd_tests gait_tests scenes_tests fuzz_replay custom_volume custom_engine
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then build/release/throng scenes --schema >scenes/scene.schema.json; fi
 build/release/docs_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

@@ -39,17 +39,17 @@ generator() { # PROGRAM COUNT: a test program that makes its input up
 }
 
 no_miss() { # SEED: of parts alone, of people who walk, stand and give way, of pairs within a margin, and of hulls
-  bash scripts/build.sh release no_miss no_miss_people no_miss_near degenerate_hulls_sweep && echo "seed $1" &&
+  bash scripts/build.sh release no_miss no_miss_people no_miss_proximity degenerate_hulls_sweep && echo "seed $1" &&
     build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1" touching &&
     build/release/no_miss_people 100000 "$1" &&
-    build/release/no_miss_near 2000000 "$1" && build/release/degenerate_hulls_sweep 100000 "$1"
+    build/release/no_miss_proximity 2000000 "$1" && build/release/degenerate_hulls_sweep 100000 "$1"
 }
 
 long() ( # the tests that ask tests/nightly.h
   bash scripts/build.sh release culling_tests crowd_tests scenes_tests || exit
   export THRONG_NIGHTLY=1
   build/release/culling_tests \
-    --gtest_filter='AgainstFcl.*:*NoPairWithinTheMarginIsMissed*:NearRows.ChangeNoEvents*' &&
+    --gtest_filter='AgainstFcl.*:*NoPairWithinTheMarginIsMissed*:ProximityRows.ChangeNoEvents*' &&
     build/release/crowd_tests \
       --gtest_filter='Crowd.APlazaKeepsMovingWhateverTheSeed:NavMesh.WhereADisc*' &&
     build/release/scenes_tests \

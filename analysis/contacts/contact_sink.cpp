@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "analysis/part_names.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 #include "scenes/run/sink.h"
 
@@ -50,8 +50,9 @@ Eigen::Vector3f placed(const PartPose& pose, const Eigen::Vector3f& point_m) {
 /// Touched points near a place.
 class Neighbours {
  public:
-  explicit Neighbours(const std::vector<BodyMap::Touched>& points) {
-    for (const BodyMap::Touched& point : points) cells_[key(cell_of(point.at_m))].push_back(point);
+  explicit Neighbours(const std::vector<BodyMap::TouchedPoint>& points) {
+    for (const BodyMap::TouchedPoint& point : points)
+      cells_[key(cell_of(point.at_m))].push_back(point);
   }
 
   /// Seconds a square centimetre.
@@ -63,7 +64,7 @@ class Neighbours {
         for (int z = -1; z <= 1; ++z) {
           const auto found = cells_.find(key({cell[0] + x, cell[1] + y, cell[2] + z}));
           if (found == cells_.end()) continue;
-          for (const BodyMap::Touched& point : found->second) {
+          for (const BodyMap::TouchedPoint& point : found->second) {
             const auto squared = static_cast<double>((point.at_m - at_m).squaredNorm());
             if (squared < kReach_m * kReach_m)
               sum += point.seconds * std::exp(-0.5 * squared / (kSpread_m * kSpread_m));
@@ -86,7 +87,7 @@ class Neighbours {
     return key;
   }
 
-  std::unordered_map<uint64_t, std::vector<BodyMap::Touched>> cells_;
+  std::unordered_map<uint64_t, std::vector<BodyMap::TouchedPoint>> cells_;
 };
 
 /// What is seen of a body at rest from one side, pixel by pixel.
@@ -102,13 +103,13 @@ class View {
   View(const Model& model, const std::vector<PartPose>& rest, const Eigen::AlignedBox3f& box,
        const Eigen::Matrix3f& turned)
       : turned_(turned) {
-    Eigen::AlignedBox3f seen;
+    Eigen::AlignedBox3f bounds;
     for (int corner = 0; corner < 8; ++corner)
-      seen.extend(turned * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)));
-    left_m_ = seen.min().y();
-    top_m_ = seen.max().z();
-    width = static_cast<int>(std::ceil(seen.sizes().y() / kPixel_m)) + 1;
-    height = static_cast<int>(std::ceil(seen.sizes().z() / kPixel_m)) + 1;
+      bounds.extend(turned * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)));
+    left_m_ = bounds.min().y();
+    top_m_ = bounds.max().z();
+    width = static_cast<int>(std::ceil(bounds.sizes().y() / kPixel_m)) + 1;
+    height = static_cast<int>(std::ceil(bounds.sizes().z() / kPixel_m)) + 1;
     pixels.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
     for (size_t part = 0; part < model.parts.size(); ++part) {
       const Mesh& mesh = model.parts[part].mesh;
@@ -183,9 +184,9 @@ BodyMap::BodyMap(const RunInfo& run) : step_s_(run.step_s) {
   std::vector<int> people(run.models.size());
   for (const uint16_t model : run.model_of_avatar)
     if (run.models[model]->is_person) ++people[model];
-  const auto most = std::max_element(people.begin(), people.end());
-  if (most == people.end() || *most == 0) return;
-  model_ = static_cast<int>(most - people.begin());
+  const auto max = std::max_element(people.begin(), people.end());
+  if (max == people.end() || *max == 0) return;
+  model_ = static_cast<int>(max - people.begin());
   body_ = run.models[static_cast<size_t>(model_)];
   rest_.resize(body_->parts.size());
   poses_.resize(body_->parts.size());
@@ -215,18 +216,18 @@ void BodyMap::frame(const RunInfo& run, const Frame& frame) {
     add(run, frame, row.pair.a(), row.pair.part_a(), point_m);
     add(run, frame, row.pair.b(), row.pair.part_b(), point_m);
   }
-  if (run.culler.near.contact_points) return;  // the rows of distances have the same
-  for (const NearPair& row : frame.near_pairs) {
-    if (row.level != PairLevel::kExact || row.hi_m > 0) continue;
+  if (run.culler.proximity.contact_points) return;  // the rows of distances have the same
+  for (const ProximityPair& row : frame.proximity_pairs) {
+    if (row.level != PairLevel::kTriangles || row.hi_m > 0) continue;
     add(run, frame, row.pair.a(), row.pair.part_a(), Eigen::Vector3d(row.point_a_m.data()));
     add(run, frame, row.pair.b(), row.pair.part_b(), Eigen::Vector3d(row.point_b_m.data()));
   }
 }
 
-std::vector<BodyMap::Touched> BodyMap::touched() const {
+std::vector<BodyMap::TouchedPoint> BodyMap::touched() const {
   std::vector<std::pair<uint64_t, uint64_t>> sorted(cells_.begin(), cells_.end());
   std::sort(sorted.begin(), sorted.end());
-  std::vector<Touched> all;
+  std::vector<TouchedPoint> all;
   for (const auto& [key, frames] : sorted)
     all.push_back(
         {placed(rest_[key >> 54], cell_centre(key)), static_cast<double>(frames) * step_s_});
@@ -251,13 +252,13 @@ Figure BodyMap::figure() const {
   Eigen::Matrix3f turned = Eigen::Matrix3f::Identity();
   std::vector<View> views;
   std::vector<std::vector<double>> heats;
-  double most = 0;
+  double max = 0;
   for (int side = 0; side < 4; ++side, turned = quarter * turned) {
     const View& view = views.emplace_back(*body_, rest_, box, turned);
     std::vector<double>& heat = heats.emplace_back();
     for (const View::Pixel& pixel : view.pixels) {
       heat.push_back(pixel.light > 0 ? touches.density(pixel.at_m) : 0);
-      most = std::max(most, heat.back());
+      max = std::max(max, heat.back());
     }
   }
   constexpr int kBetween = 25;
@@ -279,7 +280,7 @@ Figure BodyMap::figure() const {
       // A square root, so that a rare contact is seen beside a frequent one.
       canvas[static_cast<size_t>(height - 1 - y) * static_cast<size_t>(width) +
              static_cast<size_t>(left + x)] =
-          colour_of(most > 0 ? std::sqrt(heats[side][i] / most) : 0,
+          colour_of(max > 0 ? std::sqrt(heats[side][i] / max) : 0,
                     static_cast<double>(view.pixels[i].light));
     }
     labels += fmt::format("set label '{}' at {},-18 center\n", kSides[side], left + view.width / 2);
@@ -302,7 +303,7 @@ Figure BodyMap::figure() const {
          "set xrange [0:{}]\nset yrange [-30:{}]\n"
          "plot $body using 1:2:3:4:5 with rgbimage, $body using (-9):(-99):(0) every 100000 with "
          "points palette pointsize 0\n",
-         most, total_s(), width, height + 10);
+         max, total_s(), width, height + 10);
   return {"contact_body", "Where on the body contacts are", "", script, 900, 620};
 }
 
@@ -312,36 +313,40 @@ constexpr const char* kFiles[] = {"near.csv", "exposure.csv", "near.tij", "near.
 
 }  // namespace
 
-NearTables::NearTables(std::filesystem::path folder, const RunInfo& run)
-    : folder_(std::move(folder)), step_s_(run.step_s), person_near_m_(run.culler.near.body_near_m) {
+ProximityTables::ProximityTables(std::filesystem::path folder, const RunInfo& run)
+    : folder_(std::move(folder)),
+      step_s_(run.step_s),
+      closest_parts_m_(run.culler.proximity.closest_margin_m) {
   // Those of an earlier run beside the numbers of this one would be wrong.
   std::error_code error;
   for (const char* name : kFiles) std::filesystem::remove(folder_ / name, error);
-  if (!run.culler.near.is_asked()) return;
-  rows_ = std::make_unique<FolderFile>(folder_ / "near.csv", kContactsOption);
+  if (!run.culler.proximity.is_enabled()) return;
+  rows_ = std::make_unique<OutputFile>(folder_ / "near.csv", kContactsOption);
   rows_->write(
-      "frame,time_s,of,body_a,part_a,body_b,part_b,level,lo_m,hi_m,closing_mps,contact_in_s\n");
-  if (!(person_near_m_ > 0)) return;
+      "frame,time_s,of,body_a,part_a,body_b,part_b,level,lo_m,hi_m,closing_speed_mps,time_to_"
+      "contact_s\n");
+  if (!(closest_parts_m_ > 0)) return;
   seconds_ = std::make_unique<SecondsFile>(folder_ / "near.tij", step_s_);
-  while (levels_ < kLevels_m.size() && kLevels_m[levels_] <= static_cast<double>(person_near_m_))
+  while (levels_ < kLevels_m.size() && kLevels_m[levels_] <= static_cast<double>(closest_parts_m_))
     ++levels_;
 }
 
-void NearTables::list(const RunInfo& run, const Frame& frame, const NearRows& rows,
-                      const char* of) {
-  for (const NearPair& row : rows) {
+void ProximityTables::list(const RunInfo& run, const Frame& frame, const ProximityRows& rows,
+                           const char* of) {
+  for (const ProximityPair& row : rows) {
     const PairKey pair = row.pair;
     append(text_, "{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", frame.number,
            static_cast<double>(frame.number) * step_s_, of, pair.a(),
            csv_field(part_name(run, pair.a(), pair.part_a())), pair.b(),
            csv_field(part_name(run, pair.b(), pair.part_b())), static_cast<int>(row.level),
-           row.lo_m, row.hi_m, csv_number(row.closing_mps), csv_number(row.contact_in_s()));
+           row.lo_m, row.hi_m, csv_number(row.closing_speed_mps),
+           csv_number(row.time_to_contact_s()));
   }
 }
 
-void NearTables::expose(const Frame& frame) {
+void ProximityTables::expose(const Frame& frame) {
   pairs_.clear();
-  for (const NearPair& row : frame.near_bodies) {
+  for (const ProximityPair& row : frame.closest_parts) {
     const uint64_t pair = pair_key(row.pair.a(), row.pair.b());
     pairs_.push_back(pair);
     Exposure& exposure = exposures_[pair];
@@ -354,16 +359,16 @@ void NearTables::expose(const Frame& frame) {
   seconds_->frame(frame.number, pairs_);
 }
 
-void NearTables::frame(const RunInfo& run, const Frame& frame) {
+void ProximityTables::frame(const RunInfo& run, const Frame& frame) {
   if (rows_ == nullptr) return;
   text_.clear();
-  list(run, frame, frame.near_pairs, "parts");
-  list(run, frame, frame.near_bodies, "people");
+  list(run, frame, frame.proximity_pairs, "parts");
+  list(run, frame, frame.closest_parts, "people");
   rows_->write(text_);
   if (seconds_ != nullptr) expose(frame);
 }
 
-void NearTables::write_exposures(const RunInfo& run) {
+void ProximityTables::write_exposures(const RunInfo& run) {
   std::vector<uint64_t> pairs;
   for (const auto& [pair, exposure] : exposures_) pairs.push_back(pair);
   std::sort(pairs.begin(), pairs.end());
@@ -373,7 +378,7 @@ void NearTables::write_exposures(const RunInfo& run) {
     header += fmt::format(",below_{0}_m_s,unsure_{0}_m_s", kLevels_m[i]);
     attributes.emplace_back(fmt::format("below_{}_m_s", kLevels_m[i]), "double");
   }
-  FolderFile table(folder_ / "exposure.csv", kContactsOption);
+  OutputFile table(folder_ / "exposure.csv", kContactsOption);
   table.write(header + "\n");
   GraphFile graph(folder_ / "near.graphml", run, attributes);
   const auto seconds = [&](uint32_t frames) { return fmt::format("{:.4f}", frames * step_s_); };
@@ -392,7 +397,7 @@ void NearTables::write_exposures(const RunInfo& run) {
   graph.end();
 }
 
-void NearTables::end(const RunInfo& run) {
+void ProximityTables::end(const RunInfo& run) {
   if (rows_ == nullptr) return;
   rows_->close();
   if (seconds_ == nullptr) return;
@@ -400,15 +405,15 @@ void NearTables::end(const RunInfo& run) {
   write_exposures(run);
 }
 
-std::string NearTables::note() const {
+std::string ProximityTables::note() const {
   if (seconds_ == nullptr || levels_ == kLevels_m.size()) return "";
   return fmt::format(
-      "{} has no seconds below {} m: person_near_m is {}", (folder_ / "exposure.csv").string(),
+      "{} has no seconds below {} m: closest_parts_m is {}", (folder_ / "exposure.csv").string(),
       fmt::join(kLevels_m.begin() + static_cast<ptrdiff_t>(levels_), kLevels_m.end(), ", "),
-      person_near_m_);
+      closest_parts_m_);
 }
 
-std::vector<std::string> near_table_files() { return {std::begin(kFiles), std::end(kFiles)}; }
+std::vector<std::string> proximity_table_files() { return {std::begin(kFiles), std::end(kFiles)}; }
 
 namespace {
 
@@ -462,7 +467,7 @@ std::vector<uint64_t> duration_counts(const ContactStatistics& statistics) {
 std::string durations_csv(const ContactStatistics& statistics) {
   std::string text = "above_s,up_to_s,contacts,share\n";
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.whole_count()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.uncut_count()));
   for (size_t i = 0; i < counts.size(); ++i)
     append(text, "{},{},{},{:.5f}\n", i == 0 ? 0 : kDurations_s[i - 1],
            i < std::size(kDurations_s) ? fmt::format("{}", kDurations_s[i]) : "", counts[i],
@@ -502,11 +507,11 @@ Figure rate_figure(const ContactStatistics& statistics) {
   std::vector<double> rates;  // at least one
   for (const PersonContacts& person : statistics.people())
     if (person.present_s > 0) rates.push_back(60 * person.contacts / person.present_s);
-  const double most = *std::max_element(rates.begin(), rates.end());
+  const double max = *std::max_element(rates.begin(), rates.end());
   // At most 25 bars of a round width.
   double width = 0.1;
-  for (int i = 0; most / width > 25; ++i) width *= i % 3 == 1 ? 2.5 : 2;
-  std::vector<int> counts(static_cast<size_t>(most / width) + 1, 0);
+  for (int i = 0; max / width > 25; ++i) width *= i % 3 == 1 ? 2.5 : 2;
+  std::vector<int> counts(static_cast<size_t>(max / width) + 1, 0);
   for (const double rate : rates) ++counts[static_cast<size_t>(rate / width)];
   std::string script = "$data << EOD\n";
   for (size_t i = 0; i < counts.size(); ++i)
@@ -521,7 +526,7 @@ Figure rate_figure(const ContactStatistics& statistics) {
 
 Figure duration_figure(const ContactStatistics& statistics) {
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.whole_count()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.uncut_count()));
   std::string script = "$data << EOD\n";
   for (size_t i = 0; i < counts.size(); ++i)
     script += fmt::format(
@@ -539,11 +544,11 @@ Figure duration_figure(const ContactStatistics& statistics) {
 Figure part_figure(const ContactStatistics& statistics) {
   const PartMatrix parts = statistics.parts();
   // Equal cells, so that a rare pair is seen beside a frequent one: the colours are logarithmic.
-  const HeatMap map{.names = spoken(parts.names),
+  const HeatMap map{.names = display_name(parts.names),
                     .values = {parts.counts.begin(), parts.counts.end()},
                     .using_expression = "(log10(1 + $3))",
                     .label = "contacts, log_1_0(1 + n)"};
-  return {"contact_parts", "Which body parts touch which", "", script_of(map)};
+  return {"contact_parts", "Which body parts touch which", "", gnuplot_script(map)};
 }
 
 Figure density_figure(const ContactStatistics& statistics) {
@@ -574,7 +579,7 @@ std::vector<Figure> figures_of(const ContactStatistics& statistics) {
   const ContactTotals totals = statistics.totals();
   std::vector<Figure> figures;
   if (totals.person_s > 0) figures.push_back(rate_figure(statistics));
-  if (statistics.whole_count() > 0) figures.push_back(duration_figure(statistics));
+  if (statistics.uncut_count() > 0) figures.push_back(duration_figure(statistics));
   // A single cell is no picture, and one colour no scale.
   if (totals.contacts > 0 && statistics.parts().names.size() > 1)
     figures.push_back(part_figure(statistics));
@@ -584,7 +589,7 @@ std::vector<Figure> figures_of(const ContactStatistics& statistics) {
 
 std::vector<std::string> contact_files() {
   std::vector<std::string> names(std::begin(kTables), std::end(kTables));
-  for (const std::string& name : near_table_files()) names.push_back(name);
+  for (const std::string& name : proximity_table_files()) names.push_back(name);
   for (const char* figure : kFigures) names.push_back(fmt::format("{}.svg", figure));
   names.push_back(fmt::format("{}.svg", kBodyFigure));
   return names;
@@ -594,14 +599,14 @@ ContactSink::ContactSink(fs::path folder, bool with_points)
     : folder_(std::move(folder)), with_points_(with_points) {
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw cannot_write(folder_, error.value(), kContactsOption);
+  if (error) throw write_error(folder_, error.value(), kContactsOption);
 }
 
 void ContactSink::begin(const RunInfo& run) {
-  contacts_ = std::make_unique<FolderFile>(folder_ / "contacts.csv", kContactsOption);
+  contacts_ = std::make_unique<OutputFile>(folder_ / "contacts.csv", kContactsOption);
   statistics_ = std::make_unique<ContactStatistics>(run);
   touching_ = std::make_unique<TouchingNetwork>(folder_, run);
-  near_ = std::make_unique<NearTables>(folder_, run);
+  proximity_ = std::make_unique<ProximityTables>(folder_, run);
   body_map_ = with_points_ ? std::make_unique<BodyMap>(run) : nullptr;
   notes_.clear();
   contacts_->write(
@@ -624,7 +629,7 @@ void ContactSink::frame(const RunInfo& run, const Frame& frame) {
   statistics_->frame(frame);
   list_ended();
   touching_->frame(frame);
-  near_->frame(run, frame);
+  proximity_->frame(run, frame);
   if (body_map_ != nullptr) body_map_->frame(run, frame);
 }
 
@@ -633,12 +638,12 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
   list_ended();
   contacts_->close();
   touching_->end(run);
-  near_->end(run);
-  if (!near_->note().empty()) notes_.push_back(near_->note());
+  proximity_->end(run);
+  if (!proximity_->note().empty()) notes_.push_back(proximity_->note());
   write_pairs();
   const PartMatrix parts = statistics_->parts();
   const auto write_file = [](const fs::path& file, const std::string& text) {
-    write_whole_file(file, text, {.what = "the contacts"});
+    write_file_atomically(file, text, {.what = "the contacts"});
   };
   write_file(folder_ / "people.csv", people_csv(*statistics_, run));
   write_file(folder_ / "minutes.csv", minutes_csv(*statistics_));
@@ -651,7 +656,7 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
 
 void ContactSink::write_pairs() const {
   const double step_s = statistics_->step_s();
-  FolderFile out(folder_ / "pairs.csv", kContactsOption);
+  OutputFile out(folder_ / "pairs.csv", kContactsOption);
   out.write("begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
   statistics_->for_each_part_contact([&](const PartContact& contact) {
     const PairKey pair = contact.pair;

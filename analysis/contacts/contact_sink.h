@@ -25,7 +25,7 @@ class BodyMap {
   /// Whether a run of this scene knows points of contact: it is asked for them, or for distances by
   /// triangles.
   static bool is_known(const Scene& scene) {
-    return scene.exact && (scene.contact_points || scene.near_m > 0);
+    return scene.exact && (scene.contact_points || scene.proximity_m > 0);
   }
 
   /// Of the people who have the model that most of them have.
@@ -41,12 +41,12 @@ class BodyMap {
   Figure figure() const;
 
   /// A point of the body at rest, and for how long it was touched.
-  struct Touched {
+  struct TouchedPoint {
     Eigen::Vector3f at_m;
     double seconds = 0;
   };
   /// By part and place.
-  std::vector<Touched> touched() const;
+  std::vector<TouchedPoint> touched() const;
 
  private:
   void add(const RunInfo& run, const Frame& frame, uint32_t body, uint32_t part,
@@ -62,7 +62,7 @@ class BodyMap {
 
 /// How near people were, beside their contacts: near.csv, exposure.csv, near.tij and near.graphml.
 /// What the margins of the run do not reach is left out and said so, never counted as 0.
-class NearTables {
+class ProximityTables {
  public:
   /// Distances below which seconds are counted.
   static constexpr std::array<double, 3> kLevels_m = {0.5, 1, 2};
@@ -72,7 +72,7 @@ class NearTables {
     std::array<uint32_t, 3> below{}, unsure{};
   };
 
-  NearTables(std::filesystem::path folder, const RunInfo& run);
+  ProximityTables(std::filesystem::path folder, const RunInfo& run);
 
   void frame(const RunInfo& run, const Frame& frame);
   void end(const RunInfo& run);
@@ -83,15 +83,15 @@ class NearTables {
   std::string note() const;
 
  private:
-  void list(const RunInfo& run, const Frame& frame, const NearRows& rows, const char* of);
+  void list(const RunInfo& run, const Frame& frame, const ProximityRows& rows, const char* of);
   void expose(const Frame& frame);
   void write_exposures(const RunInfo& run);
 
   std::filesystem::path folder_;
   double step_s_;
-  float person_near_m_;
+  float closest_parts_m_;
   size_t levels_ = 0;                     ///< of kLevels_m, that the margin reaches
-  std::unique_ptr<FolderFile> rows_;      ///< null: no margin was asked for
+  std::unique_ptr<OutputFile> rows_;      ///< null: no margin was asked for
   std::unique_ptr<SecondsFile> seconds_;  ///< null: none for people
   std::unordered_map<uint64_t, Exposure> exposures_;
   std::vector<uint64_t> pairs_;
@@ -99,7 +99,7 @@ class NearTables {
 };
 
 /// The names of all files that it writes.
-std::vector<std::string> near_table_files();
+std::vector<std::string> proximity_table_files();
 
 /// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
 /// The list of contacts grows with the run; the rest is written at its end.
@@ -127,10 +127,10 @@ class ContactSink final : public Sink {
 
   std::filesystem::path folder_;
   bool with_points_;
-  std::unique_ptr<FolderFile> contacts_;
+  std::unique_ptr<OutputFile> contacts_;
   std::unique_ptr<ContactStatistics> statistics_;
   std::unique_ptr<TouchingNetwork> touching_;
-  std::unique_ptr<NearTables> near_;
+  std::unique_ptr<ProximityTables> proximity_;
   std::unique_ptr<BodyMap> body_map_;  ///< null without points
   std::vector<std::string> notes_;
 };

@@ -41,7 +41,7 @@ void ContactStatistics::begin(PairKey pair) {
   const uint32_t row = name_index(a, pair.part_a());
   if (!is_person(b)) {
     ++obstacle_part_counts_[row];
-    Nothing* nothing = nullptr;
+    NoData* nothing = nullptr;
     if (!open_obstacles_.begin(people_of(pair), nothing)) return;
     ++people_[a].obstacle_contacts;
     ++obstacle_contacts_;
@@ -69,7 +69,7 @@ void ContactStatistics::begin(PairKey pair) {
     ++people_[id].contacts;
     ++touching_[id];
   }
-  met_.add(people_of(pair));
+  contact_pairs_.add(people_of(pair));
   ++contacts_;
   ++minutes_.back().contacts;
   ++densities_[DensityLevels::level_of(density)].contacts;
@@ -85,7 +85,7 @@ void ContactStatistics::add_part_time(PairKey pair, double duration_s) {
 void ContactStatistics::finish(PartContact part, bool cut) {
   const double now_s = static_cast<double>(frame_) * step_s_;
   const uint64_t people = people_of(part.pair);
-  if (!is_person(part.pair.b())) return open_obstacles_.finish(people, now_s, [](Nothing) {});
+  if (!is_person(part.pair.b())) return open_obstacles_.finish(people, now_s, [](NoData) {});
   part.frames = frame_ - part.begin_frame;
   part.cut = part.cut || cut;
   add_part_time(part.pair, static_cast<double>(part.frames) * step_s_);
@@ -118,11 +118,11 @@ void ContactStatistics::add_length(double duration_s) {
   const auto frames = static_cast<size_t>(std::llround(duration_s / step_s_));
   if (frames >= lengths_.size()) lengths_.resize(frames + 1, 0);
   ++lengths_[frames];
-  ++whole_;
+  ++uncut_;
 }
 
 /// Each frame stands for the step that follows it.
-void ContactStatistics::spend_time(const Frame& frame) {
+void ContactStatistics::accumulate_time(const Frame& frame) {
   const auto is_here = [&](size_t id) { return frame.present.empty() || frame.present[id] != 0; };
   MinuteRow& minute = minutes_.back();
   for (size_t id = 0; id < people_.size(); ++id) {
@@ -146,13 +146,13 @@ void ContactStatistics::frame(const Frame& frame) {
   roots_ = frame.roots;
   density_.frame(frame);
   take(frame.events, false);
-  spend_time(frame);
+  accumulate_time(frame);
   is_first_ = false;
 }
 
 void ContactStatistics::count_partners() {
   uint64_t last = 0;  // of nobody with themselves
-  met_.for_each([&](uint64_t key) {
+  contact_pairs_.for_each([&](uint64_t key) {
     if (key == last) return;
     last = key;
     for (const uint64_t id : {key >> 32, key & UINT32_MAX}) ++people_[id].partners;
@@ -176,7 +176,7 @@ ContactTotals ContactStatistics::totals() const {
     totals.touching_s += person.touching_s;
   }
   uint64_t shorter = 0;  // or as long
-  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < whole_; ++frames) {
+  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < uncut_; ++frames) {
     shorter += lengths_[frames];
     totals.median_s = static_cast<double>(frames) * step_s_;
   }

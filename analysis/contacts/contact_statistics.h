@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "analysis/contacts/contact_account.h"
-#include "base/files/nameless_file.h"
+#include "analysis/contacts/contact_tracker.h"
+#include "base/files/anonymous_file.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
@@ -39,7 +39,7 @@ struct PartContact {
 };
 
 /// By begin, then by pair.
-struct EarlierPair {
+struct PartContactOrder {
   bool operator()(const PartContact& a, const PartContact& b) const {
     if (a.begin_frame != b.begin_frame) return a.begin_frame < b.begin_frame;
     return a.pair.bits() < b.pair.bits();
@@ -103,7 +103,7 @@ class ContactStatistics {
   /// How many contacts that were not cut lasted so many frames, by frames; how many these are, and
   /// how many were cut.
   const std::vector<uint64_t>& lengths() const { return lengths_; }
-  uint64_t whole_count() const { return whole_; }
+  uint64_t uncut_count() const { return uncut_; }
   uint64_t cut_count() const { return cut_; }
   /// After end(): every contact of two parts of people, by begin and pair. Throws EnvironmentError,
   /// as frame() does, if they do not fit into a temporary file, 32 bytes each.
@@ -115,7 +115,7 @@ class ContactStatistics {
   std::string part_name(uint32_t id, uint32_t part) const;
 
  private:
-  struct Nothing {};
+  struct NoData {};
 
   bool is_person(uint32_t id) const { return id < people_.size(); }
   uint32_t name_index(uint32_t id, uint32_t part) const;
@@ -126,7 +126,7 @@ class ContactStatistics {
   void add_length(double duration_s);
   void add_part_time(PairKey pair, double duration_s);
   Eigen::Vector2d position_m(uint32_t id) const { return roots_[id].position_m.head<2>(); }
-  void spend_time(const Frame& frame);
+  void accumulate_time(const Frame& frame);
   void count_partners();
 
   double step_s_;
@@ -141,12 +141,12 @@ class ContactStatistics {
   bool is_first_ = true;
   std::span<const RootPose> roots_;  ///< of the latest frame
   std::vector<uint32_t> touching_;   ///< by person: how many people now
-  LastingContacts<Contact> open_{0};
-  LastingContacts<PartContact> open_parts_{0};
-  LastingContacts<Nothing> open_obstacles_{0};  ///< of a person and an obstacle
-  SortedSpill<uint64_t, std::less<>> met_;      ///< pair_key() of each contact
+  ContactTracker<Contact> open_{0};
+  ContactTracker<PartContact> open_parts_{0};
+  ContactTracker<NoData> open_obstacles_{0};             ///< of a person and an obstacle
+  ExternalSorter<uint64_t, std::less<>> contact_pairs_;  ///< pair_key() of each contact
   std::vector<Contact> ended_;
-  SortedSpill<PartContact, EarlierPair> part_contacts_;
+  ExternalSorter<PartContact, PartContactOrder> part_contacts_;
 
   std::vector<PersonContacts> people_;
   std::vector<MinuteRow> minutes_;
@@ -155,7 +155,7 @@ class ContactStatistics {
   std::vector<double> part_seconds_;
   std::vector<uint64_t> obstacle_part_counts_;
   std::vector<uint64_t> lengths_;
-  uint64_t whole_ = 0;
+  uint64_t uncut_ = 0;
   uint64_t cut_ = 0;
   uint64_t contacts_ = 0;
   uint64_t obstacle_contacts_ = 0;

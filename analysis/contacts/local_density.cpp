@@ -72,41 +72,42 @@ LocalDensity::LocalDensity(const Scene& scene)
     : walkable_(scene), ground_(scene.ground), grid_(scene.ground, kRadius_m) {}
 
 /// Where somebody stands who leans over a wall: beside it.
-Eigen::Vector2d LocalDensity::beside_walls(Eigen::Vector2d point) const {
+Eigen::Vector2d LocalDensity::push_off_walls(Eigen::Vector2d point) const {
   constexpr double kBeside_m = 1e-3;
-  for (const uint32_t footprint : walkable_.near(point)) {
+  for (const uint32_t footprint : walkable_.nearby_footprints(point)) {
     const Walkable::Nearest wall = walkable_.nearest(footprint, point);
     if (wall.distance_m < 0) point += (kBeside_m - wall.distance_m) * wall.normal;
   }
   return point;
 }
 
-int LocalDensity::people_near(const Eigen::Vector2d& point, bool sees_all) const {
+int LocalDensity::people_within(const Eigen::Vector2d& point, bool is_unobstructed) const {
   // A wall hides whom it hides up to the near side of the body.
-  constexpr double kNearSide_m = 0.15;
-  const auto is_seen = [&](const Eigen::Vector2d& to) {
-    const Eigen::Vector2d way = to - point;
-    const double far_m = way.norm();
-    if (sees_all || far_m <= kNearSide_m) return true;
-    return !walkable_.crosses(point, point + (1 - kNearSide_m / far_m) * way);
+  constexpr double kSightMargin_m = 0.15;
+  const auto is_visible = [&](const Eigen::Vector2d& to) {
+    const Eigen::Vector2d offset_m = to - point;
+    const double far_m = offset_m.norm();
+    if (is_unobstructed || far_m <= kSightMargin_m) return true;
+    return !walkable_.crosses(point, point + (1 - kSightMargin_m / far_m) * offset_m);
   };
   int count = 0;
-  grid_.each_near(point, kRadius_m, [&](uint32_t i, double) { count += is_seen(grid_.point(i)); });
+  grid_.for_each_within(point, kRadius_m,
+                        [&](uint32_t i, double) { count += is_visible(grid_.point(i)); });
   return count;
 }
 
 double LocalDensity::around(const Eigen::Vector2d& point) const {
-  const Eigen::Vector2d from = beside_walls(point);
-  const bool sees_all = walkable_.clearance_m(from) >= kRadius_m;
+  const Eigen::Vector2d from = push_off_walls(point);
+  const bool is_unobstructed = walkable_.clearance_m(from) >= kRadius_m;
   double share = 1;
-  if (!sees_all) {
-    const auto seen = std::count_if(
+  if (!is_unobstructed) {
+    const auto visible_count = std::count_if(
         circle_points().begin(), circle_points().end(), [&](const Eigen::Vector2d& offset) {
           return ground_.contains(from + offset) && !walkable_.crosses(from, from + offset);
         });
-    share = static_cast<double>(std::max<std::ptrdiff_t>(1, seen)) / kPoints;
+    share = static_cast<double>(std::max<std::ptrdiff_t>(1, visible_count)) / kPoints;
   }
-  return people_near(from, sees_all) / (share * std::numbers::pi * kRadius_m * kRadius_m);
+  return people_within(from, is_unobstructed) / (share * std::numbers::pi * kRadius_m * kRadius_m);
 }
 
 size_t DensityLevels::level_of(double density_per_m2) {

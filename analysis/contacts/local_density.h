@@ -25,7 +25,7 @@ class PointGrid {
 
   /// Calls visit(index, squared distance) for all within the radius, one at the point included.
   template <typename Visit>
-  void each_near(const Eigen::Vector2d& point, double radius_m, const Visit& visit) const {
+  void for_each_within(const Eigen::Vector2d& point, double radius_m, const Visit& visit) const {
     const int first = column_of(point.x() - radius_m), last = column_of(point.x() + radius_m);
     for (int row = row_of(point.y() - radius_m); row <= row_of(point.y() + radius_m); ++row) {
       const auto line = static_cast<size_t>(row) * static_cast<size_t>(columns_);
@@ -72,8 +72,8 @@ class LocalDensity {
   double around(const Eigen::Vector2d& point) const;
 
  private:
-  Eigen::Vector2d beside_walls(Eigen::Vector2d point) const;
-  int people_near(const Eigen::Vector2d& point, bool sees_all) const;
+  Eigen::Vector2d push_off_walls(Eigen::Vector2d point) const;
+  int people_within(const Eigen::Vector2d& point, bool is_unobstructed) const;
 
   Walkable walkable_;
   Rectangle ground_;

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "analysis/contacts/contact_statistics.h"
-#include "base/files/nameless_file.h"
-#include "base/files/whole_file.h"
+#include "base/files/anonymous_file.h"
+#include "base/files/atomic_file.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
@@ -34,7 +34,7 @@ class SecondsFile {
  private:
   void write_second();
 
-  FolderFile out_;
+  OutputFile out_;
   double step_s_;
   int64_t second_ = 0;  ///< at whose end those of now_ are written
   std::vector<uint64_t> now_;
@@ -53,7 +53,7 @@ class GraphFile {
   void end();
 
  private:
-  FolderFile out_;
+  OutputFile out_;
   std::string text_;
 };
 
@@ -71,7 +71,7 @@ class TouchingNetwork {
     uint64_t pair = 0;
     double begin_s = 0, duration_s = 0;
   };
-  struct EarlierSpell {
+  struct SpellOrder {
     bool operator()(const Spell& a, const Spell& b) const {
       return std::pair(a.pair, a.begin_s) < std::pair(b.pair, b.begin_s);
     }
@@ -80,7 +80,7 @@ class TouchingNetwork {
   std::filesystem::path graph_;
   uint32_t people_;
   SecondsFile seconds_;
-  SortedSpill<Spell, EarlierSpell> spells_;
+  ExternalSorter<Spell, SpellOrder> spells_;
   std::vector<uint64_t> pairs_;
 };
 

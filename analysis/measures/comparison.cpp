@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 /// Columns of one line of a block: what is said of each place, of A, of B and their difference.
-constexpr size_t kMostColumns = 3;
+constexpr size_t kMaxColumns = 3;
 
 /// A range below another; or any range, where what follows is of all.
 bool is_before(const MeasureRow& a, const MeasureRow& b) {
@@ -92,17 +92,17 @@ std::string block_of(const MeasureTable& a, const MeasureTable& b) {
       }))
     text += fmt::format(" ({})", a.key_unit);
   text += "\n";
-  if (a.how != b.how) text += fmt::format("  A: {}\n  B: {}\n", a.how, b.how);
+  if (a.method != b.method) text += fmt::format("  A: {}\n  B: {}\n", a.method, b.method);
   if (rows.empty()) return text + "  nothing in either\n";
   const std::vector<Place> places = places_of(rows);
   size_t width = 0;
   for (const Place& place : places) width = std::max(width, place.label.size());
   const auto columns = columns_of(rows);
-  for (size_t first = 0; first < columns.size(); first += kMostColumns)
+  for (size_t first = 0; first < columns.size(); first += kMaxColumns)
     text += lines_of(
         places, width,
         {columns.begin() + static_cast<ptrdiff_t>(first),
-         columns.begin() + static_cast<ptrdiff_t>(std::min(first + kMostColumns, columns.size()))});
+         columns.begin() + static_cast<ptrdiff_t>(std::min(first + kMaxColumns, columns.size()))});
   return text;
 }
 
@@ -162,12 +162,12 @@ std::string names_of(const Pair& pair) {
 
 std::string caption_of(const Pair& pair, const MeasureTable& a, const MeasureTable& b) {
   std::string text = names_of(pair) + ". ";
-  return text + (a.how == b.how ? a.how : fmt::format("A: {} B: {}", a.how, b.how));
+  return text + (a.method == b.method ? a.method : fmt::format("A: {} B: {}", a.method, b.method));
 }
 
 std::string title_of(const Pair& pair, const std::string& title) {
   return fmt::format("set title {} noenhanced\nset grid ytics\nset key top right\n",
-                     figure_text(fmt::format("{}. {}", title, names_of(pair))));
+                     gnuplot_quoted(fmt::format("{}. {}", title, names_of(pair))));
 }
 
 std::string colour(int run) { return kFigureColours[run]; }
@@ -175,7 +175,7 @@ std::string colour(int run) { return kFigureColours[run]; }
 /// Two bars, A's and B's, at each of the rows that are wanted.
 struct Bars {
   std::string unit;
-  std::function<bool(const MeasureRow&)> wanted;
+  std::function<bool(const MeasureRow&)> is_shown;
   std::function<std::string(const MeasureRow&)> label;
   std::string y_label;
   std::string x_label{};
@@ -188,7 +188,7 @@ std::string bars_script(const Rows& rows, const Bars& bars) {
   int count = 0;
   std::array<bool, 2> has_any{};
   for (const ComparedRow& each : rows) {
-    if (!bars.wanted(each.row)) continue;
+    if (!bars.is_shown(each.row)) continue;
     ++count;
     has_any[0] |= !std::isnan(each.a);
     has_any[1] |= !std::isnan(each.b);
@@ -277,7 +277,7 @@ std::string spacing_script(const Rows& rows) {
   block("b_beside", true, "beside", 0.24);
   std::string tics;
   for (size_t i = 0; i < places.size(); ++i)
-    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", figure_text(places[i]), i);
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", gnuplot_quoted(places[i]), i);
   const auto plot = [&](const char* name, int run, int point, const char* title) {
     return fmt::format(
         "${} using 1:2:3:4 with yerrorbars linewidth 2 pointtype {} linecolor rgb '{}' title '{}'",
@@ -315,8 +315,8 @@ std::string whole_label(const MeasureRow& row) {
 
 /// The bars of a measure that has no figure of its own kind.
 std::vector<std::pair<std::string, Bars>> bars_of(const std::string& id) {
-  const auto what = [](const std::string& wanted) {
-    return [wanted](const MeasureRow& row) { return row.what == wanted; };
+  const auto what = [](const std::string& name) {
+    return [name](const MeasureRow& row) { return row.what == name; };
   };
   const auto is_ranged = [](const MeasureRow& row) { return row.from.has_value(); };
   if (id == "flow") return {{"", {"1/s", what("flow"), whole_label, "people per s"}}};

@@ -71,11 +71,11 @@ ContactMeasures::ContactMeasures(const RunInfo& run, double gap_s, double settle
       people_(run.model_of_avatar.size()),
       groups_(run),
       density_(run),
-      came_s_(people_, kAbsent),
+      entered_s_(people_, kAbsent),
       open_(gap_s),
       open_groups_(gap_s),
       depths_(depth_histogram()),
-      deepest_(depth_histogram()),
+      max_depths_(depth_histogram()),
       depths_at_(kLevels, depth_histogram()),
       depths_of_(kGroupPairs, depth_histogram()) {}
 
@@ -90,19 +90,19 @@ uint64_t ContactMeasures::group_key(PairKey pair) const {
          group_pair(groups_.of(pair.a(), pair.part_a()), groups_.of(pair.b(), pair.part_b()));
 }
 
-void ContactMeasures::add_deepest(const Deepest& deepest) {
-  if (deepest.of_people_m >= 0) deepest_.add(deepest.of_people_m);
+void ContactMeasures::add_max_depth(const MaxDepth& max_depth) {
+  if (max_depth.depth_m >= 0) max_depths_.add(max_depth.depth_m);
 }
 
-void ContactMeasures::note_newcomers(const Frame& frame) {
+void ContactMeasures::note_entries(const Frame& frame) {
   for (uint32_t id = 0; id < people_; ++id) {
     const bool is_there = frame.present.empty() || frame.present[id] != 0;
-    came_s_[id] = is_there ? std::min(came_s_[id], now_s_) : kAbsent;
+    entered_s_[id] = is_there ? std::min(entered_s_[id], now_s_) : kAbsent;
   }
 }
 
 /// Each frame stands for the step that follows it.
-void ContactMeasures::spend_time(const Frame& frame) {
+void ContactMeasures::accumulate_time(const Frame& frame) {
   const bool is_sampled = frame.number % sample_every_ == 0;
   for (uint32_t id = 0; id < people_; ++id) {
     if (!is_settled(id)) continue;
@@ -114,37 +114,37 @@ void ContactMeasures::spend_time(const Frame& frame) {
 void ContactMeasures::frame(const Frame& frame) {
   now_s_ = static_cast<double>(frame.number) * step_s_;
   density_.frame(frame);
-  note_newcomers(frame);
+  note_entries(frame);
   events_.clear();
   for (const PairEvent& event : frame.events)
     if (event.pair.b() < people_) events_.push_back(event);
   const auto counts = [&](PairKey pair) { return is_settled(pair.a()) && is_settled(pair.b()); };
   open_.take(
       events_, now_s_, people_of,
-      [&](PairKey pair, const Deepest&, bool begins) {
+      [&](PairKey pair, const MaxDepth&, bool begins) {
         if (begins && counts(pair)) ++contacts_[level_of(pair.a(), pair.b())];
       },
-      [&](const Deepest& deepest) { add_deepest(deepest); });
+      [&](const MaxDepth& max_depth) { add_max_depth(max_depth); });
   open_groups_.take(
       events_, now_s_, [&](PairKey pair) { return group_key(pair); },
-      [&](PairKey pair, const Nothing&, bool begins) {
+      [&](PairKey pair, const NoData&, bool begins) {
         if (begins && counts(pair)) ++group_contacts_[group_key(pair) & 0xff];
       },
-      [](const Nothing&) {});
-  spend_time(frame);
+      [](const NoData&) {});
+  accumulate_time(frame);
 }
 
 void ContactMeasures::end() {
-  open_.forget_all([&](const Deepest& deepest) { add_deepest(deepest); });
-  open_groups_.forget_all([](const Nothing&) {});
+  open_.forget_all([&](const MaxDepth& max_depth) { add_max_depth(max_depth); });
+  open_groups_.forget_all([](const NoData&) {});
 }
 
 void ContactMeasures::add_depth(PairKey pair, double depth_m) {
   depths_.add(depth_m);
   depths_at_[level_of(pair.a(), pair.b())].add(depth_m);
   depths_of_[group_key(pair) & 0xff].add(depth_m);
-  if (Deepest* const deepest = open_.find(people_of(pair)))
-    deepest->of_people_m = std::max(deepest->of_people_m, depth_m);
+  if (MaxDepth* const max_depth = open_.find(people_of(pair)))
+    max_depth->depth_m = std::max(max_depth->depth_m, depth_m);
 }
 
 uint64_t ContactMeasures::contacts() const {
@@ -231,7 +231,7 @@ MeasureTable ContactMeasures::depth_table() const {
                      {},
                      {}};
   add_depth_rows(depths_, {.at = "all"}, table);
-  add_depth_rows(deepest_, {.at = "deepest of a contact"}, table);
+  add_depth_rows(max_depths_, {.at = "deepest of a contact"}, table);
   for (size_t level = 0; level < kLevels; ++level)
     add_depth_rows(depths_at_[level], level_row(level, "", "", "", 0), table);
   for (size_t pair = 0; pair < kGroupPairs; ++pair)

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/contacts/contact_account.h"
+#include "analysis/contacts/contact_tracker.h"
 #include "analysis/measures/measure_table.h"
 #include "analysis/part_names.h"
 #include "culling/distance/hull_depth.h"
@@ -73,15 +73,17 @@ class ContactMeasures {
   MeasureTable depth_table() const;
 
  private:
-  struct Deepest {
-    double of_people_m = -1;  ///< below 0: not looked at
+  struct MaxDepth {
+    double depth_m = -1;  ///< below 0: not looked at
   };
-  struct Nothing {};
+  struct NoData {};
 
-  void note_newcomers(const Frame& frame);
-  bool is_settled(uint32_t person) const { return now_s_ - came_s_[person] >= settles_s_ - 1e-9; }
-  void add_deepest(const Deepest& deepest);
-  void spend_time(const Frame& frame);
+  void note_entries(const Frame& frame);
+  bool is_settled(uint32_t person) const {
+    return now_s_ - entered_s_[person] >= settles_s_ - 1e-9;
+  }
+  void add_max_depth(const MaxDepth& max_depth);
+  void accumulate_time(const Frame& frame);
   uint64_t group_key(PairKey pair) const;
 
   double step_s_;
@@ -91,19 +93,19 @@ class ContactMeasures {
   size_t people_;
   PartGroups groups_;
   CrowdDensity density_;
-  std::vector<double> came_s_;  ///< by person; infinite: is not there
+  std::vector<double> entered_s_;  ///< by person; infinite: is not there
   double now_s_ = 0;
 
-  std::vector<PairEvent> events_;         ///< of two people, of this frame
-  LastingContacts<Deepest> open_;         ///< of two people
-  LastingContacts<Nothing> open_groups_;  ///< of groups of parts of two people
+  std::vector<PairEvent> events_;       ///< of two people, of this frame
+  ContactTracker<MaxDepth> open_;       ///< of two people
+  ContactTracker<NoData> open_groups_;  ///< of groups of parts of two people
   std::array<uint64_t, kLevels> contacts_{};
   std::array<double, kLevels> person_s_at_{};
   std::array<uint64_t, kGroupPairs> group_contacts_{};
   double person_s_ = 0;
 
   Histogram depths_;                  ///< of two parts, at sampled instants
-  Histogram deepest_;                 ///< of a contact
+  Histogram max_depths_;              ///< of a contact
   std::vector<Histogram> depths_at_;  ///< by level
   std::vector<Histogram> depths_of_;  ///< by pair of groups
 };

@@ -19,8 +19,8 @@ Histogram::Histogram(double low, double width, size_t bins)
 void Histogram::add(double value) {
   const double bin = std::floor((value - low_) / width_);
   ++bins_[static_cast<size_t>(std::clamp(bin, 0.0, static_cast<double>(bins_.size() - 1)))];
-  least_ = count_ == 0 ? value : std::min(least_, value);
-  greatest_ = count_ == 0 ? value : std::max(greatest_, value);
+  min_ = count_ == 0 ? value : std::min(min_, value);
+  max_ = count_ == 0 ? value : std::max(max_, value);
   ++count_;
   sum_ += value;
 }
@@ -29,15 +29,15 @@ void Histogram::add(const Histogram& other) {
   assert(low_ == other.low_ && width_ == other.width_ && bins_.size() == other.bins_.size());
   if (other.count_ == 0) return;
   for (size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
-  least_ = count_ == 0 ? other.least_ : std::min(least_, other.least_);
-  greatest_ = count_ == 0 ? other.greatest_ : std::max(greatest_, other.greatest_);
+  min_ = count_ == 0 ? other.min_ : std::min(min_, other.min_);
+  max_ = count_ == 0 ? other.max_ : std::max(max_, other.max_);
   count_ += other.count_;
   sum_ += other.sum_;
 }
 
 double Histogram::mean() const { return count_ == 0 ? kNone : sum_ / static_cast<double>(count_); }
 
-double Histogram::max() const { return count_ == 0 ? kNone : greatest_; }
+double Histogram::max() const { return count_ == 0 ? kNone : max_; }
 
 double Histogram::quantile(double share) const {
   if (count_ == 0) return kNone;
@@ -48,11 +48,11 @@ double Histogram::quantile(double share) const {
     if (here > 0 && before + here >= rank) {
       const double within = (rank - before) / here;
       const double value = low_ + width_ * (static_cast<double>(i) + within);
-      return std::clamp(value, least_, greatest_);
+      return std::clamp(value, min_, max_);
     }
     before += here;
   }
-  return greatest_;
+  return max_;
 }
 
 double Histogram::share_above(double bound) const {

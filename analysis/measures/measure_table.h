@@ -38,8 +38,8 @@ class Histogram {
   std::vector<uint64_t> bins_;
   uint64_t count_ = 0;
   double sum_ = 0;
-  double least_ = 0;
-  double greatest_ = 0;
+  double min_ = 0;
+  double max_ = 0;
 };
 
 /// What a measure of a crowd found, as rows that the same measure of another crowd can stand
@@ -69,7 +69,7 @@ struct MeasureTable {
   std::string title;  ///< "Speed against density"
   std::string key;    ///< what `at` is: "density", "width", "part", "way"
   std::string key_unit;
-  std::string how;  ///< how it was measured, a sentence or two
+  std::string method;  ///< how it was measured, a sentence or two
   std::vector<MeasureRow> rows;
   std::vector<MeasureCurve> curves;
 

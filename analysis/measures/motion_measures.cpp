@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "analysis/trajectories/walkable_area.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
 
-constexpr double kShortestStep_s = 0.075, kLongestStep_s = 0.13;
+constexpr double kMinStep_s = 0.075, kMaxStep_s = 0.13;
 constexpr double kBin_mps2 = 0.02;
 constexpr size_t kBins = 2500;
 
@@ -21,7 +21,7 @@ constexpr size_t kBins = 2500;
 
 Accelerations::Accelerations(double sample_s)
     : sample_s_(sample_s),
-      is_measured_(sample_s >= kShortestStep_s && sample_s <= kLongestStep_s),
+      is_measured_(sample_s >= kMinStep_s && sample_s <= kMaxStep_s),
       heads_mps2_(0, kBin_mps2, kBins),
       roots_mps2_(0, kBin_mps2, kBins) {}
 
@@ -60,12 +60,12 @@ MeasureTable Accelerations::table() const {
 namespace {
 
 /// Nobody walks through less.
-constexpr double kNarrowest_m = 0.3;
-constexpr size_t kMostGaps = 24;
+constexpr double kMinWidth_m = 0.3;
+constexpr size_t kMaxLines = 24;
 /// Between the middles of two gaps that are watched.
 constexpr double kApart_m = 1.5;
 constexpr double kStep_m = 0.2;
-constexpr double kMostPoints = 40'000;
+constexpr double kMaxPoints = 40'000;
 /// Heads sway beyond the ends of a line.
 constexpr double kBeyond_m = 0.1;
 /// Somebody who passed it can pass it again only after having been this far from it: standing and
@@ -99,7 +99,7 @@ std::vector<double> middles_m(double from_m, double to_m, double cell_m) {
 
 std::vector<FlowLines::Line> narrow_places(const Walkable& walkable) {
   const Rectangle& ground = walkable.ground();
-  const double step_m = std::max(kStep_m, std::sqrt(ground.area_m2() / kMostPoints));
+  const double step_m = std::max(kStep_m, std::sqrt(ground.area_m2() / kMaxPoints));
   std::vector<Gap> gaps;
   const std::vector<double> xs = middles_m(ground.min_m.x(), ground.max_m.x(), step_m);
   for (const double y : middles_m(ground.min_m.y(), ground.max_m.y(), step_m))
@@ -107,14 +107,14 @@ std::vector<FlowLines::Line> narrow_places(const Walkable& walkable) {
       const Eigen::Vector2d point(x, y);
       if (walkable.clearance_m(point) <= 0) continue;
       const Gap gap = walkable.gap_at(point, Walkable::kReach_m);
-      if (gap.width_m >= kNarrowest_m && std::isfinite(gap.width_m)) gaps.push_back(gap);
+      if (gap.width_m >= kMinWidth_m && std::isfinite(gap.width_m)) gaps.push_back(gap);
     }
   std::stable_sort(gaps.begin(), gaps.end(),
                    [](const Gap& a, const Gap& b) { return a.width_m < b.width_m; });
   std::vector<FlowLines::Line> lines;
   std::vector<Eigen::Vector2d> middles;
   for (const Gap& gap : gaps) {
-    if (lines.size() == kMostGaps) break;
+    if (lines.size() == kMaxLines) break;
     const Eigen::Vector2d middle = 0.5 * (gap.across.from_m + gap.across.to_m);
     if (std::any_of(middles.begin(), middles.end(), [&](const Eigen::Vector2d& other) {
           return (other - middle).norm() < kApart_m;
@@ -138,7 +138,7 @@ double FlowLines::Line::flow_per_s() const {
 }
 
 uint64_t FlowLines::Line::beside() const {
-  return static_cast<uint64_t>(std::count(went_by.begin(), went_by.end(), 1));
+  return static_cast<uint64_t>(std::count(has_passed_beside.begin(), has_passed_beside.end(), 1));
 }
 
 FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> chosen)
@@ -155,8 +155,8 @@ FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> c
       lines_.push_back({.across = line, .width_m = walkable_length_m(walkable, line)});
   }
   for (Line& line : lines_) {
-    line.is_near.assign(people, 0);
-    line.went_by.assign(people, 0);
+    line.has_just_passed.assign(people, 0);
+    line.has_passed_beside.assign(people, 0);
   }
 }
 
@@ -168,25 +168,25 @@ void FlowLines::take(const RecentCrowd& crowd) {
     const double length = length_m(line.across);
     for (size_t i = 0; i < now.present.size(); ++i) {
       if (now.stay[i] < 2) {
-        line.is_near[i] = 0;
+        line.has_just_passed[i] = 0;
         continue;
       }
       const Eigen::Vector2d to = now.heads_m[i] - line.across.from_m;
       const Eigen::Vector2d from = before.heads_m[i] - line.across.from_m;
       const double side_to = cross(along, to);
       const double side_from = cross(along, from);
-      if (std::abs(side_to) > kLeft_m) line.is_near[i] = 0;
+      if (std::abs(side_to) > kLeft_m) line.has_just_passed[i] = 0;
       if ((side_from < 0) == (side_to < 0)) continue;
       const double share = side_from / (side_from - side_to);
       const double place = along.dot(from + share * (to - from));
       const bool is_beside = place < -kBeyond_m || place > length + kBeyond_m;
-      if (is_beside) line.went_by[i] = 1;
-      if (is_beside || line.is_near[i] != 0) continue;
-      line.is_near[i] = std::abs(side_to) <= kLeft_m;
+      if (is_beside) line.has_passed_beside[i] = 1;
+      if (is_beside || line.has_just_passed[i] != 0) continue;
+      line.has_just_passed[i] = std::abs(side_to) <= kLeft_m;
       const double time_s = before.time_s + share * (now.time_s - before.time_s);
       line.first_s = line.passed() == 0 ? time_s : std::min(line.first_s, time_s);
       line.last_s = std::max(line.last_s, time_s);
-      ++(side_to > 0 ? line.forth : line.back);
+      ++(side_to > 0 ? line.forward : line.back);
     }
   }
 }
@@ -226,7 +226,7 @@ MeasureTable FlowLines::table() const {
   };
   row("width", "m", line.width_m);
   row("people", "", static_cast<double>(line.passed()));
-  row("of them back", "", static_cast<double>(std::min(line.forth, line.back)));
+  row("of them back", "", static_cast<double>(std::min(line.forward, line.back)));
   if (is_chosen_) row("people beside it", "", static_cast<double>(line.beside()));
   row("flow", "1/s", line.flow_per_s());
   row("flow a metre", "1/(m s)", line.width_m > 0 ? line.flow_per_s() / line.width_m : 0);
@@ -239,19 +239,19 @@ namespace {
 /// about a second is gone from the path, so all of it is seen as sway.
 constexpr double kHalfSmoothing_s = 1;
 /// With fewer instants a second the extremes are missed.
-constexpr double kLongestSample_s = 0.15;
+constexpr double kMaxSwaySample_s = 0.15;
 /// Slower people do not sway step by step.
-constexpr double kSwaying_mps = 0.3;
+constexpr double kMinWalking_mps = 0.3;
 /// Less is noise.
-constexpr double kLeast_m = 0.005;
+constexpr double kMinAmplitude_m = 0.005;
 /// Half waves shorter or longer are not those of steps: 0.4 to 2 strides a second.
-constexpr double kShortestWave_s = 0.25, kLongestWave_s = 1.25;
+constexpr double kMinWave_s = 0.25, kMaxWave_s = 1.25;
 /// A smoothed path cuts corners by what hardly changes over so long.
 constexpr double kLevel_s = 2;
 /// Until that is known no wave counts.
-constexpr double kSettled_s = 1;
+constexpr double kSettling_s = 1;
 /// Of a person, to have an amplitude.
-constexpr uint32_t kLeastHalfWaves = 4;
+constexpr uint32_t kMinHalfWaves = 4;
 
 }  // namespace
 
@@ -259,7 +259,7 @@ HeadSway::HeadSway(size_t people, double sample_s)
     : half_(half_window(sample_s)), sample_s_(sample_s), waves_(people), people_(people) {}
 
 size_t HeadSway::half_window(double sample_s) {
-  return sample_s > kLongestSample_s ? 0
+  return sample_s > kMaxSwaySample_s ? 0
                                      : static_cast<size_t>(std::round(kHalfSmoothing_s / sample_s));
 }
 
@@ -281,14 +281,15 @@ void HeadSway::take(const RecentCrowd& crowd) {
       if (k < half_) after += head;
       if (k > half_) before += head;
     }
-    const Eigen::Vector2d way = (after - before) / static_cast<double>(half_);
-    const double speed_mps = way.norm() / (static_cast<double>(half_ + 1) * sample_s_);
-    if (speed_mps < kSwaying_mps) {
+    const Eigen::Vector2d step_m = (after - before) / static_cast<double>(half_);
+    const double speed_mps = step_m.norm() / (static_cast<double>(half_ + 1) * sample_s_);
+    if (speed_mps < kMinWalking_mps) {
       waves_[i] = {};
       continue;
     }
     const Eigen::Vector2d off = moment.heads_m[i] - path / weights;
-    follow(i, (way.x() * off.y() - way.y() * off.x()) / way.norm(), speed_mps, moment.time_s);
+    follow(i, (step_m.x() * off.y() - step_m.y() * off.x()) / step_m.norm(), speed_mps,
+           moment.time_s);
   }
 }
 
@@ -301,7 +302,7 @@ void HeadSway::follow(size_t person, double across_m, double speed_mps, double t
     const double share = wave.last_m / (wave.last_m - off_m);
     const double crossing_s = time_s - (1 - share) * sample_s_;
     if (wave.has_crossed) finish_half_wave(person, wave, crossing_s);
-    wave.has_crossed = wave.followed * sample_s_ >= kSettled_s;
+    wave.has_crossed = wave.followed * sample_s_ >= kSettling_s;
     wave.since_s = crossing_s;
     wave.extreme_m = 0;
     wave.speed_mps = 0;
@@ -315,7 +316,7 @@ void HeadSway::follow(size_t person, double across_m, double speed_mps, double t
 
 void HeadSway::finish_half_wave(size_t person, const Wave& wave, double crossing_s) {
   const double length_s = crossing_s - wave.since_s;
-  if (wave.extreme_m < kLeast_m || length_s < kShortestWave_s || length_s > kLongestWave_s) return;
+  if (wave.extreme_m < kMinAmplitude_m || length_s < kMinWave_s || length_s > kMaxWave_s) return;
   people_[person].amplitude_m += wave.extreme_m;
   ++people_[person].half_waves;
   const double speed_mps = wave.speed_mps / wave.moments;
@@ -338,9 +339,8 @@ MeasureTable HeadSway::table() const {
       {},
       {}};
   Histogram amplitudes(0, 0.0005, 400);
-  for (const Person& person : people_)
-    if (person.half_waves >= kLeastHalfWaves)
-      amplitudes.add(person.amplitude_m / person.half_waves);
+  for (const PersonSway& person : people_)
+    if (person.half_waves >= kMinHalfWaves) amplitudes.add(person.amplitude_m / person.half_waves);
   if (amplitudes.count() == 0) return table;
   const auto amplitude = [&](const std::string& what, double value) {
     table.rows.push_back({"amplitude", {}, {}, "", what, "m", value});
@@ -349,7 +349,7 @@ MeasureTable HeadSway::table() const {
   amplitude("10 %", amplitudes.quantile(0.1));
   amplitude("90 %", amplitudes.quantile(0.9));
   for (size_t i = 0; i < paces_.size(); ++i)
-    if (paces_[i].half_waves >= 2 * kLeastHalfWaves)
+    if (paces_[i].half_waves >= 2 * kMinHalfWaves)
       table.rows.push_back(ranged_row(kSpeeds_mps[i], kSpeeds_mps[i + 1], "", "frequency", "Hz",
                                       paces_[i].half_waves / (2 * paces_[i].time_s)));
   return table;

@@ -50,16 +50,17 @@ class FlowLines {
 
   struct Line {
     Passage across{};
-    double width_m = 0;  ///< of it that people can walk on
-    uint64_t forth = 0;  ///< to the left of the way from its first end to its second
+    double width_m = 0;    ///< of it that people can walk on
+    uint64_t forward = 0;  ///< to the left of the way from its first end to its second
     uint64_t back = 0;
     double first_s = 0;
     double last_s = 0;
-    std::vector<uint8_t> is_near{};  ///< by person: passed, and not far from it since
-    std::vector<uint8_t> went_by{};  ///< by person: crossed its straight beyond one of its ends
+    std::vector<uint8_t> has_just_passed{};  ///< by person: passed, and not far from it since
+    std::vector<uint8_t>
+        has_passed_beside{};  ///< by person: crossed its straight beyond one of its ends
     /// How many did.
     uint64_t beside() const;
-    uint64_t passed() const { return forth + back; }
+    uint64_t passed() const { return forward + back; }
     /// N - 1 over the time from the first to the last.
     double flow_per_s() const;
   };
@@ -98,7 +99,7 @@ class HeadSway {
     int moments = 0;       ///< of the half wave
     bool has_crossed = false;
   };
-  struct Person {
+  struct PersonSway {
     double amplitude_m = 0;  ///< summed over half waves
     uint32_t half_waves = 0;
   };
@@ -114,7 +115,7 @@ class HeadSway {
   size_t half_;
   double sample_s_;
   std::vector<Wave> waves_;
-  std::vector<Person> people_;
+  std::vector<PersonSway> people_;
   std::array<Pace, 3> paces_{};
 };
 

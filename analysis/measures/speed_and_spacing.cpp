@@ -10,12 +10,12 @@ namespace {
 /// Half of the window over which a speed is taken.
 constexpr double kHalfWindow_s = 0.5;
 /// Everybody who can matter for a cell, and for the density by the sixth nearest.
-constexpr double kNear_m = 2 * VoronoiCells::kCap_m;
+constexpr double kSearchRadius_m = 2 * VoronoiCells::kCap_m;
 constexpr double kGridCell_m = 1;
 /// Slower people walk in no direction.
 constexpr double kWalking_mps = 0.1;
 constexpr double kSpacingReach_m = 1.2;
-constexpr size_t kNearestCount = 6;
+constexpr size_t kDensityNeighbours = 6;
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
 
@@ -49,11 +49,11 @@ void SpeedAndSpacing::take(const Moment& moment, const Velocities& velocities) {
   grid_.place(moment.heads_m, moment.present);
   for (size_t i = 0; i < moment.present.size(); ++i) {
     if (moment.present[i] == 0 || velocities.known[i] == 0) continue;
-    near_.clear();
+    neighbours_.clear();
     others_.clear();
-    grid_.each_near(moment.heads_m[i], kNear_m, [&](uint32_t other, double squared) {
+    grid_.for_each_within(moment.heads_m[i], kSearchRadius_m, [&](uint32_t other, double squared) {
       if (other == i) return;
-      near_.emplace_back(squared, other);
+      neighbours_.emplace_back(squared, other);
       others_.push_back(moment.heads_m[other]);
     });
     const double speed_mps = velocities.of_mps[i].norm();
@@ -71,16 +71,18 @@ void SpeedAndSpacing::take(const Moment& moment, const Velocities& velocities) {
 void SpeedAndSpacing::add_spacing(const Moment& moment, size_t person,
                                   const Eigen::Vector2d& velocity_mps) {
   double density_per_m2 = 0;  // with fewer near: below all bounds
-  if (near_.size() >= kNearestCount) {
-    std::nth_element(near_.begin(), near_.begin() + kNearestCount - 1, near_.end());
-    density_per_m2 = kNearestCount / (std::numbers::pi * near_[kNearestCount - 1].first);
+  if (neighbours_.size() >= kDensityNeighbours) {
+    std::nth_element(neighbours_.begin(), neighbours_.begin() + kDensityNeighbours - 1,
+                     neighbours_.end());
+    density_per_m2 =
+        kDensityNeighbours / (std::numbers::pi * neighbours_[kDensityNeighbours - 1].first);
   }
   const auto level = static_cast<size_t>(
       std::upper_bound(kSpacingBounds_per_m2.begin(), kSpacingBounds_per_m2.end(), density_per_m2) -
       kSpacingBounds_per_m2.begin());
   static const double ahead_of = cosine(30), beside_of = cosine(60);
   const Eigen::Vector2d ahead = velocity_mps.normalized();
-  for (const auto& [squared, other] : near_) {
+  for (const auto& [squared, other] : neighbours_) {
     const double distance_m = std::sqrt(squared);
     if (distance_m > kSpacingReach_m || distance_m == 0) continue;
     const double along = ahead.dot(moment.heads_m[other] - moment.heads_m[person]) / distance_m;
@@ -101,7 +103,7 @@ MeasureTable SpeedAndSpacing::speed_table() const {
                      {}};
   for (size_t i = 0; i < kDensityBins; ++i) {
     const Histogram& speeds = speeds_mps_[i];
-    if (speeds.count() < kLeastValues) continue;
+    if (speeds.count() < kMinValues) continue;
     const double from = kDensityBin_per_m2 * static_cast<double>(i);
     const std::optional<double> to =
         i + 1 < kDensityBins ? std::optional(from + kDensityBin_per_m2) : std::nullopt;
@@ -143,7 +145,7 @@ MeasureTable SpeedAndSpacing::spacing_table() const {
   for (size_t level = 0; level <= kSpacingBounds_per_m2.size(); ++level)
     for (const Side side : {kAhead, kBeside}) {
       const Histogram& spacing = spacing_m_[level * kSides + side];
-      if (spacing.count() < kLeastValues) continue;
+      if (spacing.count() < kMinValues) continue;
       const double from = level == 0 ? 0 : kSpacingBounds_per_m2[level - 1];
       const std::optional<double> to = level < kSpacingBounds_per_m2.size()
                                            ? std::optional(kSpacingBounds_per_m2[level])

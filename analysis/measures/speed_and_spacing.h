@@ -52,7 +52,7 @@ class SpeedAndSpacing {
   static constexpr double kDensityBin_per_m2 = 0.25;
   static constexpr size_t kDensityBins = 48;
   /// Fewer say nothing; rows of less are left out.
-  static constexpr uint64_t kLeastValues = 15;
+  static constexpr uint64_t kMinValues = 15;
 
  private:
   enum Side { kAhead, kBeside, kSides };
@@ -66,7 +66,7 @@ class SpeedAndSpacing {
   std::vector<Histogram> spacing_m_;   ///< by level of density and side
   uint64_t off_the_area_ = 0;
   std::vector<Eigen::Vector2d> others_;
-  std::vector<std::pair<double, uint32_t>> near_;  ///< squared distance and index
+  std::vector<std::pair<double, uint32_t>> neighbours_;  ///< squared distance and index
 };
 
 }  // namespace throng

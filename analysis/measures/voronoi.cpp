@@ -38,9 +38,9 @@ double area_of(const std::vector<Eigen::Vector2d>& corners) {
 
 /// Whether a cell reaches the circle.
 bool reaches_cap(const std::vector<Eigen::Vector2d>& corners) {
-  constexpr double kNearly_m = VoronoiCells::kCap_m - 1e-3;
+  constexpr double kCapReached_m = VoronoiCells::kCap_m - 1e-3;
   return std::any_of(corners.begin(), corners.end(), [](const Eigen::Vector2d& corner) {
-    return corner.squaredNorm() >= kNearly_m * kNearly_m;
+    return corner.squaredNorm() >= kCapReached_m * kCapReached_m;
   });
 }
 
@@ -88,15 +88,15 @@ std::optional<VoronoiCell> VoronoiCells::cell(const Eigen::Vector2d& point,
                                               std::span<const Eigen::Vector2d> others) {
   if (!walkable_.ground().contains(point)) return {};
   corners_ = cap();
-  nearest_.clear();
+  sorted_neighbours_.clear();
   for (const Eigen::Vector2d& other : others) {
-    const Eigen::Vector2d way = other - point;
-    if (const double distance_m = way.norm(); distance_m > kSamePoint_m)
-      nearest_.emplace_back(distance_m, way / distance_m);
+    const Eigen::Vector2d offset_m = other - point;
+    if (const double distance_m = offset_m.norm(); distance_m > kSamePoint_m)
+      sorted_neighbours_.emplace_back(distance_m, offset_m / distance_m);
   }
-  std::sort(nearest_.begin(), nearest_.end(),
+  std::sort(sorted_neighbours_.begin(), sorted_neighbours_.end(),
             [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [distance_m, normal] : nearest_) {
+  for (const auto& [distance_m, normal] : sorted_neighbours_) {
     double reach = 0;
     for (const Eigen::Vector2d& corner : corners_) reach = std::max(reach, corner.squaredNorm());
     if (distance_m * distance_m > 4 * reach) break;  // nor will those farther off
@@ -115,7 +115,7 @@ std::optional<VoronoiCell> VoronoiCells::without_obstacles(const Eigen::Vector2d
   double reach = 0;
   for (const Eigen::Vector2d& corner : corners_) reach = std::max(reach, corner.norm());
   bp::polygon_set_data<int> solid;
-  for (const uint32_t footprint : walkable_.near(point)) {
+  for (const uint32_t footprint : walkable_.nearby_footprints(point)) {
     const double distance_m = walkable_.nearest(footprint, point).distance_m;
     if (distance_m < 0) return {};
     if (distance_m >= reach) continue;

@@ -40,7 +40,7 @@ class VoronoiCells {
   // Of the latest cell, as offsets from its person; kept for their memory.
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Eigen::Vector2d> cut_;
-  std::vector<std::pair<double, Eigen::Vector2d>> nearest_;
+  std::vector<std::pair<double, Eigen::Vector2d>> sorted_neighbours_;
 };
 
 }  // namespace throng

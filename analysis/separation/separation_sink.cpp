@@ -12,13 +12,13 @@ namespace throng {
 
 SeparationHistory::SeparationHistory(const RunInfo& run, int64_t frames)
     : step_s_(run.step_s),
-      near_m_(run.culler.near.near_m),
-      stretch_(std::max<int64_t>(1, (frames + kPoints - 1) / kPoints)),
+      proximity_m_(run.culler.proximity.margin_m),
+      frames_per_point_(std::max<int64_t>(1, (frames + kPoints - 1) / kPoints)),
       index_(run.model_of_avatar.size(), -1) {}
 
 void SeparationHistory::add(int64_t frame, std::span<const RegionSeparation> rows) {
   if (first_frame_ < 0) first_frame_ = frame;
-  const auto point = static_cast<size_t>((frame - first_frame_) / stretch_);
+  const auto point = static_cast<size_t>((frame - first_frame_) / frames_per_point_);
   points_ = std::max(points_, point + 1);
   for (const RegionSeparation& row : rows) {
     if (row.is_far()) continue;
@@ -29,8 +29,8 @@ void SeparationHistory::add(int64_t frame, std::span<const RegionSeparation> row
       ids_.push_back(row.robot);
     }
     Robot& robot = *robots_[static_cast<size_t>(index)];
-    robot.short_frames += row.people_short > 0;
-    robot.least_m = std::min(robot.least_m, row.lo_m);
+    robot.short_frames += row.people_too_close > 0;
+    robot.min_distance_m = std::min(robot.min_distance_m, row.lo_m);
     std::vector<Point>& points = robot.regions[static_cast<size_t>(row.region)];
     if (points.size() <= point) points.resize(point + 1);
     Point& now = points[point];
@@ -38,7 +38,7 @@ void SeparationHistory::add(int64_t frame, std::span<const RegionSeparation> row
       now.lo_m = row.lo_m;
       now.required_m = row.required_m;
     }
-    now.is_short |= row.people_short > 0;
+    now.is_short |= row.people_too_close > 0;
   }
 }
 
@@ -47,7 +47,7 @@ bool SeparationHistory::has_figure() const { return !robots_.empty(); }
 size_t SeparationHistory::worst() const {
   size_t worst = 0;
   const auto rank = [&](size_t i) {
-    return std::tuple(0 - static_cast<double>(robots_[i]->short_frames), robots_[i]->least_m,
+    return std::tuple(0 - static_cast<double>(robots_[i]->short_frames), robots_[i]->min_distance_m,
                       ids_[i]);
   };
   for (size_t i = 1; i < robots_.size(); ++i)
@@ -59,8 +59,8 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
   const size_t which = worst();
   const Robot& robot = *robots_[which];
   const double from_s = static_cast<double>(first_frame_) * step_s_;
-  const double point_s = static_cast<double>(stretch_) * step_s_;
-  float most_m = near_m_;
+  const double point_s = static_cast<double>(frames_per_point_) * step_s_;
+  float axis_max_m = proximity_m_;
   std::string data;
   std::vector<size_t> shown;
   for (size_t region = 0; region < kBodyRegions; ++region) {
@@ -75,7 +75,7 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
       if (is_far && !was_far) data += '\n';
       was_far = is_far;
       if (is_far) continue;
-      most_m = std::max(most_m, point.required_m > 0 ? point.required_m : 0.f);
+      axis_max_m = std::max(axis_max_m, point.required_m > 0 ? point.required_m : 0.f);
       append(data, "{:.6g} {:.6g} {:.6g} {}\n", from_s + static_cast<double>(i) * point_s,
              point.lo_m, point.required_m, point.is_short ? 0 : -1);
     }
@@ -92,10 +92,10 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
          "set multiplot layout {},2 columnsfirst title {} noenhanced margins 0.07,0.98,{},{} "
          "spacing 0.09,{}\n"
          "set xrange [{:.6g}:{:.6g}]\nset yrange [0:{:.6g}]\nset grid\nset key off\n",
-         rows, figure_text(title), rows < 3 ? 0.16 : 0.1, rows < 3 ? 0.86 : 0.92,
+         rows, gnuplot_quoted(title), rows < 3 ? 0.16 : 0.1, rows < 3 ? 0.86 : 0.92,
          rows < 3 ? 0.24 : 0.08, from_s,
          from_s + std::max(1.0, static_cast<double>(points_)) * point_s,
-         1.05 * static_cast<double>(most_m));
+         1.05 * static_cast<double>(axis_max_m));
   for (size_t i = 0; i < shown.size(); ++i) {
     const size_t region = shown[i];
     std::string name(name_of(static_cast<BodyRegion>(region)));
@@ -109,8 +109,8 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
            "$r{4} using 1:($4 < 0 ? NaN : 0.012 * {7:.6g}) with points pointtype 5 pointsize 0.35 "
            "linecolor rgb '{8}' title 'too near'\n",
            name, i + 1 == static_cast<size_t>(rows) || is_last ? "s" : "",
-           is_last ? "set key at screen 0.5,0.02 center horizontal maxrows 1\n" : "", near_m_,
-           region, kFigureColours[0], kFigureColours[3], 1.05 * static_cast<double>(most_m),
+           is_last ? "set key at screen 0.5,0.02 center horizontal maxrows 1\n" : "", proximity_m_,
+           region, kFigureColours[0], kFigureColours[3], 1.05 * static_cast<double>(axis_max_m),
            kFigureColours[1]);
   }
   script += "unset multiplot\n";
@@ -134,7 +134,7 @@ SeparationSink::SeparationSink(fs::path folder, const SeparationRule& rule)
   if (folder_.empty()) return;
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw cannot_write(folder_, error.value(), kOption);
+  if (error) throw write_error(folder_, error.value(), kOption);
 }
 
 void SeparationSink::begin(const RunInfo& run) {
@@ -142,13 +142,15 @@ void SeparationSink::begin(const RunInfo& run) {
   if (folder_.empty()) return;
   history_ =
       std::make_unique<SeparationHistory>(run, frame_count(run.scene->duration_s, run.step_s));
-  rows_ = std::make_unique<FolderFile>(folder_ / kRows, kOption);
+  rows_ = std::make_unique<OutputFile>(folder_ / kRows, kOption);
   rows_->write(
-      "frame,time_s,robot,region,lo_m,hi_m,person,robot_part,person_part,closing_mps,robot_mps,"
-      "human_mps,required_m,spare_m,people_short\n");
-  shortfalls_ = std::make_unique<FolderFile>(folder_ / kShortfalls, kOption);
+      "frame,time_s,robot,region,lo_m,hi_m,person,robot_part,person_part,closing_speed_mps,robot_"
+      "speed_mps,"
+      "human_speed_mps,required_m,min_slack_m,people_too_close\n");
+  shortfalls_ = std::make_unique<OutputFile>(folder_ / kShortfalls, kOption);
   shortfalls_->write(
-      "begin_s,end_s,robot,person,region,least_lo_m,least_hi_m,most_short_m,beyond_margin,cut\n");
+      "begin_s,end_s,robot,person,region,min_distance_lo_m,min_distance_hi_m,max_shortfall_m,"
+      "beyond_margin,cut\n");
 }
 
 void SeparationSink::list_ended(const RunInfo& run) {
@@ -157,8 +159,8 @@ void SeparationSink::list_ended(const RunInfo& run) {
     append(text_, "{:.4f},{:.4f},{},{},{},{},{},{},{},{}\n",
            static_cast<double>(each.begin_frame) * run.step_s,
            static_cast<double>(each.end_frame) * run.step_s, each.robot, each.person,
-           name_of(each.region), each.least_lo_m, each.least_hi_m, each.most_short_m,
-           each.is_beyond_margin ? 1 : 0, each.is_cut ? 1 : 0);
+           name_of(each.region), each.min_distance_lo_m, each.min_distance_hi_m,
+           each.max_shortfall_m, each.is_beyond_margin ? 1 : 0, each.is_truncated ? 1 : 0);
   shortfalls_->write(text_);
 }
 
@@ -181,8 +183,9 @@ void SeparationSink::frame(const RunInfo& run, const Frame& frame) {
     append(text_, "{},{},{},{},{},{},{},{},{}\n", person,
            csv_field(part_name(run, row.robot, robot_is_a ? part_a : part_b)),
            csv_field(part_name(run, person, robot_is_a ? part_b : part_a)),
-           csv_number(row.closing_mps), csv_number(row.robot_mps), csv_number(row.human_mps),
-           csv_number(row.required_m), csv_number(row.spare_m), row.people_short);
+           csv_number(row.closing_speed_mps), csv_number(row.robot_speed_mps),
+           csv_number(row.human_speed_mps), csv_number(row.required_m), csv_number(row.min_slack_m),
+           row.people_too_close);
   }
   rows_->write(text_);
   list_ended(run);

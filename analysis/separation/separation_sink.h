@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/figure.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "scenes/run/sink.h"
 #include "scenes/separation/separation_monitor.h"
 
@@ -40,15 +40,15 @@ class SeparationHistory {
   static constexpr int64_t kPoints = 600;
   struct Robot {
     uint64_t short_frames = 0;  ///< of all regions together
-    float least_m = RegionSeparation::kFar;
+    float min_distance_m = RegionSeparation::kFar;
     std::array<std::vector<Point>, kBodyRegions> regions;  ///< by stretch; empty: always far
   };
 
   size_t worst() const;
 
   double step_s_;
-  float near_m_;
-  int64_t stretch_;  ///< frames
+  float proximity_m_;
+  int64_t frames_per_point_;  ///< frames
   size_t points_ = 0;
   int64_t first_frame_ = -1;
   std::vector<int32_t> index_;  ///< by avatar, into robots_; -1: not yet
@@ -83,7 +83,7 @@ class SeparationSink final : public Sink {
 
   std::filesystem::path folder_;
   bool is_measured_;
-  std::unique_ptr<FolderFile> rows_, shortfalls_;
+  std::unique_ptr<OutputFile> rows_, shortfalls_;
   std::unique_ptr<SeparationMonitor> monitor_;
   std::unique_ptr<SeparationHistory> history_;
   std::string text_, note_;

@@ -18,13 +18,13 @@
 namespace throng {
 namespace {
 
-constexpr uint64_t kMostJournalBytes = uint64_t{1} << 32;
+constexpr uint64_t kMaxJournalBytes = uint64_t{1} << 32;
 
 std::string sealed(const std::string& text) {
   return fmt::format("{},{:016x}\n", text, checksum(text));
 }
 
-EnvironmentError cannot_write(const std::filesystem::path& file) {
+EnvironmentError write_error(const std::filesystem::path& file) {
   return EnvironmentError(
       fmt::format("{}: cannot write the study's journal: {}", file.string(), std::strerror(errno)));
 }
@@ -67,14 +67,14 @@ bool read_line(const std::string& line, StudyRow& row) {
 Journal::Journal(std::filesystem::path file, const std::string& owner) : file_(std::move(file)) {
   const std::string head = "throng study journal 1; " + owner + "\n";
   descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) throw cannot_write(file_);
-  const RegularFile opened(file_, "a study's journal", kMostJournalBytes);
+  if (descriptor_ < 0) throw write_error(file_);
+  const RegularFile opened(file_, "a study's journal", kMaxJournalBytes);
   const std::vector<uint8_t> bytes = opened.bytes();
   const size_t sound = read({bytes.begin(), bytes.end()}, head);
-  if (::ftruncate(descriptor_, static_cast<off_t>(sound)) != 0) throw cannot_write(file_);
+  if (::ftruncate(descriptor_, static_cast<off_t>(sound)) != 0) throw write_error(file_);
   if (sound == 0 &&
       ::write(descriptor_, head.data(), head.size()) != static_cast<ssize_t>(head.size()))
-    throw cannot_write(file_);
+    throw write_error(file_);
 }
 
 /// Returns how many bytes are whole lines.
@@ -106,7 +106,7 @@ void Journal::add(const StudyRow& row) {
   while (done < line.size()) {
     const ssize_t n = ::write(descriptor_, line.data() + done, line.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw cannot_write(file_);
+    if (n < 0) throw write_error(file_);
     done += static_cast<size_t>(n);
   }
 }

@@ -29,16 +29,16 @@ class Ranks {
   void wait_for_first();
 
   /// What the first rank does with the others. All are called on this thread.
-  struct Leading {
+  struct LeaderCallbacks {
     std::function<std::optional<size_t>()> next;   ///< a number to work on
     std::function<void(const std::string&)> take;  ///< what came of one
-    std::function<void(size_t)> give_back;         ///< somebody left without a result
+    std::function<void(size_t)> return_run;        ///< somebody left without a result
     std::function<bool()> is_busy;                 ///< this rank still works itself
   };
   /// Until nobody works any more.
-  void lead(const Leading& leading);
+  void run_leader(const LeaderCallbacks& callbacks);
   /// What the others do: nothing from `work` means that this rank leaves.
-  void follow(const std::function<std::optional<std::string>(size_t)>& work);
+  void run_follower(const std::function<std::optional<std::string>(size_t)>& work);
 
  private:
   struct State;

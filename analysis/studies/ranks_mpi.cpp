@@ -15,7 +15,7 @@ constexpr int kFirst = 0;
 enum Tag { kResult = 1, kLeave = 2, kWork = 3 };
 constexpr int64_t kNoMore = -1;
 /// Ranks that wait must not take a core from one that works.
-constexpr std::chrono::milliseconds kLookAround{2};
+constexpr std::chrono::milliseconds kPollPeriod{2};
 
 /// The next message, once there is one.
 MPI_Status wait_politely(int source) {
@@ -24,7 +24,7 @@ MPI_Status wait_politely(int source) {
     MPI_Status status;
     MPI_Iprobe(source, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
     if (there != 0) return status;
-    std::this_thread::sleep_for(kLookAround);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 
@@ -64,15 +64,15 @@ void Ranks::wait_for_first() {
   MPI_Recv(&here, 1, MPI_INT64_T, kFirst, kWork, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }
 
-void Ranks::lead(const Leading& leading) {
+void Ranks::run_leader(const LeaderCallbacks& callbacks) {
   std::vector<int64_t> at_work(static_cast<size_t>(state_->count), kNoMore);
   int others = state_->count - 1;
-  while (others > 0 || leading.is_busy()) {
+  while (others > 0 || callbacks.is_busy()) {
     int there = 0;
     MPI_Status status;
     MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
     if (there == 0) {
-      std::this_thread::sleep_for(kLookAround);
+      std::this_thread::sleep_for(kPollPeriod);
       continue;
     }
     int bytes = 0;
@@ -83,19 +83,19 @@ void Ranks::lead(const Leading& leading) {
              MPI_STATUS_IGNORE);
     int64_t& its = at_work[static_cast<size_t>(from)];
     if (status.MPI_TAG == kLeave) {
-      if (its != kNoMore) leading.give_back(static_cast<size_t>(its));
+      if (its != kNoMore) callbacks.return_run(static_cast<size_t>(its));
       --others;
       continue;
     }
-    if (!result.empty()) leading.take(result);
-    const std::optional<size_t> next = leading.next();
+    if (!result.empty()) callbacks.take(result);
+    const std::optional<size_t> next = callbacks.next();
     its = next ? static_cast<int64_t>(*next) : kNoMore;
     if (!next) --others;
     MPI_Send(&its, 1, MPI_INT64_T, from, kWork, MPI_COMM_WORLD);
   }
 }
 
-void Ranks::follow(const std::function<std::optional<std::string>(size_t)>& work) {
+void Ranks::run_follower(const std::function<std::optional<std::string>(size_t)>& work) {
   std::string result;
   for (;;) {
     MPI_Send(result.data(), static_cast<int>(result.size()), MPI_CHAR, kFirst, kResult,

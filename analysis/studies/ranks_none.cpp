@@ -15,7 +15,7 @@ Ranks::~Ranks() = default;
 int Ranks::rank() const { return 0; }
 int Ranks::count() const { return 1; }
 void Ranks::wait_for_first() {}
-void Ranks::lead(const Leading&) {}
-void Ranks::follow(const std::function<std::optional<std::string>(size_t)>&) {}
+void Ranks::run_leader(const LeaderCallbacks&) {}
+void Ranks::run_follower(const std::function<std::optional<std::string>(size_t)>&) {}
 
 }  // namespace throng

@@ -60,9 +60,9 @@ std::vector<YamlNode> values_of(const std::string& file, const std::string& name
     throw InputError(at_line(file, node.line),
                      fmt::format("a list of values of '{}', or a range {{from, to, step}}", name),
                      describe(node));
-  std::set<std::string> seen;
+  std::set<std::string> names;
   for (const YamlNode& item : node.items)
-    if (!seen.insert(text_of(item)).second)
+    if (!names.insert(text_of(item)).second)
       throw InputError(at_line(file, item.line), fmt::format("each value of '{}' once", name),
                        fmt::format("'{}' twice", text_of(item)));
   return node.items;
@@ -75,7 +75,7 @@ StudyParameter parameter_of(const std::string& file, const YamlEntry& entry) {
       name.find("..") != std::string::npos)
     throw InputError(where, "an option of a run, or a key of a scene as in 'groups.1.count'",
                      fmt::format("'{}'", name));
-  if (const std::string expected = why_no_study_option(name); !expected.empty())
+  if (const std::string expected = reason_not_in_study(name); !expected.empty())
     throw InputError(where, expected, fmt::format("'{}'", name));
   const std::vector<std::string>& options = study_option_names();
   return {name, entry.line, std::find(options.begin(), options.end(), name) != options.end()};
@@ -96,13 +96,13 @@ std::vector<size_t> strata(size_t count, uint64_t seed, uint64_t key) {
 struct CubeKey {
   std::vector<YamlNode> choices;  ///< instead of numbers
   double from = 0, to = 0;
-  bool whole = false;
+  bool integer = false;
   int line = 0;
 
   YamlNode at(double share) const {
     if (!choices.empty())
       return choices[static_cast<size_t>(share * static_cast<double>(choices.size()))];
-    if (whole)
+    if (integer)
       return scalar(fmt::format("{:.0f}", from + std::floor(share * (to - from + 1))), line);
     return scalar(fmt::format("{:.9g}", from + share * (to - from) + 0.0), line);
   }
@@ -119,11 +119,11 @@ CubeKey cube_key(const std::string& file, const std::string& name, const YamlNod
   range.expect_keys({"from", "to", "whole"});
   key.from = range.number("from", kAnyNumber);
   key.to = range.number("to", kAnyNumber);
-  key.whole = range.boolean_or("whole", false);
+  key.integer = range.boolean_or("whole", false);
   if (!(key.from < key.to))
     throw InputError(range.where(), "a range with 'to' above 'from'",
                      fmt::format("{} to {}", number_text(key.from), number_text(key.to)));
-  if (key.whole && (key.from != std::floor(key.from) || key.to != std::floor(key.to)))
+  if (key.integer && (key.from != std::floor(key.from) || key.to != std::floor(key.to)))
     throw InputError(range.where(), "whole numbers from and to",
                      fmt::format("{} to {}", number_text(key.from), number_text(key.to)));
   return key;
@@ -158,8 +158,8 @@ ParameterBlock hypercube(const std::string& file, const YamlNode& node) {
   return block;
 }
 
-void require_few_runs(const Fields& fields, const Study& study, size_t least) {
-  if (study.points() * least > kMaxStudyRuns)
+void require_few_runs(const Fields& fields, const Study& study, size_t min_points) {
+  if (study.points() * min_points > kMaxStudyRuns)
     throw InputError(fields.where(), fmt::format("at most {} runs", kMaxStudyRuns), "more");
 }
 
@@ -182,11 +182,11 @@ void read_parameters(const Fields& fields, Study& study) {
 
 /// What is set for all runs is not varied, and nothing twice.
 void require_once(const Fields& fields, const Study& study) {
-  std::set<std::string> seen;
-  for (const YamlEntry& option : study.options.entries) seen.insert(option.key);
+  std::set<std::string> names;
+  for (const YamlEntry& option : study.options.entries) names.insert(option.key);
   for (const ParameterBlock& block : study.blocks)
     for (const StudyParameter& parameter : block.parameters)
-      if (!seen.insert(parameter.name).second)
+      if (!names.insert(parameter.name).second)
         throw InputError(at_line(fields.file(), parameter.line), "every parameter once",
                          fmt::format("'{}' again", parameter.name));
 }
@@ -274,7 +274,7 @@ Study read_study(const fs::path& file) {
   std::vector<std::string> keys = {"scenes", "seeds", "parameters"};
   keys.insert(keys.end(), study_option_names().begin(), study_option_names().end());
   for (const YamlEntry& entry : root.entries)
-    if (const std::string expected = why_no_study_option(entry.key); !expected.empty())
+    if (const std::string expected = reason_not_in_study(entry.key); !expected.empty())
       throw InputError(at_line(name, entry.line), expected, fmt::format("'{}'", entry.key));
   fields.expect_keys(keys);
   Study study;

@@ -34,7 +34,7 @@ const std::vector<std::string>& study_option_names() {
   return names;
 }
 
-std::string why_no_study_option(const std::string& name) {
+std::string reason_not_in_study(const std::string& name) {
   for (const RunOption& option : run_options())
     if (option.name == name) return option.study_has;
   const std::span<const std::string_view> outputs = output_option_names();

@@ -17,6 +17,6 @@ const std::vector<std::string>& study_option_names();
 RunOptions read_study_options(const Fields& fields);
 
 /// Why an option of `throng run` is none of a study, to follow "expected"; "" for any other word.
-std::string why_no_study_option(const std::string& name);
+std::string reason_not_in_study(const std::string& name);
 
 }  // namespace throng

@@ -96,10 +96,10 @@ class Setter {
   const std::string& where_;
 };
 
-/// The way to a value in a scene file: "groups.1.speed_mps.mean". Steps are divided by dots: a key
-/// of a map, which is added where the file does not have it, for the scene's reader to judge; of a
-/// list an item's number, counted from 1, its `name`, or "*" for each. Throws InputError at `where`
-/// if a step leads nowhere.
+/// The way to a value in a scene file: "groups.1.desired_speed_mps.mean". Steps are divided by
+/// dots: a key of a map, which is added where the file does not have it, for the scene's reader to
+/// judge; of a list an item's number, counted from 1, its `name`, or "*" for each. Throws
+/// InputError at `where` if a step leads nowhere.
 void set_value(YamlNode& root, const std::string& path, const YamlNode& value,
                const std::string& where) {
   Setter(path, value, where).set(root, 0);
@@ -127,13 +127,13 @@ StudyPlan::StudyPlan(Study study) : study_(std::move(study)) {
       try {
         run = planned(scene, point, models_);
       } catch (const InputError&) {
-        blame(scene, point);
+        rethrow_at_value(scene, point);
       }
       if (study_.seeds.empty()) own_seeds_.push_back(run.scene.seed);
       for (std::string& note : run.notes)
         if (noted.insert(note).second) notes_.push_back(std::move(note));
       hash.add(content_hash_of(run.scene)).add(run.scene.duration_s);
-      hash.add(name_of(run.strategy)).add(run.culler.deadline_tests.value_or(UINT64_MAX));
+      hash.add(name_of(run.strategy)).add(run.culler.budget_tests.value_or(UINT64_MAX));
       const std::vector<size_t> rows = rows_of(point);
       for (size_t i = 0; i < rows.size(); ++i)
         for (const YamlNode& value : study_.blocks[i].rows[rows[i]]) hash.add(text_of(value));
@@ -151,21 +151,21 @@ std::vector<std::string> StudyPlan::columns() const {
 }
 
 std::vector<std::string> StudyPlan::cells(size_t run) const {
-  const Place place = place_of(run);
+  const RunPosition position = position_of(run);
   const uint64_t seed = study_.seeds.empty()
-                            ? own_seeds_[place.scene * study_.points() + place.point]
-                            : static_cast<uint64_t>(study_.seeds[place.seed]);
+                            ? own_seeds_[position.scene * study_.points() + position.point]
+                            : static_cast<uint64_t>(study_.seeds[position.seed]);
   std::vector<std::string> cells = {fmt::format("{}", run + 1), fmt::format("{}", runs()),
                                     fmt::format("{:016x}", identity_),
-                                    study_.scenes[place.scene].name, fmt::format("{}", seed)};
+                                    study_.scenes[position.scene].name, fmt::format("{}", seed)};
   for (const YamlEntry& option : study_.options.entries) cells.push_back(text_of(option.value));
-  const std::vector<size_t> rows = rows_of(place.point);
+  const std::vector<size_t> rows = rows_of(position.point);
   for (size_t i = 0; i < rows.size(); ++i)
     for (const YamlNode& value : study_.blocks[i].rows[rows[i]]) cells.push_back(text_of(value));
   return cells;
 }
 
-StudyPlan::Place StudyPlan::place_of(size_t run) const {
+StudyPlan::RunPosition StudyPlan::position_of(size_t run) const {
   const size_t seeds = study_.seeds.empty() ? 1 : study_.seeds.size();
   const size_t points = study_.points();
   return {run / seeds / points, run / seeds % points, run % seeds};
@@ -207,40 +207,40 @@ PlannedRun StudyPlan::planned(size_t scene, size_t point, LoadedModels& models) 
 }
 
 PlannedRun StudyPlan::planned(size_t run) const {
-  const Place place = place_of(run);
+  const RunPosition position = position_of(run);
   LoadedModels models = models_;  // all of them, so that runs share them
-  PlannedRun planned_run = planned(place.scene, place.point, models);
+  PlannedRun planned_run = planned(position.scene, position.point, models);
   if (!study_.seeds.empty())
-    planned_run.scene.seed = static_cast<uint64_t>(study_.seeds[place.seed]);
+    planned_run.scene.seed = static_cast<uint64_t>(study_.seeds[position.seed]);
   return planned_run;
 }
 
 /// Names the first value that the scene refuses after those before it; called while the error that
 /// it found is handled.
-void StudyPlan::blame(size_t scene, size_t point) {
+void StudyPlan::rethrow_at_value(size_t scene, size_t point) {
   const std::string file = study_.file.string();
   const std::vector<size_t> rows = rows_of(point);
   const std::vector<ParameterBlock> all = std::move(study_.blocks);
   study_.blocks.clear();
-  const StudyParameter* guilty = nullptr;
+  const StudyParameter* faulty = nullptr;
   std::string value;
   try {
     planned(scene, 0, models_);
     for (size_t i = 0; i < rows.size(); ++i)
       for (size_t k = 0; k < all[i].parameters.size(); ++k) {
-        guilty = &all[i].parameters[k];
+        faulty = &all[i].parameters[k];
         value = text_of(all[i].rows[rows[i]][k]);
-        study_.blocks.push_back({{*guilty}, {{all[i].rows[rows[i]][k]}}});
+        study_.blocks.push_back({{*faulty}, {{all[i].rows[rows[i]][k]}}});
         planned(scene, 0, models_);
       }
   } catch (const InputError& error) {
-    const std::string said = error.what();
+    const std::string message = error.what();
     // The study's own lines say enough, and so do the scene's where the study changes nothing.
-    if (guilty == nullptr || said.starts_with(file + ":")) throw;
+    if (faulty == nullptr || message.starts_with(file + ":")) throw;
     throw InputError(
-        at_line(file, guilty->line),
-        fmt::format("a value of '{}' that {} takes", guilty->name, study_.scenes[scene].name),
-        fmt::format("'{}' ({})", value, said));
+        at_line(file, faulty->line),
+        fmt::format("a value of '{}' that {} takes", faulty->name, study_.scenes[scene].name),
+        fmt::format("'{}' ({})", value, message));
   }
   throw;
 }

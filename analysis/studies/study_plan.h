@@ -42,13 +42,13 @@ class StudyPlan {
   PlannedRun planned(size_t run) const;
 
  private:
-  struct Place {
+  struct RunPosition {
     size_t scene = 0, point = 0, seed = 0;
   };
-  Place place_of(size_t run) const;
+  RunPosition position_of(size_t run) const;
   std::vector<size_t> rows_of(size_t point) const;
   PlannedRun planned(size_t scene, size_t point, LoadedModels& models) const;
-  [[noreturn]] void blame(size_t scene, size_t point);
+  [[noreturn]] void rethrow_at_value(size_t scene, size_t point);
 
   Study study_;
   LoadedModels models_;

@@ -80,7 +80,7 @@ class Movement {
   double speeds_mps_ = 0, stayed_s_ = 0, last_left_s_ = 0;
 };
 
-class Measuring final : public Sink {
+class StudyMeasures final : public Sink {
  public:
   void begin(const RunInfo& run) override {
     step_s_ = run.step_s;
@@ -114,7 +114,7 @@ std::vector<uint64_t> contacts_by_kind(const PartMatrix& parts) {
 /// Cells in the order in which they are named.
 class Cells {
  public:
-  void whole(uint64_t value) { cells_.push_back(fmt::format("{}", value)); }
+  void integer(uint64_t value) { cells_.push_back(fmt::format("{}", value)); }
   void number(double value) { cells_.push_back(fmt::format("{:.9g}", value + 0.0)); }
   void number(const std::optional<double>& value) {
     if (value)
@@ -129,39 +129,39 @@ class Cells {
   std::vector<std::string> cells_;
 };
 
-std::vector<std::string> measures_of(const RunSummary& summary, const Measuring& measuring,
+std::vector<std::string> measures_of(const RunSummary& summary, const StudyMeasures& measures,
                                      double plan_growth) {
   Cells cells;
-  const TrafficCounters& traffic = summary.traffic;
+  const PopulationCounters& population = summary.population;
   int stranded = 0;
   for (const Stranding& stranding : summary.strandings) stranded += stranding.people;
   cells.number(summary.simulated_s);
-  cells.whole(static_cast<uint64_t>(summary.avatars));
+  cells.integer(static_cast<uint64_t>(summary.avatars));
   cells.number(plan_growth);
-  cells.whole(static_cast<uint64_t>(summary.unplaced));
-  for (const uint64_t count :
-       {traffic.entered, traffic.left, traffic.present, traffic.waiting, traffic.to_come})
-    cells.whole(count);
-  cells.whole(static_cast<uint64_t>(stranded));
-  const Movement& movement = measuring.movement();
+  cells.integer(static_cast<uint64_t>(summary.unplaced));
+  for (const uint64_t count : {population.entered, population.left, population.present,
+                               population.waiting_to_enter, population.scheduled})
+    cells.integer(count);
+  cells.integer(static_cast<uint64_t>(stranded));
+  const Movement& movement = measures.movement();
   cells.number(movement.mean_present());
   cells.number(movement.mean_speed_mps());
   cells.number(movement.mean_stay_s());
   cells.number(movement.last_left_s());
-  cells.whole(summary.queuing_peak);
+  cells.integer(summary.queuing_peak);
   cells.number(summary.longest_stall_s);
-  cells.number(summary.deepest_overlap_m);
+  cells.number(summary.max_overlap_m);
   cells.number(summary.steering.mean_heading_rate_radps());
-  const ContactTotals totals = measuring.contacts().totals();
-  cells.whole(totals.contacts);
+  const ContactTotals totals = measures.contacts().totals();
+  cells.integer(totals.contacts);
   cells.number(totals.per_person_min());
-  cells.whole(totals.people_touched);
+  cells.integer(totals.people_touched);
   cells.number(totals.person_s > 0 ? totals.touching_s / totals.person_s : 0);
   cells.number(totals.median_s);
-  cells.whole(totals.obstacle_contacts);
-  cells.whole(summary.begins);
-  cells.whole(summary.pairs_peak);
-  for (const uint64_t count : contacts_by_kind(measuring.contacts().parts())) cells.whole(count);
+  cells.integer(totals.obstacle_contacts);
+  cells.integer(summary.begins);
+  cells.integer(summary.pairs_peak);
+  for (const uint64_t count : contacts_by_kind(measures.contacts().parts())) cells.integer(count);
   cells.hash(summary.run_id);
   cells.hash(summary.hash);
   return cells.take();
@@ -173,37 +173,38 @@ const std::vector<StudyMeasure>& study_measures() {
   static const std::vector<StudyMeasure> measures = [] {
     std::vector<StudyMeasure> all = {
         {"simulated_s", Kind::kNumber, "how long the run was"},
-        {"people", Kind::kWhole, "everybody there may ever be"},
+        {"people", Kind::kInteger, "everybody there may ever be"},
         {"plan_growth", Kind::kNumber,
          "factor by which `avatars` enlarged the sides of the plan; 1: not at all"},
-        {"unplaced", Kind::kWhole, "people who found no place at the start"},
-        {"entered", Kind::kWhole, "those of the start included"},
-        {"left", Kind::kWhole, "people who left, at their last goal"},
-        {"present", Kind::kWhole, "people who are there at the end"},
-        {"waiting", Kind::kWhole, "outside at the end, due, without room to enter"},
-        {"to_come", Kind::kWhole, "not due yet at the end"},
-        {"stranded", Kind::kWhole, "people who cannot reach a goal"},
+        {"unplaced", Kind::kInteger, "people who found no place at the start"},
+        {"entered", Kind::kInteger, "those of the start included"},
+        {"left", Kind::kInteger, "people who left, at their last goal"},
+        {"present", Kind::kInteger, "people who are there at the end"},
+        {"waiting", Kind::kInteger, "outside at the end, due, without room to enter"},
+        {"scheduled", Kind::kInteger, "not due yet at the end"},
+        {"stranded", Kind::kInteger, "people who cannot reach a goal"},
         {"mean_present", Kind::kNumber, "people who were there, mean over the frames"},
         {"mean_speed_mps", Kind::kNumber, "mean over everybody and the frames they were there"},
         {"mean_stay_s", Kind::kNumber, "from entering to leaving, of those who left"},
         {"last_left_s", Kind::kNumber, "when the last one of those left"},
-        {"queuing_peak", Kind::kWhole, "people queuing at once"},
+        {"queuing_peak", Kind::kInteger, "people queuing at once"},
         {"longest_stall_s", Kind::kNumber, "how long a walker stood still without queuing"},
-        {"deepest_overlap_m", Kind::kNumber, "of two steering discs"},
-        {"heading_rate_radps", Kind::kNumber, "how fast headings turn, mean"},
-        {"contacts", Kind::kWhole, "of two people, from their first parts that touch to the last"},
+        {"max_overlap_m", Kind::kNumber, "of two steering discs"},
+        {"mean_heading_rate_radps", Kind::kNumber, "how fast headings turn, mean"},
+        {"contacts", Kind::kInteger,
+         "of two people, from their first parts that touch to the last"},
         {"contacts_per_person_min", Kind::kNumber, "the same, a person and minute"},
-        {"people_touched", Kind::kWhole, "people with at least one contact"},
-        {"touching_share", Kind::kNumber, "of the time that people were there"},
+        {"people_touched", Kind::kInteger, "people with at least one contact"},
+        {"contact_time_share", Kind::kNumber, "of the time that people were there"},
         {"median_contact_s", Kind::kNumber, "of contacts that began and ended within the run"},
-        {"obstacle_contacts", Kind::kWhole, "of a person and an obstacle"},
-        {"part_contacts", Kind::kWhole, "of two parts, obstacles included"},
-        {"part_pairs_peak", Kind::kWhole, "pairs of parts that touch at once"},
+        {"obstacle_contacts", Kind::kInteger, "of a person and an obstacle"},
+        {"part_contacts", Kind::kInteger, "of two parts, obstacles included"},
+        {"part_pairs_peak", Kind::kInteger, "pairs of parts that touch at once"},
     };
     for (size_t pair = 0; pair < kGroupPairs; ++pair) {
       std::string name = "contacts_" + name_of_group_pair(pair);
       std::replace(name.begin(), name.end(), ' ', '_');
-      all.push_back({std::move(name), Kind::kWhole,
+      all.push_back({std::move(name), Kind::kInteger,
                      "of two parts of two people: " + name_of_group_pair(pair)});
     }
     all.push_back({"run_id", Kind::kText, "of the scene, the seed and all that changes results"});
@@ -214,14 +215,14 @@ const std::vector<StudyMeasure>& study_measures() {
 }
 
 const std::vector<std::string>& study_times_columns() {
-  static const std::vector<std::string> columns = {"set_up_s", "wall_s", "processor_s",
-                                                   "realtime_factor", "peak_rss_mb"};
+  static const std::vector<std::string> columns = {"setup_s", "wall_s", "cpu_s", "realtime_factor",
+                                                   "peak_rss_mb"};
   return columns;
 }
 
-std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads,
-                                  const std::shared_ptr<BodyTables>& tables,
-                                  const std::function<bool()>& keep_going) {
+std::optional<StudyRow> run_one(const StudyPlan& plan, size_t run, int threads,
+                                const std::shared_ptr<BodyTables>& tables,
+                                const std::function<bool()>& keep_going) {
   const auto start = Clock::now();
   const double start_s = thread_s();
   try {
@@ -230,14 +231,14 @@ std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads
                                                      .culler = planned.culler,
                                                      .strategy = planned.strategy,
                                                      .tables = tables});
-    const double set_up_s = seconds_since(start);
-    Measuring measuring;
-    Sink* const sink = &measuring;
+    const double setup_s = seconds_since(start);
+    StudyMeasures measures;
+    Sink* const sink = &measures;
     const RunSummary summary =
         throng::run(simulation, {&sink, 1}, [&](const Frame&) { return keep_going(); });
     if (summary.stopped_early) return std::nullopt;
-    StudyRow row{run, measures_of(summary, measuring, planned.plan_growth), {}};
-    for (const double value : {set_up_s, seconds_since(start), thread_s() - start_s,
+    StudyRow row{run, measures_of(summary, measures, planned.plan_growth), {}};
+    for (const double value : {setup_s, seconds_since(start), thread_s() - start_s,
                                summary.realtime_factor, peak_rss_mb()})
       row.times.push_back(fmt::format("{:.4g}", value));
     return row;
@@ -247,7 +248,7 @@ std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads
   }
 }
 
-void carry_out_all(const StudyWork& work, int workers, int threads_each) {
+void run_all(const StudyWork& work, int workers, int threads_each) {
   std::mutex mutex;
   std::atomic<bool> failed{false};
   std::exception_ptr failure;
@@ -263,7 +264,7 @@ void carry_out_all(const StudyWork& work, int workers, int threads_each) {
         }
         if (!run) return;
         const std::optional<StudyRow> row =
-            carry_out(work.plan, *run, threads_each, tables, keep_going);
+            run_one(work.plan, *run, threads_each, tables, keep_going);
         if (!row) return;
         const std::lock_guard lock(mutex);
         work.done(*row);

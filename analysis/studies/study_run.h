@@ -19,7 +19,7 @@ class BodyTables;
 
 /// A column that a run fills.
 struct StudyMeasure {
-  enum class Kind : uint8_t { kWhole, kNumber, kText };
+  enum class Kind : uint8_t { kInteger, kNumber, kText };
   std::string name;
   Kind kind = Kind::kNumber;
   std::string meaning;
@@ -30,9 +30,9 @@ const std::vector<StudyMeasure>& study_measures();
 
 /// What the clock says of a run, and of the process that carried it out.
 struct StudyTimes {
-  double set_up_s = 0;     ///< before the first frame
-  double wall_s = 0;       ///< all of it
-  double processor_s = 0;  ///< of the thread that carried it out; others that helped have their own
+  double setup_s = 0;  ///< before the first frame
+  double wall_s = 0;   ///< all of it
+  double cpu_s = 0;    ///< of the thread that carried it out; others that helped have their own
   double realtime_factor = 0;
   double peak_rss_mb = 0;  ///< of the process so far
 };
@@ -46,9 +46,9 @@ struct StudyRow {
 };
 
 /// Nothing if keep_going() said no before the end. Throws InputError, naming the run.
-std::optional<StudyRow> carry_out(const StudyPlan& plan, size_t run, int threads,
-                                  const std::shared_ptr<BodyTables>& tables,
-                                  const std::function<bool()>& keep_going);
+std::optional<StudyRow> run_one(const StudyPlan& plan, size_t run, int threads,
+                                const std::shared_ptr<BodyTables>& tables,
+                                const std::function<bool()>& keep_going);
 
 // Carries out the runs of a study, several at once.
 // A run a worker, and whoever is free takes the next; the order in which runs end never
@@ -64,6 +64,6 @@ struct StudyWork {
 
 /// `workers` threads, each with as many for its own run. What a run or done() throws ends all and
 /// is thrown again.
-void carry_out_all(const StudyWork& work, int workers, int threads_each);
+void run_all(const StudyWork& work, int workers, int threads_each);
 
 }  // namespace throng

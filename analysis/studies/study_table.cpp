@@ -14,15 +14,15 @@
 #include "analysis/studies/study.h"
 #include "analysis/studies/study_run.h"
 #include "base/errors.h"
-#include "base/files/foreign.h"
+#include "base/files/atomic_file.h"
 #include "base/files/regular_file.h"
-#include "base/files/whole_file.h"
+#include "base/files/sandboxed_parser.h"
 #include "base/text.h"
 
 namespace throng {
 namespace {
 
-constexpr uint64_t kMostTableBytes = uint64_t{1} << 32;
+constexpr uint64_t kMaxTableBytes = uint64_t{1} << 32;
 
 std::string field(const std::string& cell) {
   if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
@@ -67,7 +67,7 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
-std::optional<size_t> whole_from(const std::string& text) {
+std::optional<size_t> integer_from(const std::string& text) {
   size_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
@@ -75,7 +75,7 @@ std::optional<size_t> whole_from(const std::string& text) {
 }
 
 /// What rows of one study share.
-struct Whole {
+struct TableCheck {
   std::string study;
   size_t runs = 0;
 };
@@ -84,7 +84,7 @@ struct Whole {
 size_t run_of(const StudyTable& table, const std::vector<std::string>& row, const std::string& name,
               size_t runs) {
   const std::string& cell = row[table.column("run")];
-  const std::optional<size_t> run = whole_from(cell);
+  const std::optional<size_t> run = integer_from(cell);
   if (!run || *run < 1 || *run > runs)
     throw InputError(name, fmt::format("runs from 1 to {}", runs), in_quotes(cell));
   return *run - 1;
@@ -121,7 +121,7 @@ std::string csv_text(const StudyTable& table) {
 
 StudyTable parse_csv(std::string_view text, const std::string& where) {
   if (text.empty()) throw InputError(where, "a table", "an empty file");
-  if (find_no_utf8(text) != std::string::npos)
+  if (find_invalid_utf8(text) != std::string::npos)
     throw InputError(where, "text in UTF-8", "other bytes");
   StudyTable table;
   table.columns = take_row(text, where);
@@ -146,42 +146,42 @@ TableKind table_kind(const std::filesystem::path& file) {
 
 void write_table(const std::filesystem::path& file, const StudyTable& table) {
   if (table_kind(file) == TableKind::kCsv)
-    write_whole_file(file, csv_text(table), {.what = "the table"});
+    write_file_atomically(file, csv_text(table), {.what = "the table"});
   else
-    write_whole_file(file, sqlite_bytes(table), {.what = "the table"});
+    write_file_atomically(file, sqlite_bytes(table), {.what = "the table"});
 }
 
 StudyTable read_table(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".sqlite") return parse_csv(csv_of_sqlite(file), file.string());
-  const RegularFile opened(file, "a table of a study", kMostTableBytes);
+  const RegularFile opened(file, "a table of a study", kMaxTableBytes);
   const std::vector<uint8_t> bytes = opened.bytes();
   return parse_csv({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
 }
 
 StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables) {
   StudyTable all;
-  Whole whole;
+  TableCheck check;
   std::vector<const std::string*> from;  // by run: the table it is from
   for (const auto& [name, table] : tables) {
     require_study(name, table);
     if (table.rows.empty()) continue;
     if (all.columns.empty()) {
       all.columns = table.columns;
-      whole.study = table.rows.front()[table.column("study")];
-      const std::optional<size_t> runs = whole_from(table.rows.front()[table.column("runs")]);
+      check.study = table.rows.front()[table.column("study")];
+      const std::optional<size_t> runs = integer_from(table.rows.front()[table.column("runs")]);
       if (!runs || *runs < 1 || *runs > kMaxStudyRuns)
         throw InputError(name, fmt::format("a number of runs from 1 to {}", kMaxStudyRuns),
                          in_quotes(table.rows.front()[table.column("runs")]));
-      whole.runs = *runs;
-      all.rows.resize(whole.runs);
-      from.resize(whole.runs, nullptr);
+      check.runs = *runs;
+      all.rows.resize(check.runs);
+      from.resize(check.runs, nullptr);
     }
     for (const std::vector<std::string>& row : table.rows) {
-      if (table.columns != all.columns || row[table.column("study")] != whole.study)
-        throw InputError(name, fmt::format("runs of study {}, as in the first table", whole.study),
+      if (table.columns != all.columns || row[table.column("study")] != check.study)
+        throw InputError(name, fmt::format("runs of study {}, as in the first table", check.study),
                          fmt::format("those of {}", row[table.column("study")]));
-      const size_t run = run_of(table, row, name, whole.runs);
+      const size_t run = run_of(table, row, name, check.runs);
       if (from[run] != nullptr && all.rows[run] != row)
         throw InputError(name, fmt::format("run {} as in {}", run + 1, *from[run]),
                          "another result");
@@ -193,7 +193,7 @@ StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables)
   const auto missing = std::find(from.begin(), from.end(), nullptr);
   if (missing != from.end())
     throw InputError(
-        "--merge", fmt::format("all {} runs of the study", whole.runs),
+        "--merge", fmt::format("all {} runs of the study", check.runs),
         fmt::format("{} missing, run {} the first of them",
                     std::count(from.begin(), from.end(), nullptr), missing - from.begin() + 1));
   return all;
@@ -220,7 +220,7 @@ Kind kind_of(const StudyTable& table, size_t column) {
     return std::all_of(table.rows.begin(), table.rows.end(),
                        [&](const auto& row) { return row[column].empty() || is_one(row[column]); });
   };
-  if (all(is_number<int64_t>)) return Kind::kWhole;
+  if (all(is_number<int64_t>)) return Kind::kInteger;
   return all(is_number<double>) ? Kind::kNumber : Kind::kText;
 }
 
@@ -241,7 +241,7 @@ std::string in_sql(const std::string& name) {
 void bind(sqlite3_stmt* statement, int at, Kind kind, const std::string& cell) {
   if (cell.empty() && kind != Kind::kText) {
     sqlite3_bind_null(statement, at);
-  } else if (kind == Kind::kWhole) {
+  } else if (kind == Kind::kInteger) {
     int64_t value = 0;
     std::from_chars(cell.data(), cell.data() + cell.size(), value);
     sqlite3_bind_int64(statement, at, value);
@@ -268,7 +268,7 @@ void fill(sqlite3* database, const StudyTable& table) {
   std::vector<Kind> kinds;
   for (size_t i = 0; i < table.columns.size(); ++i) {
     kinds.push_back(kind_of(table, i));
-    const char* const type = kinds[i] == Kind::kWhole    ? "INTEGER"
+    const char* const type = kinds[i] == Kind::kInteger  ? "INTEGER"
                              : kinds[i] == Kind::kNumber ? "REAL"
                                                          : "TEXT";
     columns += fmt::format("{}{} {}", i > 0 ? ", " : "", in_sql(table.columns[i]), type);
@@ -305,7 +305,7 @@ std::vector<uint8_t> csv_in_child(const RegularFile& file) {
   sqlite3_open_v2(name.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
   const Database database(opened, sqlite3_close_v2);
   const Statement select = prepare(opened, "SELECT * FROM runs ORDER BY rowid");
-  if (select == nullptr) throw Refusal(kExpected, sqlite3_errmsg(opened));
+  if (select == nullptr) throw ParseFailure(kExpected, sqlite3_errmsg(opened));
   StudyTable table;
   for (int i = 0; i < sqlite3_column_count(select.get()); ++i)
     table.columns.emplace_back(sqlite3_column_name(select.get(), i));
@@ -315,7 +315,7 @@ std::vector<uint8_t> csv_in_child(const RegularFile& file) {
     for (int i = 0; i < static_cast<int>(table.columns.size()); ++i)
       row.push_back(text_at(select.get(), i));
   }
-  if (result != SQLITE_DONE) throw Refusal(kExpected, sqlite3_errmsg(opened));
+  if (result != SQLITE_DONE) throw ParseFailure(kExpected, sqlite3_errmsg(opened));
   const std::string text = csv_text(table);
   return {text.begin(), text.end()};
 }
@@ -336,7 +336,7 @@ std::vector<uint8_t> sqlite_bytes(const StudyTable& table) {
 }
 
 std::string csv_of_sqlite(const std::filesystem::path& file) {
-  const std::vector<uint8_t> text = parse_apart(
+  const std::vector<uint8_t> text = parse_sandboxed(
       file, {"SQLite", "a table of a study", "make it again, or as .csv"}, {}, csv_in_child);
   return {text.begin(), text.end()};
 }
@@ -402,7 +402,7 @@ class Axis {
     if (is_numeric_) return "";
     std::string ticks;
     for (size_t i = 0; i < words_.size(); ++i)
-      append(ticks, "{}{} {}", i > 0 ? ", " : "", figure_text(words_[i]), i);
+      append(ticks, "{}{} {}", i > 0 ? ", " : "", gnuplot_quoted(words_[i]), i);
     return fmt::format("set xtics ({}) noenhanced\nset xrange [-0.5:{}]\n", ticks,
                        static_cast<double>(words_.size()) - 0.5);
   }
@@ -461,7 +461,7 @@ Figure figure_of(const StudyTable& table, size_t along, size_t measure) {
       "set title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n"
       "set grid ytics lc rgb '#dddddd'\nset key outside right noenhanced\nset offsets graph 0.05, "
       "graph 0.05, graph 0.05, graph 0.05\n{}",
-      figure_text(figure.title), figure_text(table.columns[along]), figure_text(name),
+      gnuplot_quoted(figure.title), gnuplot_quoted(table.columns[along]), gnuplot_quoted(name),
       axis.script());
   std::string plot;
   for (size_t i = 0; i < all.size(); ++i) {
@@ -473,7 +473,7 @@ Figure figure_of(const StudyTable& table, size_t along, size_t measure) {
     script += "EOD\n";
     const char* const colour = kFigureColours[i % std::size(kFigureColours)];
     append(plot, "{}$runs{} with points pt 7 ps 0.35 lc rgb '{}' title {}", i > 0 ? ", " : "", i,
-           colour, figure_text(all[i].scene.empty() ? "a run" : all[i].scene));
+           colour, gnuplot_quoted(all[i].scene.empty() ? "a run" : all[i].scene));
     if (has_groups(all[i]))
       append(plot, ", $means{} with yerrorlines pt 6 lc rgb '{}' title 'mean and deviation'", i,
              colour);

@@ -188,7 +188,7 @@ class SqliteWriter final : public TrajectoryWriter {
       std::filesystem::resize_file(file_, 0, error);
       if (error) fail(error.message());
     }
-    for (const char* ending : kBesideSqlite) std::filesystem::remove(file_ + ending, error);
+    for (const char* ending : kSqliteSideFiles) std::filesystem::remove(file_ + ending, error);
     check(sqlite3_open_v2(file_.c_str(), &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE,
                           nullptr));
     execute("PRAGMA synchronous = NORMAL");

@@ -46,7 +46,7 @@ class TrajectoryWriter {
 };
 
 /// What SQLite keeps beside a database while it is written: these endings are added to its name.
-inline constexpr const char* kBesideSqlite[] = {"-journal", "-wal", "-shm"};
+inline constexpr const char* kSqliteSideFiles[] = {"-journal", "-wal", "-shm"};
 
 /// Opens the file; begin() empties it. Throws EnvironmentError if it cannot be opened.
 std::unique_ptr<TrajectoryWriter> open_sqlite_trajectory(const std::filesystem::path& file);

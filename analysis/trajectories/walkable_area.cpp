@@ -19,7 +19,7 @@ namespace {
 namespace bp = boost::polygon;
 
 /// No disc of the smallest radius has room in less.
-constexpr double kLeastPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
+constexpr double kMinPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
 /// Corners of a disc's outline: within 0.1 mm of the circle.
 constexpr int kDiscCorners = 64;
 
@@ -108,8 +108,8 @@ std::vector<Corner> corners_of(const WalkablePolygon& polygon) {
 
 /// Whether a disc of the smallest radius has room that touches the middle of an edge; of large
 /// pieces one of the first edges says so.
-bool has_room_at_an_edge(const std::vector<Corner>& corners) {
-  constexpr size_t kMostEdges = 64;
+bool fits_disc_at_edge(const std::vector<Corner>& corners) {
+  constexpr size_t kMaxEdges = 64;
   const auto distance_m = [](const Eigen::Vector2d& p, const Corner& edge) {
     const Eigen::Vector2d along = edge.after - edge.at;
     const double t = std::clamp((p - edge.at).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -122,18 +122,18 @@ bool has_room_at_an_edge(const std::vector<Corner>& corners) {
     });
   };
   const auto end =
-      corners.begin() + static_cast<std::ptrdiff_t>(std::min(kMostEdges, corners.size()));
+      corners.begin() + static_cast<std::ptrdiff_t>(std::min(kMaxEdges, corners.size()));
   return std::any_of(corners.begin(), end, fits);
 }
 
 /// Whether a disc of the smallest radius has room: something is left of the polygon less all that
 /// is nearer to its edges.
-bool has_room(const WalkablePolygon& polygon) {
-  if (area_m2(polygon) < kLeastPiece_m2) return false;
+bool fits_disc(const WalkablePolygon& polygon) {
+  if (area_m2(polygon) < kMinPiece_m2) return false;
   const std::vector<Corner> corners = corners_of(polygon);
-  if (has_room_at_an_edge(corners)) return true;
-  GridSet room, rim;
-  add_to(room, {polygon.outline, polygon.holes});
+  if (fits_disc_at_edge(corners)) return true;
+  GridSet interior, rim;
+  add_to(interior, {polygon.outline, polygon.holes});
   for (const Corner& corner : corners) {
     const Eigen::Vector2d in = kMinRadius_m * corner.inward();
     rim.insert(grid_polygon({corner.at, corner.after, corner.after + in, corner.at + in}));
@@ -148,7 +148,7 @@ bool has_room(const WalkablePolygon& polygon) {
   }
   using namespace bp::operators;
   std::vector<GridShape> left;
-  GridSet(room - rim).get(left);
+  GridSet(interior - rim).get(left);
   return !left.empty();
 }
 
@@ -188,7 +188,7 @@ TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
     throw InputError(scene.name, "some ground that people can walk on for a trajectory", "none");
   if (pieces.size() > 1) {
     // Where no disc has room at all the largest piece, which comes first, stands for the area.
-    const auto narrow = std::stable_partition(pieces.begin(), pieces.end(), has_room);
+    const auto narrow = std::stable_partition(pieces.begin(), pieces.end(), fits_disc);
     pieces.erase(std::max(narrow, pieces.begin() + 1), pieces.end());
   }
   if (!piece && pieces.size() > 1)

@@ -7,9 +7,9 @@
 
 #include "analysis/measures/contact_measures.h"
 #include "analysis/measures/motion_measures.h"
-#include "analysis/validation/set_ups.h"
-#include "base/elementary.h"
-#include "crowd/standing_room.h"
+#include "analysis/validation/setups.h"
+#include "base/portable_math.h"
+#include "crowd/dense_placement.h"
 #include "scenes/file/density.h"
 #include "scenes/retargeting/tracks.h"
 
@@ -34,12 +34,12 @@ Plan bundled_plan(const std::string& name, const Conditions& conditions) {
   return plan;
 }
 
-Accelerated accelerations_of(const std::string& where, const Plan& plan, double seconds,
-                             Outcome& outcome) {
+SceneAccelerations accelerations_of(const std::string& where, const Plan& plan, double seconds,
+                                    Outcome& outcome) {
   Trial trial(plan);
   RecentCrowd crowd(trial.size(), 3);
   Accelerations accelerations(kSample_s);
-  Every clock(kSample_s);
+  PeriodTimer clock(kSample_s);
   do {
     if (!clock.is_due(trial.now_s())) continue;
     take(trial, crowd.next());
@@ -51,20 +51,20 @@ Accelerated accelerations_of(const std::string& where, const Plan& plan, double 
   return {where, all.quantile(0.999), all.count()};
 }
 
-Queued queue_in(const std::string& where, const Plan& plan, const Rectangle& area, double seconds,
-                Outcome& outcome) {
+QueueTurning measure_queue(const std::string& where, const Plan& plan, const Rectangle& area,
+                           double seconds, Outcome& outcome) {
   constexpr double kWaits_mps = 0.2;
   constexpr double kSetOut_s = 2;  // everybody has begun to walk by then
   Trial trial(plan);
   std::vector<double> net(trial.size(), 0);
-  Queued out{where, 0, 0, 0};
+  QueueTurning out{where, 0, 0, 0};
   while (trial.step(seconds)) {
     if (trial.now_s() < kSetOut_s) continue;
     for (size_t id = 0; id < trial.size(); ++id) {
       if (!trial.is_present(id) || !area.contains(trial.position_m(id)) ||
           trial.velocity_mps(id).norm() >= kWaits_mps)
         continue;
-      const double turn = turn_between(trial.heading_before(id), trial.heading(id));
+      const double turn = turn_between(trial.previous_heading(id), trial.heading(id));
       net[id] += turn;
       out.all_turns += std::abs(turn);
       out.waited_s += trial.step_s();
@@ -78,16 +78,17 @@ Queued queue_in(const std::string& where, const Plan& plan, const Rectangle& are
 std::vector<double> facing_shares(const Plan& plan, double seconds, Outcome& outcome) {
   constexpr double kWithin_turns = 20.0 / 360;
   Trial trial(plan);
-  Every clock(kSample_s);
+  PeriodTimer clock(kSample_s);
   std::vector<double> shares;
   do {
     if (!clock.is_due(trial.now_s())) continue;
     int facing = 0, all = 0;
     for (size_t id = 0; id < trial.size(); ++id) {
-      const std::optional<Eigen::Vector2d>& face_m = plan.scene.groups[trial.group(id)].face_m;
-      if (!trial.is_present(id) || !face_m) continue;
-      const Eigen::Vector2d way = *face_m - trial.position_m(id);
-      facing += std::abs(turn_between(trial.heading(id), way)) <= kWithin_turns;
+      const std::optional<Eigen::Vector2d>& look_at_m =
+          plan.scene.groups[trial.group(id)].look_at_m;
+      if (!trial.is_present(id) || !look_at_m) continue;
+      const Eigen::Vector2d direction = *look_at_m - trial.position_m(id);
+      facing += std::abs(turn_between(trial.heading(id), direction)) <= kWithin_turns;
       ++all;
     }
     if (all > 0) shares.push_back(static_cast<double>(facing) / all);
@@ -96,13 +97,13 @@ std::vector<double> facing_shares(const Plan& plan, double seconds, Outcome& out
   return shares;
 }
 
-Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outcome) {
+DenseStanding place_dense_crowd(double per_m2, const Conditions& conditions, Outcome& outcome) {
   const Rectangle area = {{-3, -3}, {3, 3}};
   Plan plan("standing", {{-10, -10}, {10, 14}}, {conditions.model}, conditions.seed);
   Group& group = plan.people(0, area, {{{-9, -9.5}, {9, -8}}});
   group.density_per_m2 = per_m2;
-  group.face_m = Eigen::Vector2d(0, 13);
-  group.delay_s = fixed(100);
+  group.look_at_m = Eigen::Vector2d(0, 13);
+  group.premovement_s = fixed(100);
   group.count = static_cast<int>(count_by_density(plan.scene, group));
   const Trial trial(plan);
   note(outcome, trial);
@@ -114,7 +115,7 @@ Standing stand_close(double per_m2, const Conditions& conditions, Outcome& outco
     if (trial.is_present(id) && area.contains(trial.position_m(id)))
       bodies.push_back({trial.position_m(id), trial.heading(id), height_m / 1.70});
   }
-  return {per_m2, static_cast<double>(bodies.size()) / area.area_m2(), deepest_overlap_m(bodies)};
+  return {per_m2, static_cast<double>(bodies.size()) / area.area_m2(), max_overlap_m(bodies)};
 }
 
 namespace {
@@ -139,31 +140,31 @@ Scene steered(const std::vector<Encounter>& encounters, const Conditions& condit
     plan.wall_along_y(-half_m, half_m, at_m, {}, 0);
   }
   for (size_t i = 0; i < encounters.size(); ++i)
-    for (size_t who = 0; who < 2; ++who) {
-      const Passer& passer = encounters[i].people()[who];
+    for (size_t member = 0; member < 2; ++member) {
+      const EncounterPerson& person = encounters[i].people()[member];
       const uint64_t column = i % kColumns, row = i / kColumns;
       const Eigen::Vector2d place(static_cast<double>(column) + 0.5,
                                   static_cast<double>(row) + 0.5);
       const Eigen::Vector2d middle = (kApart_m * place).array() - half_m;
-      const SinCos turn = sin_cos(passer.heading_rad);
-      const Eigen::Vector2d from = middle + encounters[i].place_m(who, 0);
-      const Eigen::Vector2d to = from + (passer.speed_mps * (Encounter::kDuration_s + 1) + 1) *
+      const SinCos turn = sin_cos(person.heading_rad);
+      const Eigen::Vector2d from = middle + encounters[i].place_m(member, 0);
+      const Eigen::Vector2d to = from + (person.speed_mps * (Encounter::kDuration_s + 1) + 1) *
                                             Eigen::Vector2d(turn.cos, turn.sin);
       const Eigen::Vector2d slack = Eigen::Vector2d::Constant(1e-4);
       const Eigen::Vector2d goal = Eigen::Vector2d::Constant(0.5);
       Group& one = plan.people(1, {from - slack, from + slack}, {{to - goal, to + goal}});
-      one.speed_mps = fixed(passer.speed_mps);
-      one.height_m = fixed(passer.height_m);
-      one.styles = StyleShares{};
-      (*one.styles)[static_cast<size_t>(passer.style)] = 1;
+      one.speed_mps = fixed(person.speed_mps);
+      one.height_m = fixed(person.height_m);
+      one.gait_styles = StyleShares{};
+      (*one.gait_styles)[static_cast<size_t>(person.style)] = 1;
     }
   return plan.scene;
 }
 
 }  // namespace
 
-std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions) {
-  std::vector<MetTwo> out;
+std::vector<EncounterOutcome> simulate_encounters(uint64_t count, const Conditions& conditions) {
+  std::vector<EncounterOutcome> out;
   for (uint64_t first = 0; first < count; first += kBatch) {
     std::vector<Encounter> encounters;
     for (uint64_t i = first; i < std::min(count, first + kBatch); ++i)
@@ -171,7 +172,7 @@ std::vector<MetTwo> meet(uint64_t count, const Conditions& conditions) {
     SimulationOptions options;
     options.postures = false;
     Simulation simulation(steered(encounters, conditions), options);
-    std::vector<MetTwo> met(encounters.size());
+    std::vector<EncounterOutcome> met(encounters.size());
     for (size_t i = 0; i < met.size(); ++i) met[i] = {encounters[i].kind(), 1e9, false};
     const auto frames = static_cast<int>(Encounter::kDuration_s / simulation.scene().step_s);
     for (int frame = 0; frame <= frames; ++frame) {
@@ -208,41 +209,42 @@ std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds) {
   return out;
 }
 
-void add_parties(Plan& plan, int parties, const Rectangle& from, const std::vector<Rectangle>& to) {
-  for (int i = 0; i < parties; ++i) {
+void add_social_groups(Plan& plan, int groups, const Rectangle& from,
+                       const std::vector<Rectangle>& to) {
+  for (int i = 0; i < groups; ++i) {
     const int size = 2 + i % 3;
-    Companions companions{1, {0, 0, 0}};
+    SocialGroupRule companions{1, {0, 0, 0}};
     companions.sizes[static_cast<size_t>(size - 2)] = 1;
-    plan.people(size, from, to).companions = companions;
+    plan.people(size, from, to).social_groups = companions;
   }
 }
 
-Plan crossing_parties_plan(SteeringKind model, uint64_t seed) {
+Plan crossing_groups_plan(SteeringKind model, uint64_t seed) {
   Plan plan("crossing_parties", {{-20, -20}, {20, 20}}, {model}, seed);
-  add_parties(plan, 27, {{-19.5, -5}, {-6, 5}}, {{{18, -5}, {20, 5}}});
-  add_parties(plan, 27, {{-5, -19.5}, {5, -6}}, {{{-5, 18}, {5, 20}}});
+  add_social_groups(plan, 27, {{-19.5, -5}, {-6, 5}}, {{{18, -5}, {20, 5}}});
+  add_social_groups(plan, 27, {{-5, -19.5}, {5, -6}}, {{{-5, 18}, {5, 20}}});
   return plan;
 }
 
-Plan parties_at_a_door_plan(SteeringKind model, uint64_t seed) {
+Plan groups_at_a_door_plan(SteeringKind model, uint64_t seed) {
   Plan plan("parties_at_a_door", {{-10, -4}, {25, 4}}, {model}, seed);
   plan.wall_along_y(-4, 4, 0, {0}, 1);
-  add_parties(plan, 15, {{-9, -3.5}, {-2, 3.5}}, {{{22, -3}, {24, 3}}});
+  add_social_groups(plan, 15, {{-9, -3.5}, {-2, 3.5}}, {{{22, -3}, {24, 3}}});
   return plan;
 }
 
-Plan parties_with_two_exits_plan(SteeringKind model, uint64_t seed) {
+Plan groups_with_two_exits_plan(SteeringKind model, uint64_t seed) {
   Plan plan("parties_with_two_exits", {{0, -3}, {30, 20}}, {model}, seed);
   plan.wall_along_x(0, 30, -0.1, {7.5, 22.5}, 1);
-  add_parties(plan, 60, {{0, 0}, {15, 20}}, {{{0, -3}, {30, -2.2}}});
+  add_social_groups(plan, 60, {{0, 0}, {15, 20}}, {{{0, -3}, {30, -2.2}}});
   return plan;
 }
 
-Together stay_together(const std::string& where, const Plan& plan, double seconds,
-                       Outcome& outcome) {
+GroupCohesion measure_cohesion(const std::string& where, const Plan& plan, double seconds,
+                               Outcome& outcome) {
   Trial trial(plan);
-  constexpr double kNear_m = 3;
-  Together out{where, 0, 0};
+  constexpr double kReach_m = 3;
+  GroupCohesion out{where, 0, 0};
   double next_s = 0;
   while (trial.step(seconds)) {
     if (trial.now_s() < next_s) continue;
@@ -255,14 +257,14 @@ Together stay_together(const std::string& where, const Plan& plan, double second
           nearest_m = std::min(nearest_m, (trial.position_m(other) - trial.position_m(id)).norm());
       if (!trial.is_present(id) || std::isinf(nearest_m)) continue;
       ++out.moments;
-      out.near += nearest_m < kNear_m;
+      out.close += nearest_m < kReach_m;
     }
   }
   note(outcome, trial);
   return out;
 }
 
-PartyExits leave_together(const Plan& plan, double seconds, Outcome& outcome) {
+GroupExits measure_group_exits(const Plan& plan, double seconds, Outcome& outcome) {
   Trial trial(plan);
   Gate near(Gate::Along::kY, -0.1, 0, 15, false);
   Gate far(Gate::Along::kY, -0.1, 15, 30, false);
@@ -271,13 +273,13 @@ PartyExits leave_together(const Plan& plan, double seconds, Outcome& outcome) {
     far.watch(trial);
   }
   note(outcome, trial);
-  std::vector<int> by_near(plan.scene.groups.size(), 0), by_far = by_near;
-  for (const Gate::Passage& passage : near.passages()) ++by_near[trial.group(passage.id)];
-  for (const Gate::Passage& passage : far.passages()) ++by_far[trial.group(passage.id)];
-  PartyExits out{static_cast<int>(plan.scene.groups.size()), 0,
+  std::vector<int> by_near_exit(plan.scene.groups.size(), 0), by_far_exit = by_near_exit;
+  for (const Gate::Passage& passage : near.passages()) ++by_near_exit[trial.group(passage.id)];
+  for (const Gate::Passage& passage : far.passages()) ++by_far_exit[trial.group(passage.id)];
+  GroupExits out{static_cast<int>(plan.scene.groups.size()), 0,
                  static_cast<int>(trial.size() - near.passages().size() - far.passages().size())};
-  for (size_t party = 0; party < by_near.size(); ++party)
-    out.by_one += (by_near[party] == 0) != (by_far[party] == 0);
+  for (size_t group = 0; group < by_near_exit.size(); ++group)
+    out.by_one_exit += (by_near_exit[group] == 0) != (by_far_exit[group] == 0);
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "crowd/people.h"
 
@@ -16,7 +16,7 @@ namespace {
 /// Headings that differ by less are the same way, those less from opposite are head-on.
 constexpr double kNearlyParallel_rad = 15 * kDegree;
 /// Slower, they would be beside each other for longer than an encounter lasts.
-constexpr double kLeastClosing_mps = 0.25;
+constexpr double kMinClosing_mps = 0.25;
 constexpr double kCheck_s = 1.0 / 240;
 
 Eigen::Vector2d direction(double heading_rad) {
@@ -72,11 +72,11 @@ void Encounter::draw(uint64_t seed, int attempt) {
   offset_m_ = uniform(0, 0.6);
   const double side = uniform(-1, 1) < 0 ? -1 : 1;
   ramp_s_ = uniform(1.3, 1.8);
-  people_[0].yields = uniform(0.35, 0.65);
-  people_[1].yields = 1 - people_[0].yields;
+  people_[0].avoidance_weight = uniform(0.35, 0.65);
+  people_[1].avoidance_weight = 1 - people_[0].avoidance_weight;
   const AgeGroup& adults = age_group(Age::kAdult);
   for (size_t i = 0; i < 2; ++i) {
-    Passer& person = people_[i];
+    EncounterPerson& person = people_[i];
     person.speed_mps = uniform(0.6, 1.8);
     person.phase = uniform(0, 1);
     const uint64_t id = 2 * number_ + i;
@@ -92,9 +92,9 @@ void Encounter::draw(uint64_t seed, int attempt) {
 
 /// From 0 to 1 and back: all of it while they are beside each other, with the acceleration of a
 /// raised cosine before and after.
-double Encounter::given_way(double since_nearest_s) const {
+double Encounter::avoidance_share(double since_closest_s) const {
   const double beside_s = (kDisc_m + kMargin_m) / closing_mps_;
-  const double outside = (std::abs(since_nearest_s) - beside_s) / ramp_s_;
+  const double outside = (std::abs(since_closest_s) - beside_s) / ramp_s_;
   if (outside <= 0) return 1;
   if (outside >= 1) return 0;
   return 0.5 + 0.5 * sin_cos(std::numbers::pi * outside).cos;
@@ -102,16 +102,17 @@ double Encounter::given_way(double since_nearest_s) const {
 
 Eigen::Vector2d Encounter::place_m(size_t person, double time_s) const {
   const double since_s = time_s - 0.5 * kDuration_s;
-  const Passer& one = people_[person];
+  const EncounterPerson& one = people_[person];
   const double missing_m = std::max(0.0, kDisc_m + kMargin_m - offset_m_);
-  const double off_m = 0.5 * offset_m_ + one.yields * missing_m * given_way(since_s);
+  const double off_m =
+      0.5 * offset_m_ + one.avoidance_weight * missing_m * avoidance_share(since_s);
   return since_s * one.speed_mps * direction(one.heading_rad) +
          (person == 0 ? -off_m : off_m) * across_;
 }
 
 /// By looking, not by what was meant.
 bool Encounter::is_sound() const {
-  if (closing_mps_ < kLeastClosing_mps) return false;
+  if (closing_mps_ < kMinClosing_mps) return false;
   const auto count = static_cast<int>(kDuration_s / kCheck_s);
   for (int i = 0; i <= count; ++i) {
     const double time_s = i * kCheck_s;
@@ -122,7 +123,7 @@ bool Encounter::is_sound() const {
                             after = place_m(person, time_s + kCheck_s);
       if (at.norm() > kReach_m) return false;
       const double acceleration_mps2 = (after - 2 * at + before).norm() / (kCheck_s * kCheck_s);
-      if (acceleration_mps2 > kMostAcceleration_mps2) return false;
+      if (acceleration_mps2 > kMaxAcceleration_mps2) return false;
     }
   }
   return true;

@@ -18,13 +18,13 @@ inline constexpr size_t kEncounterKinds = 3;
 const char* name_of(EncounterKind kind);
 
 /// One of the two.
-struct Passer {
+struct EncounterPerson {
   double heading_rad = 0;
   double speed_mps = 0;
   double height_m = 0;
   double phase = 0;  ///< of the gait, at the start
   GaitStyle style = GaitStyle::kPlain;
-  double yields = 0;  ///< this one's share of the way by which the two keep clear
+  double avoidance_weight = 0;  ///< this one's share of the way by which the two keep clear
 };
 
 class Encounter {
@@ -33,7 +33,7 @@ class Encounter {
   static constexpr double kDisc_m = 0.45;
   /// Ways keep so much more apart, since bodies are dressed on them.
   static constexpr double kMargin_m = 0.005;
-  static constexpr double kMostAcceleration_mps2 = 1.5;
+  static constexpr double kMaxAcceleration_mps2 = 1.5;
   /// The two are nearest half of this after the start, if nobody gives way.
   static constexpr double kDuration_s = 9;
   /// Nobody gets farther from the middle.
@@ -43,7 +43,7 @@ class Encounter {
 
   uint64_t number() const { return number_; }
   EncounterKind kind() const { return kind_; }
-  const std::array<Passer, 2>& people() const { return people_; }
+  const std::array<EncounterPerson, 2>& people() const { return people_; }
   /// Across the relative motion: how near their middles would come if nobody gave way.
   double offset_m() const { return offset_m_; }
   /// How many draws were put away before this one, since their ways would have broken a bound.
@@ -58,11 +58,11 @@ class Encounter {
  private:
   void draw(uint64_t seed, int attempt);
   bool is_sound() const;
-  double given_way(double since_nearest_s) const;
+  double avoidance_share(double since_closest_s) const;
 
   uint64_t number_ = 0;
   EncounterKind kind_ = EncounterKind::kHeadOn;
-  std::array<Passer, 2> people_;
+  std::array<EncounterPerson, 2> people_;
   double offset_m_ = 0;
   Eigen::Vector2d across_ = Eigen::Vector2d::UnitY();  ///< from the first to the second
   double closing_mps_ = 0;                             ///< relative speed

@@ -76,12 +76,12 @@ Group& Plan::people(int count, const Rectangle& from, const std::vector<Rectangl
   group.name = fmt::format("group {}", scene.groups.size());
   group.model = adult_urdf();
   group.body = adult();
-  group.styles = styles_of("plain");  // nobody looks at it: one table of a gait is enough
+  group.gait_styles = styles_of("plain");  // nobody looks at it: one table of a gait is enough
   group.count = count;
   group.spawn = from;
   Goal goal;
   goal.areas = to;
-  goal.pass = true;
+  goal.waypoint = true;
   group.goals = {goal};
   group.on_arrival = OnArrival::kLeave;
   return group;

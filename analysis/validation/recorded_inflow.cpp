@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "analysis/validation/reality_tables.h"
-#include "analysis/validation/set_ups.h"
+#include "analysis/validation/empirical_tables.h"
+#include "analysis/validation/setups.h"
 #include "analysis/validation/trial.h"
 #include "avatars/mesh/primitives.h"
 
@@ -39,7 +39,7 @@ InflowSite corridor(const std::string& id, const std::string& file, double exit_
           reading,
           std::move(plan),
           {{{-1, -7}, {2.8, -6}}},
-          normal(curve.free_speed_mps, curve.free_deviation_mps())};
+          normal(curve.desired_speed_mps, curve.desired_std_dev_mps())};
 }
 
 /// Everybody is there from the start, behind barriers with a door of 0.5 m whose corners are cut.
@@ -92,16 +92,16 @@ std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double
 
 /// Speed over the first second of a track; none where it ends too soon to tell.
 std::optional<double> entry_speed_mps(const std::vector<Sample>& track) {
-  constexpr double kOver_s = 1, kLeast_s = 0.2;
+  constexpr double kOver_s = 1, kMinTime_s = 0.2;
   const Sample& first = track.front();
   size_t last = 0;
   while (last + 1 < track.size() && track[last].time_s < first.time_s + kOver_s) ++last;
   const double over_s = track[last].time_s - first.time_s;
-  if (over_s < kLeast_s) return {};
+  if (over_s < kMinTime_s) return {};
   return (track[last].position_m - first.position_m).norm() / over_s;
 }
 
-size_t nearest_goal(const InflowSite& site, const Eigen::Vector2d& place_m) {
+size_t closest_goal(const InflowSite& site, const Eigen::Vector2d& place_m) {
   const auto away_m = [&](const Rectangle& goal) {
     return (goal.min_m - place_m).cwiseMax(place_m - goal.max_m).cwiseMax(0).norm();
   };
@@ -170,7 +170,7 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
   for (size_t person = 0; person < recording.people().size(); ++person) {
     recording.read(person, samples);
     const Sample& first = samples.front();
-    const size_t goal = nearest_goal(site, samples.back().position_m);
+    const size_t goal = closest_goal(site, samples.back().position_m);
     const double ahead = samples.back().position_m.x() < first.position_m.x() ? -1 : 1;
     const Eigen::Vector2d enters_m = first.position_m - Eigen::Vector2d(ahead * site.upstream_m, 0);
     const Rectangle place = {enters_m - slack, enters_m + slack};
@@ -185,7 +185,7 @@ Plan with_inflow(const InflowSite& site, const Recording& recording) {
     one.speed_mps = site.speed_mps;
   }
   if (at_first > 0) {
-    around.min_m.y() = std::max(around.min_m.y(), site.least_y);
+    around.min_m.y() = std::max(around.min_m.y(), site.min_y);
     plan.people_packed(at_first, around, site.goals).speed_mps = site.speed_mps;
   }
   return plan;
@@ -211,11 +211,11 @@ void watch_recorded(const Recording& recording, double sample_s, size_t moments,
   }
 }
 
-void watch_steered(const Plan& plan, Trial::With with, double seconds, double sample_s,
+void watch_steered(const Plan& plan, Trial::Detail detail, double seconds, double sample_s,
                    size_t moments, Outcome& outcome, const OnMoment& each) {
-  Trial trial(plan, with);
+  Trial trial(plan, detail);
   RecentCrowd crowd(trial.size(), moments);
-  Every clock(sample_s);
+  PeriodTimer clock(sample_s);
   do {
     if (!clock.is_due(trial.now_s())) continue;
     take(trial, crowd.next());
@@ -238,7 +238,7 @@ std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double s
   Plan posed = plan;
   posed.scene.step_s = Scene().step_s;
   SpacingMeter meter(plan.scene);
-  watch_steered(posed, Trial::With::kBodies, seconds, kInflowSample_s, SpacingMeter::moments(),
+  watch_steered(posed, Trial::Detail::kBodies, seconds, kInflowSample_s, SpacingMeter::moments(),
                 outcome, [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return meter.spacings();
 }

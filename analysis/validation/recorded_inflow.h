@@ -29,7 +29,7 @@ struct InflowSite {
   Plan plan;                     ///< without people
   std::vector<Rectangle> goals;  ///< each leaves by the one nearest to where it was last seen
   std::optional<Distribution> speed_mps{};
-  double least_y = -1e9;  ///< nobody stands nearer to the barrier at first
+  double min_y = -1e9;  ///< nobody stands nearer to the barrier at first
   /// So much farther back along x than recorded does each enter, to choose its way among others
   /// before it is measured.
   double upstream_m = 0;
@@ -55,7 +55,7 @@ using OnMoment = std::function<void(const RecentCrowd&)>;
 void watch_recorded(const Recording& recording, double sample_s, size_t moments,
                     const OnMoment& each);
 /// The same of a plan, for at most so many seconds.
-void watch_steered(const Plan& plan, Trial::With with, double seconds, double sample_s,
+void watch_steered(const Plan& plan, Trial::Detail detail, double seconds, double sample_s,
                    size_t moments, Outcome& outcome, const OnMoment& each);
 
 /// Ten times a second.

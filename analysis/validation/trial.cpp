@@ -6,9 +6,9 @@
 namespace throng::validation {
 namespace {
 
-SimulationOptions people_only(Trial::With with) {
+SimulationOptions people_only(Trial::Detail detail) {
   SimulationOptions options;
-  options.postures = with == Trial::With::kBodies;
+  options.postures = detail == Trial::Detail::kBodies;
   options.culling = false;
   return options;
 }
@@ -21,13 +21,13 @@ bool enters(const Rectangle& wall, const Eigen::Vector2d& from, const Eigen::Vec
   for (int axis = 0; axis < 2; ++axis) {
     const double low = wall.min_m[axis] + kTouch_m;
     const double high = wall.max_m[axis] - kTouch_m;
-    const double way = to[axis] - from[axis];
-    if (way == 0) {
+    const double step_m = to[axis] - from[axis];
+    if (step_m == 0) {
       if (from[axis] <= low || from[axis] >= high) return false;
       continue;
     }
-    const double first = (low - from[axis]) / way;
-    const double second = (high - from[axis]) / way;
+    const double first = (low - from[axis]) / step_m;
+    const double second = (high - from[axis]) / step_m;
     enter = std::max(enter, std::min(first, second));
     leave = std::min(leave, std::max(first, second));
   }
@@ -36,15 +36,15 @@ bool enters(const Rectangle& wall, const Eigen::Vector2d& from, const Eigen::Vec
 
 }  // namespace
 
-Trial::Trial(const Plan& plan, With with)
-    : simulation_(plan.scene, people_only(with)),
+Trial::Trial(const Plan& plan, Detail detail)
+    : simulation_(plan.scene, people_only(detail)),
       walls_(plan.walls),
       ground_(plan.scene.ground),
       step_s_(plan.scene.step_s) {
-  if (with == With::kBodies) heads_.emplace(simulation_.info());
+  if (detail == Detail::kBodies) heads_.emplace(simulation_.info());
   take(simulation_.step());
-  before_m_ = positions_m_;
-  headings_before_ = headings_;
+  previous_m_ = positions_m_;
+  previous_headings_ = headings_;
   was_present_ = present_;
 }
 
@@ -74,17 +74,17 @@ bool Trial::crosses_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to)
 }
 
 bool Trial::step(double until_s) {
-  const bool all_came = simulation_.traffic().entered >= size();
+  const bool all_came = simulation_.population().entered >= size();
   if (now_s_ >= until_s || (present() == 0 && all_came)) return false;
-  before_m_ = positions_m_;
-  headings_before_ = headings_;
+  previous_m_ = positions_m_;
+  previous_headings_ = headings_;
   was_present_ = present_;
   take(simulation_.step());
   now_s_ += step_s_;
   for (size_t id = 0; id < size(); ++id)
     if (was_present_[id] != 0 && present_[id] != 0)
-      wall_crossings_ += crosses_wall(before_m_[id], positions_m_[id]);
-  deepest_overlap_m_ = std::max(deepest_overlap_m_, simulation_.steering().deepest_overlap_m);
+      wall_crossings_ += crosses_wall(previous_m_[id], positions_m_[id]);
+  max_overlap_m_ = std::max(max_overlap_m_, simulation_.steering().max_overlap_m);
   return true;
 }
 
@@ -97,7 +97,7 @@ void Gate::watch(const Trial& trial) {
   for (size_t id = 0; id < trial.size(); ++id) {
     if (passed_[id] != 0) continue;
     const double sign = upwards_ ? 1 : -1;
-    const double before = sign * (trial.before_m(id)[axis_] - at_);
+    const double before = sign * (trial.previous_m(id)[axis_] - at_);
     const double after = sign * (trial.position_m(id)[axis_] - at_);
     if (before >= 0 || after < 0) continue;
     const double across = trial.position_m(id)[1 - axis_];
@@ -118,7 +118,7 @@ std::vector<double> Gate::times_s() const {
 void note(Outcome& outcome, const Trial& trial) {
   outcome.wall_crossings += trial.wall_crossings();
   outcome.unplaced += trial.unplaced();
-  outcome.deepest_overlap_m = std::max(outcome.deepest_overlap_m, trial.deepest_overlap_m());
+  outcome.max_overlap_m = std::max(outcome.max_overlap_m, trial.max_overlap_m());
 }
 
 double flow_per_s(const std::vector<double>& times_s) {

@@ -20,8 +20,8 @@ namespace throng::validation {
 class Trial {
  public:
   /// With bodies, everybody has a head; without, which is faster, only a place.
-  enum class With { kPlaces, kBodies };
-  explicit Trial(const Plan& plan, With with = With::kPlaces);
+  enum class Detail { kPositions, kBodies };
+  explicit Trial(const Plan& plan, Detail detail = Detail::kPositions);
 
   /// Advances by a step; false once the time is over or everybody has come and left.
   bool step(double until_s);
@@ -39,19 +39,19 @@ class Trial {
     return heads_ ? heads_m_[id] : positions_m_[id];
   }
   /// A step earlier.
-  const Eigen::Vector2d& before_m(size_t id) const { return before_m_[id]; }
+  const Eigen::Vector2d& previous_m(size_t id) const { return previous_m_[id]; }
   /// Of the latest step.
   Eigen::Vector2d velocity_mps(size_t id) const {
-    return (positions_m_[id] - before_m_[id]) / step_s_;
+    return (positions_m_[id] - previous_m_[id]) / step_s_;
   }
   /// The way that somebody's body faces; unit.
   const Eigen::Vector2d& heading(size_t id) const { return headings_[id]; }
-  const Eigen::Vector2d& heading_before(size_t id) const { return headings_before_[id]; }
+  const Eigen::Vector2d& previous_heading(size_t id) const { return previous_headings_[id]; }
   const RunInfo& info() const { return simulation_.info(); }
   /// Moves so far that ended in a wall, went through one or left the ground.
   int wall_crossings() const { return wall_crossings_; }
   /// Of two discs, so far.
-  double deepest_overlap_m() const { return deepest_overlap_m_; }
+  double max_overlap_m() const { return max_overlap_m_; }
 
  private:
   void take(const Frame& frame);
@@ -65,13 +65,13 @@ class Trial {
   std::optional<Heads> heads_;
   std::vector<Eigen::Vector2d> positions_m_;
   std::vector<Eigen::Vector2d> heads_m_;  ///< empty without bodies
-  std::vector<Eigen::Vector2d> before_m_;
+  std::vector<Eigen::Vector2d> previous_m_;
   std::vector<Eigen::Vector2d> headings_;
-  std::vector<Eigen::Vector2d> headings_before_;
+  std::vector<Eigen::Vector2d> previous_headings_;
   std::vector<uint8_t> present_;
   std::vector<uint8_t> was_present_;
   int wall_crossings_ = 0;
-  double deepest_overlap_m_ = 0;
+  double max_overlap_m_ = 0;
 };
 
 /// A line across x or y, and who passed it upwards (or downwards) when, each person once.
@@ -109,9 +109,9 @@ double flow_per_s(const std::vector<double>& times_s);
 // Heads are where bodies have them; in a trial without bodies, where the roots are.
 
 /// True at the first instant, and then at the first step at or after each multiple of a period.
-class Every {
+class PeriodTimer {
  public:
-  explicit Every(double period_s) : period_s_(period_s) {}
+  explicit PeriodTimer(double period_s) : period_s_(period_s) {}
 
   bool is_due(double now_s) {
     constexpr double kSlack_s = 1e-9;

@@ -34,7 +34,7 @@ bool Test::has(const std::string& id) const {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
-Outcome carry_out(const Test& test, const Conditions& conditions) {
+Outcome run_test(const Test& test, const Conditions& conditions) {
   Outcome outcome = test.run(conditions);
   if (outcome.unplaced > 0) {
     outcome.passed = false;
@@ -54,12 +54,12 @@ const std::vector<Test>& all_tests() {
   return tests;
 }
 
-const std::vector<Test>& reality_tests() {
+const std::vector<Test>& empirical_tests() {
   static const std::vector<Test> tests = [] {
     std::vector<Test> all;
     for (const auto& part : {recorded_door_tests(), recorded_speed_tests(), passing_tests(),
                              spreading_tests(), behaviour_tests(), contact_tests(),
-                             companion_tests(), spacing_tests(), two_way_corridor_tests()})
+                             social_group_tests(), spacing_tests(), counterflow_corridor_tests()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
@@ -77,10 +77,10 @@ std::string normal_id(const std::string& id) {
 double weidmann_mps(double density_per_m2) {
   constexpr double kFree_mps = 1.34;
   constexpr double kGamma = 1.913;
-  constexpr double kMost_per_m2 = 5.4;
+  constexpr double kMax_per_m2 = 5.4;
   if (density_per_m2 <= 0) return kFree_mps;
-  if (density_per_m2 >= kMost_per_m2) return 0;
-  return kFree_mps * (1 - std::exp(-kGamma * (1 / density_per_m2 - 1 / kMost_per_m2)));
+  if (density_per_m2 >= kMax_per_m2) return 0;
+  return kFree_mps * (1 - std::exp(-kGamma * (1 / density_per_m2 - 1 / kMax_per_m2)));
 }
 
 namespace {
@@ -96,7 +96,8 @@ int unmet(const Outcome& outcome) {
 auto badness(const Outcome& outcome) {
   double off = 0;
   for (const Reading& reading : outcome.readings)
-    if (reading.headline && !std::isnan(reading.ours)) off += excess(reading, reading.ours);
+    if (reading.headline && !std::isnan(reading.simulated))
+      off += excess(reading, reading.simulated);
   return std::tuple(outcome.verdict() == Verdict::kFail, outcome.differs, unmet(outcome), off);
 }
 
@@ -116,16 +117,16 @@ Reading across(const Reading& first, std::span<const SeedOutcome> seeds) {
     const Reading* reading = find(seed.outcome, first);
     if (reading == nullptr) continue;
     if (reading->met) out.met = out.met.value_or(true) && *reading->met;
-    if (std::isnan(reading->ours)) continue;
-    const double off = excess(*reading, reading->ours);
+    if (std::isnan(reading->simulated)) continue;
+    const double off = excess(*reading, reading->simulated);
     if (count == 0 || off > worst_excess) {
       worst_excess = off;
-      out.worst = reading->ours;
+      out.worst = reading->simulated;
     }
-    sum += reading->ours;
+    sum += reading->simulated;
     ++count;
   }
-  out.ours = count > 0 ? sum / count : Reading::kNone;
+  out.simulated = count > 0 ? sum / count : Reading::kNone;
   return out;
 }
 
@@ -148,10 +149,10 @@ std::string sentence(std::span<const SeedOutcome> seeds, const SeedOutcome& wors
   };
   std::string means;
   for (const Reading& reading : readings)
-    if (reading.headline && !std::isnan(reading.ours))
+    if (reading.headline && !std::isnan(reading.simulated))
       means += fmt::format("{} {}{} {:.4g}{}{}", means.empty() ? "; means:" : ",", reading.what,
                            is_named_twice(reading.what) ? fmt::format(" ({})", reading.at) : "",
-                           reading.ours, reading.unit.empty() ? "" : " ", reading.unit);
+                           reading.simulated, reading.unit.empty() ? "" : " ", reading.unit);
   return text + means;
 }
 
@@ -159,11 +160,11 @@ std::string sentence(std::span<const SeedOutcome> seeds, const SeedOutcome& wors
 
 double excess(const Reading& reading, double value) {
   double out = 0;
-  bool is_asked = false;
+  bool is_judged = false;
   for (const double off : {reading.low - value, value - reading.high}) {
     if (std::isnan(off)) continue;
-    out = is_asked ? std::max(out, off) : off;
-    is_asked = true;
+    out = is_judged ? std::max(out, off) : off;
+    is_judged = true;
   }
   return out;
 }
@@ -183,7 +184,7 @@ Outcome across_seeds(std::span<const SeedOutcome> seeds) {
   for (const SeedOutcome& each : seeds.subspan(1)) {
     out.wall_crossings += each.outcome.wall_crossings;
     out.unplaced += each.outcome.unplaced;
-    out.deepest_overlap_m = std::max(out.deepest_overlap_m, each.outcome.deepest_overlap_m);
+    out.max_overlap_m = std::max(out.max_overlap_m, each.outcome.max_overlap_m);
     for (const Reading& reading : each.outcome.readings)
       if (find(out, reading) == nullptr) out.readings.push_back(reading);
   }

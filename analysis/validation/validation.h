@@ -27,8 +27,8 @@ struct Reading {
   std::string at;    ///< "0.5 m"
   std::string what;  ///< "flow"
   std::string unit;  ///< "1/s"; "" for shares and counts
-  double ours = kNone;
-  double theirs = kNone;
+  double simulated = kNone;
+  double recorded = kNone;
   double low = kNone;  ///< what is accepted, or the band that is reported
   double high = kNone;
   std::optional<bool> met{};  ///< none: not judged
@@ -52,8 +52,8 @@ struct Outcome {
   bool skipped = false;
   std::string measured;  ///< in a sentence, with units
   int wall_crossings = 0;
-  int unplaced = 0;              ///< people whom the test asks for and who found no room
-  double deepest_overlap_m = 0;  ///< of two steering discs
+  int unplaced = 0;          ///< people whom the test asks for and who found no room
+  double max_overlap_m = 0;  ///< of two steering discs
   std::vector<Figure> figures;
   std::vector<Reading> readings;
 
@@ -88,13 +88,13 @@ struct Test {
 };
 
 /// Runs a test. It fails if somebody found no room.
-Outcome carry_out(const Test& test, const Conditions& conditions);
+Outcome run_test(const Test& test, const Conditions& conditions);
 
 /// The standards' tests, in the order of the report.
 const std::vector<Test>& all_tests();
 
 /// How the crowd stands beside recorded people, with nothing set for a test.
-const std::vector<Test>& reality_tests();
+const std::vector<Test>& empirical_tests();
 
 // By subject; each in a file of its own.
 std::vector<Test> walking_tests();
@@ -108,9 +108,9 @@ std::vector<Test> passing_tests();
 std::vector<Test> spreading_tests();
 std::vector<Test> behaviour_tests();
 std::vector<Test> contact_tests();
-std::vector<Test> companion_tests();
+std::vector<Test> social_group_tests();
 std::vector<Test> spacing_tests();
-std::vector<Test> two_way_corridor_tests();
+std::vector<Test> counterflow_corridor_tests();
 
 /// Files that have to lie in Conditions::recordings.
 std::vector<std::string> recording_files();

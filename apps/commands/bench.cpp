@@ -13,8 +13,8 @@
 #include "apps/output/text_file.h"
 #include "apps/process/machine.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "bench/engines/engine.h"
 #include "bench/exchange.h"
 #include "bench/report.h"
@@ -35,7 +35,7 @@ Examples:
   throng bench --avatars 5000 --engines none --threads 2 --json bench.json
   throng bench --avatars 5000 --age 300 --engines fcl,embree
   throng bench --avatars 1000 --frames 3 --parts ordop26
-  throng bench --export frames                    then own_engine frames
+  throng bench --export frames                    then custom_engine frames
   throng bench --check frames/found.csv
   throng bench --model robot.urdf --avatars 500 --frames 3 --parts
   throng bench --steering)";
@@ -94,7 +94,7 @@ OpenOutputs opened_outputs(const BenchCommand& command) {
   OutputPlan plan;
   plan.reads("the model", command.options.model);
   plan.writes_json(command.json);
-  plan.writes({.option = "--csv", .path = command.csv, .writing = Writing::kAppended});
+  plan.writes({.option = "--csv", .path = command.csv, .mode = WriteMode::kAppended});
   plan.fills("--export", command.exports, bench::exported_files());
   return plan.open();
 }
@@ -104,7 +104,7 @@ struct Measured {
   std::string text;
   std::string json;
   std::string csv;
-  bool as_it_should = true;
+  bool is_valid = true;
 };
 
 /// Drawn over and over on a terminal; the last of it is known to whoever stops the measurement.
@@ -113,12 +113,12 @@ class ProgressLine {
   void show_progress(const std::string& what) {
     const std::lock_guard lock(mutex_);
     last_ = what;
-    if (terminal_) say("\r\033[K{}", what);
+    if (terminal_) print_message("\r\033[K{}", what);
   }
   /// Wipes the line.
   std::string last() {
     const std::lock_guard lock(mutex_);
-    if (terminal_) say("\r\033[K");
+    if (terminal_) print_message("\r\033[K");
     return last_;
   }
 
@@ -164,7 +164,7 @@ Measured export_frames(const BenchCommand& command, const bench::Progress& progr
 }
 
 Measured check_pairs(const BenchCommand& command) {
-  const bench::JudgedPairs judged = bench::check_pairs(command.check);
+  const bench::PairCheck judged = bench::check_pairs(command.check);
   return {bench::to_text(judged), {}, {}, judged.agrees()};
 }
 
@@ -197,18 +197,19 @@ Measured measured(const BenchCommand& command, const bench::Progress& progress) 
 }
 
 int report(const BenchCommand& command, const Measured& result) {
-  show_beside_json(command.json, result.text);
+  print_beside_json(command.json, result.text);
   write_json_output(command.json, result.json);
   if (!command.csv.empty()) {
     std::error_code error;
     const bool is_new = std::filesystem::file_size(command.csv, error) == 0 && !error;
     append_text(command.csv, (is_new ? bench::csv_header() : "") + result.csv);
   }
-  return result.as_it_should ? kExitFine : kExitCheckFailed;
+  return result.is_valid ? kExitSuccess : kExitCheckFailed;
 }
 
 int stopped(const BenchCommand& command, const Measured& result, const std::string& progress) {
-  say("stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
+  print_message(
+      "stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
       result.text.empty() ? "nothing was measured to its end" : "what was measured follows");
   if (!result.text.empty()) report(command, result);
   return StopSignal::exit_code();
@@ -230,7 +231,7 @@ int measure(BenchCommand& command) {
   const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
   const auto result = std::make_shared<Measured>();
   const auto line = std::make_shared<ProgressLine>();
-  const bool done = done_before_a_signal(
+  const bool done = finishes_before_signal(
       [command, result, line] {
         *result = measured(command, [&](const std::string& what) { line->show_progress(what); });
       },

@@ -5,8 +5,8 @@
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "lcm_io/log/log_check.h"
 
 namespace throng {
@@ -31,39 +31,40 @@ int check(const CheckOptions& options) {
   plan.reads("which is judged", options.log);
   plan.writes({.option = "--repair",
                .path = options.repaired,
-               .writing = Writing::kAsItRuns,
+               .mode = WriteMode::kStreamed,
                .is_recording = true});
   plan.check();
   const LogReport report = check_log(options.log);
-  show("{}: {}\n", options.log,
-       !report.is_sound() ? "not sound"
-       : report.finished  ? "sound"
-                          : "sound, but cut off");
-  show("  messages   {} of ours, {} of others, {} bytes\n",
-       report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
-  show("  events     {} begin, {} end, {} open\n", report.begins, report.ends, report.open_pairs);
+  print_result("{}: {}\n", options.log,
+               !report.is_sound() ? "not sound"
+               : report.finished  ? "sound"
+                                  : "sound, but cut off");
+  print_result("  messages   {} of ours, {} of others, {} bytes\n",
+               report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
+  print_result("  events     {} begin, {} end, {} open\n", report.begins, report.ends,
+               report.open_pairs);
   const auto& levels = report.begins_by_level;
   if (levels[0] + levels[1] > 0 || (levels[2] > 0 && levels[3] > 0))
-    show("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n", levels[0],
-         levels[1], levels[2], levels[3]);
-  show("  frames     {}, {:.2f} s\n", report.last_frame + 1,
-       static_cast<double>(report.last_utime_us) * 1e-6);
-  for (const std::string& line : describe_coverage(report)) show("  checksums  {}\n", line);
-  if (!report.leaves_out.empty())
-    show("  leaves out {} (strategy {})\n", report.leaves_out, report.strategy);
-  if (!report.cut_off.empty()) show("  end        {}\n", report.cut_off);
-  for (const std::string& problem : report.problems) show("  problem    {}\n", problem);
-  const int64_t untold = report.problem_count - static_cast<int64_t>(report.problems.size());
-  if (untold > 0) show("  problem    and {} more\n", untold);
+    print_result("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n",
+                 levels[0], levels[1], levels[2], levels[3]);
+  print_result("  frames     {}, {:.2f} s\n", report.last_frame + 1,
+               static_cast<double>(report.last_utime_us) * 1e-6);
+  for (const std::string& line : describe_coverage(report)) print_result("  checksums  {}\n", line);
+  if (!report.omits.empty())
+    print_result("  leaves out {} (strategy {})\n", report.omits, report.strategy);
+  if (!report.cut_off.empty()) print_result("  end        {}\n", report.cut_off);
+  for (const std::string& problem : report.problems) print_result("  problem    {}\n", problem);
+  const int64_t unlisted = report.problem_count - static_cast<int64_t>(report.problems.size());
+  if (unlisted > 0) print_result("  problem    and {} more\n", unlisted);
   if (!options.repaired.empty()) {
     if (report.log_events == 0)
       throw InputError(options.log, "a log with something sound to copy", "no sound message");
     const OpenOutputs outputs = plan.open();
-    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
+    for (const std::string& note : outputs.notes()) print_message("note: {}\n", note);
     const int64_t messages = repair_log(options.log, options.repaired);
-    show("  repaired   {}: {} sound messages\n", options.repaired, messages);
+    print_result("  repaired   {}: {} sound messages\n", options.repaired, messages);
   }
-  return report.is_whole() ? kExitFine : kExitCheckFailed;
+  return report.is_complete() ? kExitSuccess : kExitCheckFailed;
 }
 
 }  // namespace

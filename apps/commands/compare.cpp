@@ -15,9 +15,9 @@
 #include "apps/output/text_file.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
 #include "base/figure.h"
-#include "base/say.h"
 #include "bench/version_json.h"
 #include "lcm_io/replay/run_source.h"
 #include "scenes/run/runner.h"
@@ -103,7 +103,7 @@ RunSource source_of(const std::string& name, const CompareOptions& options) {
   RunOptions run = options.run;
   run.exact = true;
   RunSource out = open_run_source(name, run);
-  for (const std::string& note : out.notes) say("note: {}\n", note);
+  for (const std::string& note : out.notes) print_message("note: {}\n", note);
   return out;
 }
 
@@ -120,10 +120,10 @@ std::optional<Passage> chosen_line(const CompareOptions& options) {
 /// Nothing if a signal came first.
 std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& options) {
   SimulationOptions simulated = simulation_options(options.run);
-  simulated.world = std::move(source.world);
+  simulated.motion = std::move(source.motion);
   Simulation simulation(std::move(source.scene), simulated);
   for (const std::string& note : simulation.notes())
-    say("note: {}: {}\n", simulation.scene().name, note);
+    print_message("note: {}: {}\n", simulation.scene().name, note);
   CrowdMeasures measures({.line = chosen_line(options)});
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
@@ -137,12 +137,13 @@ std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& opti
 }
 
 /// Those who go round a line that was chosen are missing in its flow.
-void note_who_went_beside(const MeasuredRun& run) {
+void note_passed_beside(const MeasuredRun& run) {
   for (const MeasureTable& table : run.tables) {
     if (table.id != "flow") continue;
     const double beside = table.value("the line", "", "people beside it");
     if (!(beside > 0)) continue;  // NaN without --line
-    say("note: {}: {:.0f} of {} people passed beside the line; make it longer, or close the ground "
+    print_message(
+        "note: {}: {:.0f} of {} people passed beside the line; make it longer, or close the ground "
         "there by obstacles\n",
         run.name, beside, run.facts.people);
   }
@@ -166,17 +167,17 @@ int compare(const CompareOptions& options) {
   const std::optional<MeasuredRun> a = measured(std::move(source_a), options);
   const std::optional<MeasuredRun> b = a ? measured(std::move(source_b), options) : std::nullopt;
   if (!b) {
-    say("stopped by {}: nothing to compare yet\n", StopSignal::name());
+    print_message("stopped by {}: nothing to compare yet\n", StopSignal::name());
     return StopSignal::exit_code();
   }
-  for (const MeasuredRun* run : {&*a, &*b}) note_who_went_beside(*run);
-  show_beside_json(options.json, comparison_text(*a, *b));
+  for (const MeasuredRun* run : {&*a, &*b}) note_passed_beside(*run);
+  print_beside_json(options.json, comparison_text(*a, *b));
   write_json_output(options.json, comparison_json(*a, *b));
   if (!options.out.empty()) {
     write_comparison_report(*a, *b, options.out);
-    show_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+    print_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
   }
-  return kExitFine;
+  return kExitSuccess;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "base/text.h"
 #include "lcm_io/export/csv_export.h"
 #include "lcm_io/export/mcap_export.h"
@@ -40,15 +40,15 @@ struct ExportOptions {
 };
 
 int stopped() {
-  say("stopped by {}\n", StopSignal::name());
+  print_message("stopped by {}\n", StopSignal::name());
   return StopSignal::exit_code();
 }
 
 /// The exit code of an export of a log that may not be whole.
 int ended(const std::string& log, const std::string& missing) {
-  if (missing.empty()) return kExitFine;
+  if (missing.empty()) return kExitSuccess;
   if (StopSignal::requested()) return stopped();
-  say("note: {}: {} What was recorded is exported.\n", log, missing);
+  print_message("note: {}: {} What was recorded is exported.\n", log, missing);
   return kExitCheckFailed;
 }
 
@@ -59,18 +59,18 @@ int to_mcap(const ExportOptions& options, ExportedLog& log) {
     progress.show(static_cast<int64_t>(share * static_cast<double>(kShares)));
     return !StopSignal::requested();
   });
-  show("{}: {} of poses, {} and {} of contacts, {:.1f} MB\n", options.mcap,
-       counted(done.frames, "frame"), counted(done.begins, "begin"), counted(done.ends, "end"),
-       static_cast<double>(done.bytes) * 1e-6);
+  print_result("{}: {} of poses, {} and {} of contacts, {:.1f} MB\n", options.mcap,
+               counted(done.frames, "frame"), counted(done.begins, "begin"),
+               counted(done.ends, "end"), static_cast<double>(done.bytes) * 1e-6);
   return ended(options.log, done.missing);
 }
 
 int to_csv(const ExportOptions& options, ExportedLog& log, const std::string& channel) {
-  const auto keep_going = [] { return !StopSignal::requested() && !reader_has_left(); };
+  const auto keep_going = [] { return !StopSignal::requested() && !stdout_is_closed(); };
   if (options.out.empty()) {
     const std::string missing = export_csv(
-        log, channel, [](std::string_view text) { show_text(text); }, keep_going);
-    return reader_has_left() ? kExitFine : ended(options.log, missing);
+        log, channel, [](std::string_view text) { print_result_text(text); }, keep_going);
+    return stdout_is_closed() ? kExitSuccess : ended(options.log, missing);
   }
   std::ofstream out(options.out, std::ios::binary);
   const std::string missing = export_csv(
@@ -95,7 +95,7 @@ int export_log(const ExportOptions& options) {
   OutputPlan plan;
   plan.reads("the log", options.log);
   plan.writes({.option = "--mcap", .path = options.mcap});
-  plan.writes({.option = "--out", .path = options.out, .writing = Writing::kAsItRuns});
+  plan.writes({.option = "--out", .path = options.out, .mode = WriteMode::kStreamed});
   plan.check();
   const StopSignal stop;
   ExportedLog log(options.log, [] { return !StopSignal::requested(); });

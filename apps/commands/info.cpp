@@ -11,8 +11,8 @@
 #include "apps/command.h"
 #include "apps/options/run_arguments.h"
 #include "avatars/model/describe.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/replay/file_kind.h"
 
@@ -61,8 +61,8 @@ std::string description_of(const std::string& name, const RunOptions& options) {
 }
 
 int describe(const std::string& name, const RunOptions& options) {
-  show("{}", description_of(name, options));
-  return kExitFine;
+  print_result("{}", description_of(name, options));
+  return kExitSuccess;
 }
 
 }  // namespace

@@ -65,12 +65,12 @@ std::string describe_recording(const Recording& recording, const std::string& fi
   const RecordingSummary summary = summary_of(recording);
   FactLines lines;
   lines.head(fmt::format("{}: a recording, {}", file, facts.kind));
-  lines.line("tracks", "{} (--tracks {} if they are not)",
-             facts.tracks == TrackedPoint::kHead ? "of heads" : "of the centres of bodies",
-             facts.tracks == TrackedPoint::kHead ? "centre" : "head");
+  lines.line("tracks", "{} (--tracked-point {} if they are not)",
+             facts.tracked_point == TrackedPoint::kHead ? "of heads" : "of the centres of bodies",
+             facts.tracked_point == TrackedPoint::kHead ? "centre" : "head");
   lines.line("people", "{}, ids {} to {}; {:.0f} at once, at most {} (at {:.0f} s)", people.size(),
-             people.front().id, people.back().id, summary.mean_people, summary.most_people,
-             summary.most_at_s);
+             people.front().id, people.back().id, summary.mean_people, summary.max_people,
+             summary.max_people_at_s);
   add_time(lines, facts);
   lines.line("positions", "{}, {:.0f} a person", facts.samples,
              static_cast<double>(facts.samples) / static_cast<double>(people.size()));
@@ -89,10 +89,10 @@ std::string describe_recording(const Recording& recording, const std::string& fi
              "counted",
              summary.density_per_m2.median, kDensityRadius_m, summary.density_per_m2.low,
              summary.density_per_m2.high);
-  lines.line("odd", "{}", facts.odd.empty() ? "nothing" : "");
-  for (const Oddity& oddity : facts.odd)
-    lines.head(
-        fmt::format("    {:>6} {}\n           first {}", oddity.count, oddity.what, oddity.first));
+  lines.line("odd", "{}", facts.anomalies.empty() ? "nothing" : "");
+  for (const Anomaly& anomaly : facts.anomalies)
+    lines.head(fmt::format("    {:>6} {}\n           first {}", anomaly.count, anomaly.what,
+                           anomaly.first));
   return lines.take();
 }
 

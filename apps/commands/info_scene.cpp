@@ -31,7 +31,7 @@ std::string_view kind_name(Obstacle::Kind kind) {
 }
 
 /// The legs of the first way that a group walks, from the middle of where it starts.
-void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
+void add_path_lengths(std::string& text, const Group& group, const NavMesh& mesh) {
   Eigen::Vector2d from = group.count > 0 || group.sources.empty()
                              ? group.spawn.middle_m()
                              : group.sources.front().area.middle_m();
@@ -51,7 +51,7 @@ void add_way(std::string& text, const Group& group, const NavMesh& mesh) {
 
 void add_distribution(std::string& text, const char* what, const Distribution& d,
                       const char* unit) {
-  append(text, "    {:<8} {:g} +- {:g} {}, {:g} to {:g}\n", what, d.mean, d.deviation, unit, d.min,
+  append(text, "    {:<8} {:g} +- {:g} {}, {:g} to {:g}\n", what, d.mean, d.std_dev, unit, d.min,
          d.max);
 }
 
@@ -78,30 +78,31 @@ void add_recorded(std::string& text, const Scene& scene) {
   append(text, "  {}: {} of '{}', {} parts each\n", group.name, group.recorded, group.body->name,
          group.body->part_count());
   append(text, "    tracks   of {}, {} '{}', {:.6g} s\n",
-         facts.tracks == TrackedPoint::kHead ? "heads" : "centres", facts.kind,
+         facts.tracked_point == TrackedPoint::kHead ? "heads" : "centres", facts.kind,
          scene.recorded->options.file.filename().string(), facts.duration_s);
   append(text, "    size     {}\n", describe_size(group));
 }
 
 /// "10 s after the start", "2 s after everybody of 'a' has been at goal 1".
-std::string describe(const Cue& cue) {
-  if (cue.group.empty()) return fmt::format("{:g} s after the start", cue.later_s);
-  const std::string goal = cue.goal > 0 ? fmt::format("goal {}", cue.goal) : "the last goal";
-  return fmt::format("{:g} s after everybody of '{}' has been at {}", cue.later_s, cue.group, goal);
+std::string describe(const TriggerRule& rule) {
+  if (rule.group.empty()) return fmt::format("{:g} s after the start", rule.delay_s);
+  const std::string goal = rule.goal > 0 ? fmt::format("goal {}", rule.goal) : "the last goal";
+  return fmt::format("{:g} s after everybody of '{}' has been at {}", rule.delay_s, rule.group,
+                     goal);
 }
 
 void add_door(std::string& text, const Door& door) {
   append(text, "  {}: ({:g}, {:g}) to ({:g}, {:g})\n", door.name, door.from_m.x(), door.from_m.y(),
          door.to_m.x(), door.to_m.y());
-  for (const Cue& cue : door.opens) append(text, "    opens    {}\n", describe(cue));
-  for (const Cue& cue : door.closes) append(text, "    closes   {}\n", describe(cue));
+  for (const TriggerRule& rule : door.opens) append(text, "    opens    {}\n", describe(rule));
+  for (const TriggerRule& rule : door.closes) append(text, "    closes   {}\n", describe(rule));
 }
 
 void add_queues(std::string& text, const Group& group) {
   for (size_t i = 0; i < group.goals.size(); ++i) {
     const Goal& goal = group.goals[i];
     if (!goal.is_limited()) continue;
-    append(text, "    queue    for goal {}, which takes {} at once", i + 1, goal.most_inside());
+    append(text, "    queue    for goal {}, which takes {} at once", i + 1, goal.max_inside());
     if (goal.areas.size() > 1) append(text, " in each of {} areas", goal.areas.size());
     append(text, ", {:g} m apart\n", goal.queue.spacing_m);
   }
@@ -114,17 +115,17 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   if (group.density_per_m2 > 0)
     append(text, "    close    {:g} per m2 of free ground\n", group.density_per_m2);
   if (group.after) append(text, "    after    {}\n", describe(*group.after));
-  if (group.companions)
+  if (group.social_groups)
     append(text, "    together {:g} % of them, in parties of 2, 3 and 4 as {:g} to {:g} to {:g}\n",
-           100 * group.companions->share, group.companions->sizes[0], group.companions->sizes[1],
-           group.companions->sizes[2]);
+           100 * group.social_groups->share, group.social_groups->sizes[0],
+           group.social_groups->sizes[1], group.social_groups->sizes[2]);
   for (const Source& source : group.sources)
     append(text, "    source   {} at {:g} per s from {:g} s on, {}\n", source.count,
            source.rate_per_s, source.start_s, describe(source.area));
-  if (!group.driven.empty())
+  if (!group.control_channel.empty())
     append(text, "    driven   by messages on the LCM channel {}; nothing else moves it\n",
-           group.driven);
-  if (group.driven.empty()) add_way(text, group, mesh);
+           group.control_channel);
+  if (group.control_channel.empty()) add_path_lengths(text, group, mesh);
   add_queues(text, group);
   append(text, "    size     {}\n", describe_size(group));
   add_people(text, group);

@@ -11,7 +11,7 @@
 #include "apps/command.h"
 #include "apps/commands/monitor_view.h"
 #include "apps/process/stop_signal.h"
-#include "base/say.h"
+#include "base/console.h"
 #include "base/text.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
@@ -42,7 +42,7 @@ struct MonitorOptions {
 };
 
 constexpr double kOnce_s = 3;
-constexpr int64_t kMostTold = 3;
+constexpr int64_t kMaxReported = 3;
 constexpr std::chrono::milliseconds kRedraw{200};
 constexpr double kLine_s = 1;
 
@@ -58,11 +58,11 @@ std::optional<winsize> terminal() {
 class Screen {
  public:
   explicit Screen(bool is_used) : is_used_(is_used) {
-    if (is_used_) show("\033[?1049h\033[?25l");
+    if (is_used_) print_result("\033[?1049h\033[?25l");
   }
   ~Screen() {
-    if (is_used_) show("\033[?25h\033[?1049l");
-    flush_shown();
+    if (is_used_) print_result("\033[?25h\033[?1049l");
+    flush_results();
   }
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -71,28 +71,29 @@ class Screen {
     std::string text = "\033[H";
     for (const std::string& line : lines) text += line + "\033[K\r\n";
     if (!lines.empty()) text.resize(text.size() - 2);  // a line break at the bottom would scroll
-    show("{}\033[J", text);
+    print_result("{}\033[J", text);
   }
 
  private:
   bool is_used_;
 };
 
-int print_result(MonitorView view, bool as_json) {
+int print_view(MonitorView view, bool as_json) {
   view.overall = true;
   if (as_json) {
     using Handler = nlohmann::ordered_json::error_handler_t;
-    show("{}\n", json_of(view).dump(2, ' ', false, Handler::replace));
+    print_result("{}\n", json_of(view).dump(2, ' ', false, Handler::replace));
   } else {
-    for (const std::string& line : lines_of(view)) show("{}\n", line);
+    for (const std::string& line : lines_of(view)) print_result("{}\n", line);
   }
-  if (!view.inbox.runs().empty()) return kExitFine;
-  say("{}: expected a run, heard none; {}\n", view.source,
-      view.inbox.refused() > 0 ? fmt::format("{} ({})",
-                                             counted(view.inbox.refused(), "message was refused",
-                                                     "messages were refused"),
-                                             view.inbox.run().refusal())
-                               : "start one with 'throng run SCENE --pace 1'");
+  if (!view.inbox.runs().empty()) return kExitSuccess;
+  print_message("{}: expected a run, heard none; {}\n", view.source,
+                view.inbox.refused() > 0
+                    ? fmt::format("{} ({})",
+                                  counted(view.inbox.refused(), "message was refused",
+                                          "messages were refused"),
+                                  view.inbox.run().refusal())
+                    : "start one with 'throng run SCENE --pace 1'");
   return kExitCheckFailed;
 }
 
@@ -125,14 +126,14 @@ int watch_live(const MonitorOptions& options) {
         Screen::draw(lines_of(view));
       } else {
         if (view.now_s - drawn_s < kLine_s) continue;
-        show("{}\n", line_of(view));
+        print_result("{}\n", line_of(view));
       }
-      if (!flush_shown()) break;  // nobody reads it any more
+      if (!flush_results()) break;  // nobody reads it any more
       drawn_s = view.now_s;
     }
   }
-  if (reader_has_left()) return kExitFine;
-  return print_result(view, options.json);
+  if (stdout_is_closed()) return kExitSuccess;
+  return print_view(view, options.json);
 }
 
 int watch_log(const MonitorOptions& options) {
@@ -148,7 +149,7 @@ int watch_log(const MonitorOptions& options) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
     if (status != LogReader::Status::kEvent) {
-      if (++damaged <= kMostTold) told.push_back(log.problem());
+      if (++damaged <= kMaxReported) told.push_back(log.problem());
       if (!log.resync()) break;
       continue;
     }
@@ -159,10 +160,10 @@ int watch_log(const MonitorOptions& options) {
     monitor.take(update, view.now_s);
   }
   require_this_version(options.log, messages, inbox.refused(), first_refusal);
-  for (const std::string& damage : told) say("{}: {}\n", options.log, damage);
-  if (damaged > kMostTold)
-    say("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
-  return print_result(view, options.json);
+  for (const std::string& damage : told) print_message("{}: {}\n", options.log, damage);
+  if (damaged > kMaxReported)
+    print_message("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
+  return print_view(view, options.json);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::string hash_text(int64_t hash) { return fmt::format("{:016x}", static_cast<
 /// it; behind it come the last checks.
 Json sent_on(Channel channel, const RunReader& run) {
   if (!run.end()) return nullptr;
-  if (channel == Channel::kChecks && run.checks() && run.checks()->is_last != 0)
+  if (channel == Channel::kChecksums && run.checks() && run.checks()->is_last != 0)
     return run.checks()->seq + 1;
   const std::vector<std::string>& names = run.end()->channels;
   const auto found = std::find(names.begin(), names.end(), name_of(channel));

@@ -80,22 +80,22 @@ void add_stages(const MonitorView& view, const Monitor::Totals& totals,
                               clock_ns(terms.c_p_ns), ms(terms.c_o_ns), ms(terms.t_ns)));
 }
 
-std::vector<std::string> note_lines(const MonitorView& view, size_t most) {
+std::vector<std::string> note_lines(const MonitorView& view, size_t max_lines) {
   std::vector<std::string> lines = {"newest contacts"};
   const std::deque<Monitor::Note>& notes = view.monitor.notes();
-  for (auto note = notes.rbegin(); note != notes.rend() && lines.size() < most; ++note)
+  for (auto note = notes.rbegin(); note != notes.rend() && lines.size() < max_lines; ++note)
     lines.push_back(fmt::format("{:>9.3f} s  {}", static_cast<double>(note->utime_us) * 1e-6,
                                 text_of(*note, view.inbox.run().run())));
   return lines;
 }
 
-std::vector<std::string> part_lines(const MonitorView& view, size_t most) {
+std::vector<std::string> part_lines(const MonitorView& view, size_t max_lines) {
   std::vector<std::string> lines = {
       fmt::format("{:<16}{:>9}{:>10}{:>11}", "part", "begins", "touching", "contact s")};
   for (const Monitor::PartTotal& part : view.monitor.parts()) {
-    if (lines.size() == most) break;
-    lines.push_back(fmt::format("{:<16.16}{:>9}{:>10}{:>11.1f}", spoken(part.name), part.begins,
-                                part.touching, part.contact_s));
+    if (lines.size() == max_lines) break;
+    lines.push_back(fmt::format("{:<16.16}{:>9}{:>10}{:>11.1f}", display_name(part.name),
+                                part.begins, part.touching, part.contact_s));
   }
   return lines;
 }
@@ -112,7 +112,7 @@ std::string text_of(const Monitor::Note& note, const run_description_t* run) {
   const auto side = [run](uint32_t body, uint32_t part) {
     if (run == nullptr) return fmt::format("body {} part {}", body, part);
     const std::string name = part_name(*run, body, part);
-    return body_name(*run, body) + (name.empty() ? "" : " " + spoken(name));
+    return body_name(*run, body) + (name.empty() ? "" : " " + display_name(name));
   };
   std::string text =
       side(note.pair.a(), note.pair.part_a()) + " - " + side(note.pair.b(), note.pair.part_b());

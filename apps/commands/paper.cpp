@@ -9,8 +9,8 @@
 #include "apps/output/text_file.h"
 #include "apps/process/machine.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/figure.h"
-#include "base/say.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
 
@@ -35,7 +35,7 @@ struct PaperCommand {
 };
 
 /// What is finished so far, for whoever stops the rest.
-struct Kept {
+struct SharedResult {
   std::mutex mutex;
   paper::PaperResult result;
 
@@ -55,30 +55,30 @@ int reproduce_paper(const PaperCommand& command) {
   if (!command.out.empty()) require_gnuplot();
   const OpenOutputs outputs = plan.open();
   const auto objects = paper::load_objects(command.options.model);
-  const auto kept = std::make_shared<Kept>();
-  const auto experiments = [objects, kept, options = command.options] {
+  const auto shared = std::make_shared<SharedResult>();
+  const auto experiments = [objects, shared, options = command.options] {
     paper::run_experiments(
-        objects, options, [](const std::string& what) { say("{}\n", what); },
+        objects, options, [](const std::string& what) { print_message("{}\n", what); },
         [&](const paper::PaperResult& result) {
-          const std::lock_guard lock(kept->mutex);
-          kept->result = result;
+          const std::lock_guard lock(shared->mutex);
+          shared->result = result;
         });
   };
-  const bool done = done_before_a_signal(experiments);
-  const paper::PaperResult result = kept->copy();
-  if (!done) say("stopped by {}: what was finished follows\n", StopSignal::name());
+  const bool done = finishes_before_signal(experiments);
+  const paper::PaperResult result = shared->copy();
+  if (!done) print_message("stopped by {}: what was finished follows\n", StopSignal::name());
   std::string tables;
   for (const paper::Table& table : paper::tables_of(result)) tables += paper::to_text(table) + "\n";
-  show_beside_json(command.json, tables);
+  print_beside_json(command.json, tables);
   const std::string cpu = cpu_name();
   write_json_output(command.json, paper::to_json(result, cpu));
   if (!done) return StopSignal::exit_code();
   if (!command.out.empty()) {
     paper::write_report(result, objects, cpu, command.out);
-    show_beside_json(command.json,
-                     fmt::format("{0}/report.html and {0}/report.md written\n", command.out));
+    print_beside_json(command.json,
+                      fmt::format("{0}/report.html and {0}/report.md written\n", command.out));
   }
-  return kExitFine;
+  return kExitSuccess;
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "base/text.h"
 #include "viewer/picture/picture.h"
 #include "viewer/picture/recorded_frame.h"
@@ -62,7 +62,7 @@ void require_drawable(const RenderCommand& command) {
 }
 
 std::vector<std::string> layers_of(const std::string& list) {
-  std::vector<std::string> words = pieces_of(list, ',');
+  std::vector<std::string> words = split_text(list, ',');
   const std::vector<std::string> known = volume_layers();
   for (const std::string& word : words)
     if (std::find(known.begin(), known.end(), word) == known.end())
@@ -73,7 +73,7 @@ std::vector<std::string> layers_of(const std::string& list) {
 
 std::vector<uint32_t> people_of(const std::string& list) {
   std::vector<uint32_t> people;
-  for (const std::string& word : pieces_of(list, ',')) {
+  for (const std::string& word : split_text(list, ',')) {
     uint32_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
     if (error != std::errc() || end != word.data() + word.size())
@@ -95,9 +95,9 @@ void require_in_log(const RenderCommand& command, RecordedFrame& frame) {
 
 /// The exit code of a picture of a log that may not be whole.
 int ended(const std::string& log, RecordedFrame& frame) {
-  const std::string missing = frame.what_is_missing();
-  if (missing.empty()) return kExitFine;
-  say("note: {}: {} The picture shows what was recorded.\n", log, missing);
+  const std::string missing = frame.describe_missing();
+  if (missing.empty()) return kExitSuccess;
+  print_message("note: {}: {} The picture shows what was recorded.\n", log, missing);
   return kExitCheckFailed;
 }
 
@@ -116,10 +116,11 @@ int render_frames(const RenderCommand& command) {
     ++pictures;
   }
   const size_t bytes = animation.write(command.out);
-  show("{}: {}, {:.2f} MB\n", command.out, counted(pictures, "picture"),
-       static_cast<double>(bytes) * 1e-6);
+  print_result("{}: {}, {:.2f} MB\n", command.out, counted(pictures, "picture"),
+               static_cast<double>(bytes) * 1e-6);
   if (with_states < pictures)
-    say("note: {} of {} have states; in the others people stand as in the last that had\n",
+    print_message(
+        "note: {} of {} have states; in the others people stand as in the last that had\n",
         with_states, counted(pictures, "frame"));
   return ended(command.log, frame);
 }
@@ -144,14 +145,15 @@ int render_frame(RenderCommand command) {
   RecordedFrame frame(command.log, command.frame);
   require_in_log(command, frame);
   write_png(command.out, picture_of(frame, command.picture));
-  show("{}: frame {}, {}, {}\n", command.out, command.frame,
-       counted(frame.crowd().roots.size(), "avatar"),
-       counted(frame.touching().size(), "pair of parts touches", "pairs of parts touch"));
+  print_result("{}: frame {}, {}, {}\n", command.out, command.frame,
+               counted(frame.crowd().roots.size(), "avatar"),
+               counted(frame.touching().size(), "pair of parts touches", "pairs of parts touch"));
   if (const int64_t states = frame.crowd().frame; states < command.frame) {
     const std::optional<int64_t> next = frame.next_states();
-    say("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame, states,
-        next ? fmt::format("the next states are those of frame {}", *next)
-             : "no states come later");
+    print_message("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame,
+                  states,
+                  next ? fmt::format("the next states are those of frame {}", *next)
+                       : "no states come later");
   }
   return ended(command.log, frame);
 }

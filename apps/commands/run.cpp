@@ -17,20 +17,20 @@
 #include "apps/output/recorders.h"
 #include "apps/output/run_report.h"
 #include "apps/output/text_file.h"
-#include "apps/process/driving.h"
+#include "apps/process/external_control.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/files/whole_file.h"
-#include "base/say.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 #include "crowd/journeys.h"
 #include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
 #include "lcm_io/replay/file_kind.h"
 #include "lcm_io/replay/run_source.h"
+#include "lcm_io/wire/filtered_channels.h"
 #include "lcm_io/wire/lcm_sink.h"
-#include "lcm_io/wire/own_channels.h"
 #include "scenes/run/runner.h"
 
 namespace throng {
@@ -43,13 +43,13 @@ Examples:
   throng run plaza
   throng run plaza --avatars 5000 --seconds 2 --json result.json
   throng run corridor --exact --lcm off --log corridor.lcmlog
-  throng run plaza --avatars 20000 --seconds 1 --deadline-ms 5 --log off
+  throng run plaza --avatars 20000 --seconds 1 --budget-ms 5 --log off
   throng run paper_500 --strategy two-pass --log off
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          as fast as life, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
   throng run cell.yaml --separation separation      how near robots came to whom, docs/near.md
-  throng run plaza --by-part parts                  tests, passes and false positives, part by part
+  throng run plaza --part-pairs parts                  tests, passes and false positives, part by part
   throng run plaza --part-volume 'hands: sphere, default: ordop26'
   throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
@@ -77,7 +77,7 @@ struct RunCommand {
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
   CheckpointOptions checkpoints;
-  DrivingOptions driving;
+  ExternalControlOptions external_control;
 };
 
 void add_options(CommandOptions& app, RunCommand& options) {
@@ -104,20 +104,20 @@ void add_options(CommandOptions& app, RunCommand& options) {
          "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
-  app.add_option("--tell", options.tell,
+  app.add_option("--publish-for", options.tell,
                  "Contacts and near rows of a group, a body's number or all alone, on "
                  "CHANNEL_EVENTS and _NEAR, and when, on CHANNEL_STAMP")
-      ->take_all()
+      ->take_many()
       ->type_name("WHO:CHANNEL");
   app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
   add_recorder_options(app, options.recorders);
   add_checkpoint_options(app, options.checkpoints);
-  add_driving_options(app, options.driving);
+  add_external_control_options(app, options.external_control);
 }
 
 /// Where the log goes, or nothing if it is off.
 PlannedFile planned_log(const RunCommand& options) {
-  PlannedFile log{.option = "--log", .writing = Writing::kAsItRuns, .is_recording = true};
+  PlannedFile log{.option = "--log", .mode = WriteMode::kStreamed, .is_recording = true};
   if (options.log == "off") return log;
   log.path = options.log;
   if (!log.path.empty()) return log;
@@ -127,7 +127,7 @@ PlannedFile planned_log(const RunCommand& options) {
   log.path = fs::path("out") / fs::path(options.file).stem().concat(ending);
   log.makes_folder = true;
   // Nobody chose the name, so nobody chose to lose what has it.
-  log.keeps = links_followed(log.path).replace_extension(".previous.lcmlog");
+  log.keep_as = resolve_links(log.path).replace_extension(".previous.lcmlog");
   return log;
 }
 
@@ -177,7 +177,7 @@ void Pacer::wait_for(int64_t utime_us, const std::function<bool()>& stopped) {
     start_ = Clock::now();
   }
   // A frame of a slow motion may be minutes away: look up now and then.
-  constexpr std::chrono::milliseconds kLook{50};
+  constexpr std::chrono::milliseconds kPollPeriod{50};
   const std::chrono::duration<double> since_start(static_cast<double>(utime_us) * 1e-6 / pace_);
   const auto due = start_ + std::chrono::duration_cast<Clock::duration>(since_start);
   auto now = Clock::now();
@@ -185,7 +185,7 @@ void Pacer::wait_for(int64_t utime_us, const std::function<bool()>& stopped) {
   worst_s_ = std::max(worst_s_, behind_s_);
   late_frames_ += behind_s_ > kTolerance_s ? 1 : 0;
   for (; now < due && !stopped(); now = Clock::now())
-    std::this_thread::sleep_until(std::min<Clock::time_point>(due, now + kLook));
+    std::this_thread::sleep_until(std::min<Clock::time_point>(due, now + kPollPeriod));
 }
 
 /// Everybody who listens to the run.
@@ -195,11 +195,11 @@ struct Listeners {
   std::unique_ptr<LcmSink> lcm;
   std::unique_ptr<RunEncoder> messages;  ///< for log and LCM, where there is one of them
   std::unique_ptr<Recorders> recorders;
-  std::unique_ptr<OwnChannels> own;  ///< where somebody asks for them
+  std::unique_ptr<FilteredChannels> filtered;  ///< where somebody asks for them
 
   std::vector<Sink*> sinks() const {
     std::vector<Sink*> all = recorders->sinks();
-    if (own != nullptr) all.push_back(own.get());
+    if (filtered != nullptr) all.push_back(filtered.get());
     if (messages != nullptr) all.push_back(messages.get());
     return all;
   }
@@ -207,25 +207,25 @@ struct Listeners {
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
-/// What --tell asks for, or nothing.
-std::unique_ptr<OwnChannels> own_channels(const RunCommand& options, const RunInfo& run) {
+/// What --publish-for asks for, or nothing.
+std::unique_ptr<FilteredChannels> filtered_channels(const RunCommand& options, const RunInfo& run) {
   if (options.tell.empty()) return {};
-  if (options.lcm == "off") throw InputError("--tell", "LCM, to tell it over", "--lcm off");
-  std::vector<OwnChannel> asked;
-  for (const std::string& text : options.tell) asked.push_back(own_channel_of(text));
-  return std::make_unique<OwnChannels>(run, asked);
+  if (options.lcm == "off") throw InputError("--publish-for", "LCM, to tell it over", "--lcm off");
+  std::vector<FilteredChannel> asked;
+  for (const std::string& text : options.tell) asked.push_back(parse_filtered_channel(text));
+  return std::make_unique<FilteredChannels>(run, asked);
 }
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
-                      Driving& driving, Checkpoints& checkpoints) {
+                      ExternalControl& external_control, Checkpoints& checkpoints) {
   ProgressBar progress(simulation.scene().name,
                        frame_count(simulation.scene().duration_s, simulation.info().step_s));
   return run(simulation, listeners.sinks(), [&](const Frame& frame) {
     progress.show(frame.number + 1);
-    if (!driving.await(simulation, frame)) return false;
+    if (!external_control.await(simulation, frame)) return false;
     const double next_s = static_cast<double>(frame.number + 1) * simulation.info().step_s;
     pacer.wait_for(std::llround(next_s * 1e6), StopSignal::requested);
-    driving.take(simulation);
+    external_control.take(simulation);
     const bool stops = StopSignal::requested();
     checkpoints.after(simulation, frame, stops);
     return !stops && !listeners.lost_file() && checkpoints.failure().empty();
@@ -246,8 +246,8 @@ RunReport report_of(const RunCommand& options, const SimulationOptions& simulate
   report.step_s = scene.step_s;
   report.threads = simulated.threads;
   report.simd = name_of(simulated.culler.simd);
-  report.deadline_ms = options.run.deadline_ms;
-  report.deadline_tests = options.run.deadline_tests;
+  report.budget_ms = options.run.budget_ms;
+  report.budget_tests = options.run.budget_tests;
   report.steering = scene.steering;
   report.summary = summary;
   for (const Stranding& stranding : summary.strandings)
@@ -285,19 +285,19 @@ Listeners open_listeners(const RunCommand& options, int threads, const Scene& sc
     LcmOptions lcm;
     lcm.url = options.lcm;
     lcm.state_every = states;
-    lcm.part_poses = options.run.publish_parts;
+    lcm.part_poses = options.run.publish_part_poses;
     listeners.lcm = connection ? std::make_unique<LcmSink>(lcm, std::move(connection))
                                : std::make_unique<LcmSink>(lcm);
   }
   listeners.recorders = std::make_unique<Recorders>(options.recorders, scene);
-  outputs.keep_older();
-  for (const std::string& note : outputs.notes()) say("note: {}\n", note);
+  outputs.keep_previous();
+  for (const std::string& note : outputs.notes()) print_message("note: {}\n", note);
   if (!log.path.empty()) {
     LogOptions log_options;
     log_options.flush_s = options.flush_s;
     log_options.threads = threads;
     log_options.state_every = states;
-    log_options.part_poses = options.run.publish_parts;
+    log_options.part_poses = options.run.publish_part_poses;
     listeners.log = std::make_unique<LogSink>(log.path, log_options);
     listeners.guard = std::make_unique<LogGuard>(*listeners.log);
   }
@@ -308,21 +308,21 @@ Listeners open_listeners(const RunCommand& options, int threads, const Scene& sc
 /// What went wrong with files, and the results; the exit code.
 int report_end(const RunCommand& options, const RunReport& report, const Listeners& listeners,
                const Checkpoints& checkpoints) {
-  show_beside_json(options.json, format_table(report));
-  if (listeners.lost_log()) say("{}\n", listeners.guard->failure());
-  say("{}", listeners.recorders->failures());
+  print_beside_json(options.json, format_table(report));
+  if (listeners.lost_log()) print_message("{}\n", listeners.guard->failure());
+  print_message("{}", listeners.recorders->failures());
   if (!listeners.lost_file())
-    for (const std::string& note : listeners.recorders->notes()) say("note: {}\n", note);
+    for (const std::string& note : listeners.recorders->notes()) print_message("note: {}\n", note);
   const std::string late = report.lockstep ? report.lockstep->failure : "";
   for (const std::string& failure : {checkpoints.failure(), late})
-    if (!failure.empty()) say("{}\n", failure);
+    if (!failure.empty()) print_message("{}\n", failure);
   if (!options.checkpoints.file.empty() && checkpoints.written() == 0 &&
       checkpoints.failure().empty())
-    say("note: no checkpoint: the run ended before the first was due; see --every\n");
+    print_message("note: no checkpoint: the run ended before the first was due; see --every\n");
   write_json_output(options.json, json_text(report));
   if (listeners.lost_file() || !checkpoints.failure().empty() || !late.empty())
     return kExitEnvironment;
-  return report.summary.stopped_early ? StopSignal::exit_code() : kExitFine;
+  return report.summary.stopped_early ? StopSignal::exit_code() : kExitSuccess;
 }
 
 int run_scene(const RunCommand& options) {
@@ -333,49 +333,52 @@ int run_scene(const RunCommand& options) {
   plan.check();  // before what takes its time
   RunSource source = open_run_source(options.file, options.run);
   require_recordable(options.recorders, source.scene);
-  for (const std::string& note : source.notes) say("note: {}\n", note);
+  for (const std::string& note : source.notes) print_message("note: {}\n", note);
   const double states = state_every(options.run, source.scene);
   plan_inputs(source.scene, plan);
   plan.check();
-  simulated.world = std::move(source.world);
+  simulated.motion = std::move(source.motion);
   Simulation simulation(std::move(source.scene), simulated);
   require_recordable(options.recorders, simulation.info());
   if (!log.path.empty() || options.lcm != "off" || !options.recorders.html.empty())
-    require_readable(simulation.info(), options.run.publish_parts);
-  for (const std::string& note : simulation.notes()) say("note: {}\n", note);
+    require_encodable(simulation.info(), options.run.publish_part_poses);
+  for (const std::string& note : simulation.notes()) print_message("note: {}\n", note);
   Pacer pacer(options.pace);
-  std::unique_ptr<OwnChannels> own = own_channels(options, simulation.info());
+  std::unique_ptr<FilteredChannels> filtered = filtered_channels(options, simulation.info());
   const std::vector<std::string> own_notes =
-      own == nullptr ? std::vector<std::string>() : own->notes();
-  for (const std::string& note : own_notes) say("note: {}\n", note);
-  Driving driving(options.driving, simulation.info(), options.lcm, options.pace > 0);
-  resume_where_asked(options.checkpoints, simulation);
-  driving.begin(simulation);
+      filtered == nullptr ? std::vector<std::string>() : filtered->notes();
+  for (const std::string& note : own_notes) print_message("note: {}\n", note);
+  ExternalControl external_control(options.external_control, simulation.info(), options.lcm,
+                                   options.pace > 0);
+  resume_if_requested(options.checkpoints, simulation);
+  external_control.begin(simulation);
 
   // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
   // their ends.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
   Listeners listeners = open_listeners(options, simulated.threads, simulation.scene(), log, states,
-                                       outputs, driving.connection());
-  listeners.own = std::move(own);
-  if (listeners.own != nullptr) listeners.own->publish_by(*listeners.lcm);
+                                       outputs, external_control.connection());
+  listeners.filtered = std::move(filtered);
+  if (listeners.filtered != nullptr) listeners.filtered->publish_by(*listeners.lcm);
   Checkpoints checkpoints(options.checkpoints, simulation.info().step_s);
-  const RunSummary summary = run_to_end(simulation, listeners, pacer, driving, checkpoints);
+  const RunSummary summary =
+      run_to_end(simulation, listeners, pacer, external_control, checkpoints);
   for (const Stranding& stranding : summary.strandings)
-    say("note: {}\n", describe(stranding, simulation.scene()));
+    print_message("note: {}\n", describe(stranding, simulation.scene()));
   if (summary.stopped_early)
-    say("stopped after {}{}\n", counted(summary.frames, "frame"), by_signal());
+    print_message("stopped after {}{}\n", counted(summary.frames, "frame"), by_signal());
 
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
-  if (listeners.own != nullptr) report.told = listeners.own->told();
-  if (driving.receiver() != nullptr) report.driven = driving.receiver()->counts();
-  if (const Lockstep* lockstep = driving.lockstep(); lockstep != nullptr)
-    report.lockstep = {lockstep->counts(), lockstep->timeout_s(), lockstep->waited_s(),
-                       lockstep->longest_s(), lockstep->failure()};
+  if (listeners.filtered != nullptr) report.filtered_channels = listeners.filtered->totals();
+  if (external_control.receiver() != nullptr)
+    report.external_control = external_control.receiver()->counts();
+  if (const Lockstep* lockstep = external_control.lockstep(); lockstep != nullptr)
+    report.lockstep = {lockstep->counts(), lockstep->timeout_s(), lockstep->total_wait_s(),
+                       lockstep->max_wait_s(), lockstep->failure()};
   report.recording = std::move(source.recording);
-  report.plan_factor = source.plan_factor;
+  report.scale_factor = source.scale_factor;
   report.notes = std::move(source.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
   report.notes.insert(report.notes.end(), own_notes.begin(), own_notes.end());

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
-#include "base/say.h"
+#include "base/console.h"
 #include "scenes/file/scene.h"
 #include "scenes/file/scene_keys.h"
 
@@ -41,8 +41,8 @@ Json text(const std::string& pattern) {
 
 Json list(const Json& items, const Rule& rule) {
   Json json = {{"type", "array"}};
-  if (rule.least > 0) json["minItems"] = rule.least;
-  if (rule.most > 0) json["maxItems"] = rule.most;
+  if (rule.min > 0) json["minItems"] = rule.min;
+  if (rule.max > 0) json["maxItems"] = rule.max;
   json["items"] = items;
   return json;
 }
@@ -52,7 +52,7 @@ Json schema_of(const Rule& rule) {
     case Rule::Kind::kText:
       return text(rule.pattern);
     case Rule::Kind::kWhole:
-      return {{"type", "integer"}, {"minimum", rule.least}, {"maximum", rule.most}};
+      return {{"type", "integer"}, {"minimum", rule.min}, {"maximum", rule.max}};
     case Rule::Kind::kNumber:
       return number(rule.range);
     case Rule::Kind::kFlag:
@@ -62,7 +62,7 @@ Json schema_of(const Rule& rule) {
     case Rule::Kind::kNumbers:
       return list(number(rule.range), rule);
     case Rule::Kind::kPoints:
-      return list(list(number(rule.range), {.least = 2, .most = 2}), rule);
+      return list(list(number(rule.range), {.min = 2, .max = 2}), rule);
     case Rule::Kind::kMap:
       return reference(rule.map);
     case Rule::Kind::kList:
@@ -144,15 +144,15 @@ Command add_scenes_command(CommandLine& parent) {
                 "What a scene file may hold instead, as JSON Schema: for editors");
   const auto action = [schema] {
     if (*schema) {
-      show("{}\n", scene_schema().dump(2));
-      return kExitFine;
+      print_result("{}\n", scene_schema().dump(2));
+      return kExitSuccess;
     }
     const std::vector<SceneEntry> scenes = bundled_scenes();
     size_t width = 0;
     for (const SceneEntry& scene : scenes) width = std::max(width, scene.name.size());
     for (const SceneEntry& scene : scenes)
-      show("{:<{}}  {}\n", scene.name, width, scene.description);
-    return kExitFine;
+      print_result("{:<{}}  {}\n", scene.name, width, scene.description);
+    return kExitSuccess;
   };
   return {app, action};
 }

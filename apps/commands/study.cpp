@@ -16,9 +16,9 @@
 #include "apps/output/output_plan.h"
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
 #include "base/figure.h"
-#include "base/say.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "scenes/run/body_tables.h"
@@ -35,7 +35,7 @@ A study file:
   seconds: 10
   parameters:
     avatars: [200, 500]
-    groups.1.speed_mps.mean: {from: 1.0, to: 1.6, step: 0.2}
+    groups.1.desired_speed_mps.mean: {from: 1.0, to: 1.6, step: 0.2}
 
 Examples:
   throng study study.yaml --out study.csv
@@ -85,7 +85,7 @@ void draw_plots(const fs::path& out, const StudyTable& table) {
   const fs::path folder = plot_folder(out);
   const std::vector<Figure> figures = study_figures(table);
   for (const Figure& figure : figures) draw(figure, folder);
-  say("{} in {}\n", counted(figures.size(), "picture"), folder.string());
+  print_message("{} in {}\n", counted(figures.size(), "picture"), folder.string());
 }
 
 OutputPlan planned_outputs(const StudyCommand& options) {
@@ -93,8 +93,7 @@ OutputPlan planned_outputs(const StudyCommand& options) {
   plan.writes({.option = "--out", .path = options.out});
   plan.writes({.option = "--out", .path = beside(options.out, ".times.csv")});
   if (options.merge.empty())
-    plan.writes(
-        {.option = "--out", .path = journal_of(options.out), .writing = Writing::kAppended});
+    plan.writes({.option = "--out", .path = journal_of(options.out), .mode = WriteMode::kAppended});
   if (options.plot) {
     require_gnuplot();
     plan.fills("--plot", plot_folder(options.out), {"*.svg"});
@@ -128,10 +127,10 @@ int merge(const StudyCommand& options) {
   const OpenOutputs outputs = plan.open();
   write_table(options.out, table);
   if (times.size() == tables.size()) write_table(beside(options.out, ".times.csv"), merged(times));
-  say("{} of {} in {}\n", counted(table.rows.size(), "run"), counted(tables.size(), "table"),
-      options.out);
+  print_message("{} of {} in {}\n", counted(table.rows.size(), "run"),
+                counted(tables.size(), "table"), options.out);
   if (options.plot) draw_plots(options.out, table);
-  return kExitFine;
+  return kExitSuccess;
 }
 
 /// The runs of this process or job, and what has come of them.
@@ -148,12 +147,13 @@ class Work {
       if (row.run < plan.runs()) is_done[row.run] = 1;
     rows_ = journal_.done();
     for (size_t run = shard.index - 1; run < plan.runs(); run += shard.count) {
-      ++asked_;
+      ++requested_;
       if (is_done[run] == 0) todo_.push_back(run);
     }
     left_ = todo_.size();
     if (!rows_.empty())
-      say("note: {} of {} runs were done before; going on\n", asked_ - left_, asked_);
+      print_message("note: {} of {} runs were done before; going on\n", requested_ - left_,
+                    requested_);
     if (left_ > 0) {
       const std::string label = fs::path(options.file).stem().string();
       progress_.emplace(label, static_cast<int64_t>(left_), "runs");
@@ -169,7 +169,7 @@ class Work {
     todo_.pop_front();
     return run;
   }
-  void give_back(size_t run) {
+  void return_run(size_t run) {
     const std::lock_guard lock(mutex_);
     todo_.push_front(run);
   }
@@ -182,10 +182,10 @@ class Work {
 
   int end() {
     progress_.reset();
-    if (rows_.size() < asked_) {
-      say("stopped{}: {} of {} runs are done; the same command goes on\n",
-          StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "", rows_.size(),
-          asked_);
+    if (rows_.size() < requested_) {
+      print_message("stopped{}: {} of {} runs are done; the same command goes on\n",
+                    StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "",
+                    rows_.size(), requested_);
       return StopSignal::requested() ? StopSignal::exit_code() : kExitEnvironment;
     }
     std::sort(rows_.begin(), rows_.end(),
@@ -194,9 +194,9 @@ class Work {
     write_table(options_.out, written);
     write_table(beside(options_.out, ".times.csv"), times());
     journal_.remove();
-    say("{} in {}\n", counted(written.rows.size(), "run"), options_.out);
+    print_message("{} in {}\n", counted(written.rows.size(), "run"), options_.out);
     if (options_.plot) draw_plots(options_.out, written);
-    return kExitFine;
+    return kExitSuccess;
   }
 
  private:
@@ -229,7 +229,7 @@ class Work {
   std::deque<size_t> todo_;
   std::vector<StudyRow> rows_;
   std::optional<ProgressBar> progress_;
-  size_t asked_ = 0, left_ = 0, done_ = 0;
+  size_t requested_ = 0, left_ = 0, done_ = 0;
 };
 
 bool goes_on() { return !StopSignal::requested(); }
@@ -247,8 +247,9 @@ void print_notes(const StudyPlan& plan) {
   constexpr size_t kMaxNotes = 8;  // the column plan_growth has the rest
   const std::vector<std::string>& notes = plan.notes();
   const size_t shown = std::min(notes.size(), kMaxNotes);
-  for (size_t i = 0; i < shown; ++i) say("note: {}\n", notes[i]);
-  if (notes.size() > shown) say("note: and {} more\n", counted(notes.size() - shown, "note"));
+  for (size_t i = 0; i < shown; ++i) print_message("note: {}\n", notes[i]);
+  if (notes.size() > shown)
+    print_message("note: and {} more\n", counted(notes.size() - shown, "note"));
 }
 
 int study_alone(const StudyCommand& options) {
@@ -263,12 +264,12 @@ int study_alone(const StudyCommand& options) {
   Work work(options, plan, shard);
   const int threads = options.threads.value_or(cores());
   const int workers = std::clamp(static_cast<int>(work.left()), 1, threads);
-  if (work.left() > 0) carry_out_all(as_work(plan, work), workers, threads / workers);
+  if (work.left() > 0) run_all(as_work(plan, work), workers, threads / workers);
   return work.end();
 }
 
 /// The first rank: it hands out runs, keeps the journal, and works itself beside.
-int lead(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
+int run_leader(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
   OutputPlan outputs = planned_outputs(options);
   outputs.reads("the study", options.file);
   print_notes(plan);
@@ -279,7 +280,7 @@ int lead(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
   std::exception_ptr failure;
   std::thread own([&] {
     try {
-      carry_out_all(as_work(plan, work), 1, options.threads.value_or(1));
+      run_all(as_work(plan, work), 1, options.threads.value_or(1));
     } catch (...) {
       failure = std::current_exception();
     }
@@ -292,8 +293,8 @@ int lead(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
     work.take(row);
   };
   try {
-    ranks.lead({[&] { return work.next(); }, take, [&](size_t run) { work.give_back(run); },
-                [&] { return is_busy.load(); }});
+    ranks.run_leader({[&] { return work.next(); }, take, [&](size_t run) { work.return_run(run); },
+                      [&] { return is_busy.load(); }});
   } catch (...) {
     own.detach();  // the job ends with this rank
     throw;
@@ -312,16 +313,16 @@ int study_in_ranks(const StudyCommand& options) {
   const StudyPlan plan = plan_of(options);
   if (ranks.rank() == 0) {
     ranks.wait_for_first();
-    return lead(options, ranks, plan);
+    return run_leader(options, ranks, plan);
   }
   const StopSignal stop;
   const auto tables = std::make_shared<BodyTables>();
-  ranks.follow([&](size_t run) -> std::optional<std::string> {
+  ranks.run_follower([&](size_t run) -> std::optional<std::string> {
     const std::optional<StudyRow> row =
-        carry_out(plan, run, options.threads.value_or(1), tables, goes_on);
+        run_one(plan, run, options.threads.value_or(1), tables, goes_on);
     return row ? std::optional(line_of(*row)) : std::nullopt;
   });
-  return StopSignal::requested() ? StopSignal::exit_code() : kExitFine;
+  return StopSignal::requested() ? StopSignal::exit_code() : kExitSuccess;
 }
 
 int study(const StudyCommand& options) {

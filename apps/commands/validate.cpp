@@ -12,9 +12,9 @@
 #include "apps/output/output_plan.h"
 #include "apps/output/text_file.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
 #include "base/figure.h"
-#include "base/say.h"
 #include "base/workers.h"
 
 namespace throng {
@@ -23,14 +23,14 @@ namespace {
 constexpr const char* kValidateFooter = R"(
 The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
 figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
-With --reality instead: how the crowd, with nothing set for a test, stands beside recorded people.
+With --empirical instead: how the crowd, with nothing set for a test, stands beside recorded people.
 
 Examples:
   throng validate
   throng validate --only rimea_4 --out out/validation
   throng validate --json validation.json
-  throng validate --reality --only doors --out out/doors
-  throng validate --reality --seeds 5)";
+  throng validate --empirical --only doors --out out/doors
+  throng validate --empirical --seeds 5)";
 
 struct ValidateOptions {
   std::string out;
@@ -46,7 +46,7 @@ struct ValidateOptions {
 
 std::vector<std::string> test_ids() {
   std::vector<std::string> ids;
-  for (const auto* tests : {&validation::all_tests(), &validation::reality_tests()})
+  for (const auto* tests : {&validation::all_tests(), &validation::empirical_tests()})
     for (const validation::Test& test : *tests)
       ids.insert(ids.end(), test.ids.begin(), test.ids.end());
   return ids;
@@ -60,7 +60,7 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
   };
   for (const bool reality : {false, true})
     for (const validation::Test& test :
-         reality ? validation::reality_tests() : validation::all_tests())
+         reality ? validation::empirical_tests() : validation::all_tests())
       if (options.only.empty() ? reality == options.reality : named(test))
         runs.push_back({&test, {}});
   return runs;
@@ -91,23 +91,23 @@ struct Session {
     for (const ValidationRun& run : runs) count += run.seeds.size();
     return count;
   }
-  size_t asked() const { return runs.size() * seeds; }
+  size_t run_count() const { return runs.size() * seeds; }
 };
 
-void carry_out_all(Session& session, const validation::Conditions& conditions, int threads) {
+void run_all(Session& session, const validation::Conditions& conditions, int threads) {
   Workers workers(threads);
-  workers.for_blocks(static_cast<int>(session.asked()), [&](int index, int) {
+  workers.for_blocks(static_cast<int>(session.run_count()), [&](int index, int) {
     const auto i = static_cast<size_t>(index);
     ValidationRun& run = session.runs[i / session.seeds];
-    validation::Conditions own = conditions;
-    own.seed += i % session.seeds;
+    validation::Conditions run_conditions = conditions;
+    run_conditions.seed += i % session.seeds;
     const auto start = std::chrono::steady_clock::now();
-    validation::SeedOutcome done{own.seed, carry_out(*run.test, own), 0};
+    validation::SeedOutcome done{run_conditions.seed, run_test(*run.test, run_conditions), 0};
     done.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::lock_guard lock(session.mutex);
-    say("{:<9} {}{} ({:.1f} s)\n", run.test->ids.front(),
-        session.seeds > 1 ? fmt::format("seed {}: ", own.seed) : "",
-        name_of(done.outcome.verdict()), done.wall_s);
+    print_message("{:<9} {}{} ({:.1f} s)\n", run.test->ids.front(),
+                  session.seeds > 1 ? fmt::format("seed {}: ", run_conditions.seed) : "",
+                  name_of(done.outcome.verdict()), done.wall_s);
     run.seeds.push_back(std::move(done));
   });
 }
@@ -135,21 +135,20 @@ int validate(const ValidateOptions& options) {
   session->seeds = options.seeds;
   const validation::Conditions conditions{steering_kind_of(options.steering).value(), options.seed,
                                           options.recordings};
-  const bool all = done_before_a_signal([session, conditions, threads = options.threads] {
-    carry_out_all(*session, conditions, threads);
-  });
+  const bool all = finishes_before_signal(
+      [session, conditions, threads = options.threads] { run_all(*session, conditions, threads); });
   const std::vector<ValidationRun> runs = session->finished();
   if (!all)
-    say("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(), session->done(),
-        session->asked());
-  show_beside_json(options.json, verdict_table(runs));
+    print_message("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(),
+                  session->done(), session->run_count());
+  print_beside_json(options.json, verdict_table(runs));
   write_json_output(options.json, validation_json(runs, !all));
   if (!options.out.empty()) {
     write_validation_report(runs, options.out);
-    show_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+    print_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
   }
   if (!all) return StopSignal::exit_code();
-  return count_of(runs).failed == 0 ? kExitFine : kExitCheckFailed;
+  return count_of(runs).failed == 0 ? kExitSuccess : kExitCheckFailed;
 }
 
 }  // namespace
@@ -166,7 +165,7 @@ Command add_validate_command(CommandLine& parent) {
       ->transform([](std::string& id) { id = validation::normal_id(id); })
       ->check(name_option(test_ids()))
       ->type_name("ID");
-  app->add_flag("--reality", options->reality,
+  app->add_flag("--empirical", options->reality,
                 "Measure beside recorded people instead of the standards' tests");
   app->add_option(
          "--steering", options->steering,
@@ -175,7 +174,7 @@ Command add_validate_command(CommandLine& parent) {
       ->type_name("MODEL");
   app->add_option(
          "--recordings", options->recordings,
-         "The folder of recordings (docs/recordings.md) for --reality; without it what needs "
+         "The folder of recordings (docs/recordings.md) for --empirical; without it what needs "
          "them is skipped")
       ->type_name("DIR");
   app->add_option("--seed", options->seed, "The first seed [1]")

@@ -74,8 +74,8 @@ std::string readings_table(const ValidationRun& run) {
                                "|\n|---|---|---|---|---|---|---|\n";
   for (const Reading& each : readings)
     append(text, "| {} | {}{} | {} | {}{} | {} | {} | {} |\n", each.at, each.what,
-           each.unit.empty() ? "" : ", " + each.unit, number(each.ours),
-           several ? number(each.worst) + " | " : "", number(each.theirs), number(each.low),
+           each.unit.empty() ? "" : ", " + each.unit, number(each.simulated),
+           several ? number(each.worst) + " | " : "", number(each.recorded), number(each.low),
            number(each.high), each.met ? (*each.met ? "met" : "**not met**") : "not judged");
   return text + "\n";
 }
@@ -86,7 +86,7 @@ Json by_seed(const ValidationRun& run, const Reading& like) {
   for (const SeedOutcome& seed : run.seeds) {
     Json value;
     for (const Reading& each : seed.outcome.readings)
-      if (each.at == like.at && each.what == like.what) value = each.ours;
+      if (each.at == like.at && each.what == like.what) value = each.simulated;
     out.push_back(value);
   }
   return out;
@@ -99,8 +99,8 @@ Json readings_json(const ValidationRun& run) {
     out.push_back({{"at", each.at},
                    {"what", each.what},
                    {"unit", each.unit},
-                   {"simulated", each.ours},
-                   {"recorded", each.theirs},
+                   {"simulated", each.simulated},
+                   {"recorded", each.recorded},
                    {"from", each.low},
                    {"to", each.high},
                    {"met", each.met ? Json(*each.met) : Json()}});
@@ -119,7 +119,7 @@ Json seeds_json(const ValidationRun& run) {
                    {"measured", seed.outcome.measured},
                    {"wall_crossings", seed.outcome.wall_crossings},
                    {"unplaced", seed.outcome.unplaced},
-                   {"deepest_overlap_m", seed.outcome.deepest_overlap_m},
+                   {"max_overlap_m", seed.outcome.max_overlap_m},
                    {"wall_s", seed.wall_s}});
   return out;
 }
@@ -219,7 +219,7 @@ std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped
                        {"setup", run.test->setup},
                        {"wall_crossings", run.outcome.wall_crossings},
                        {"unplaced", run.outcome.unplaced},
-                       {"deepest_overlap_m", run.outcome.deepest_overlap_m},
+                       {"max_overlap_m", run.outcome.max_overlap_m},
                        {"wall_s", wall_s(run)}});
       if (run.seeds.size() > 1) tests.back()["seeds"] = seeds_json(run);
       if (!run.outcome.readings.empty()) tests.back()["readings"] = readings_json(run);

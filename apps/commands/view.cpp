@@ -9,8 +9,8 @@
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
 #include "apps/process/stop_signal.h"
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
 #include "base/text.h"
 #include "viewer/replay/replay.h"
 #include "viewer/server/live_view.h"
@@ -21,7 +21,7 @@ namespace throng {
 namespace {
 
 constexpr int kDefaultPort = 7684;  // the number of the LCM port: one to remember
-constexpr std::chrono::milliseconds kLookAround{50};
+constexpr std::chrono::milliseconds kPollPeriod{50};
 
 constexpr const char* kViewFooter = R"(
 Without LOG the page shows the run that is heard over LCM, whichever process computes it, and waits
@@ -42,26 +42,26 @@ struct ViewCommand {
 };
 
 /// `look`: called now and then.
-template <typename Look>
-void serve(WebServer& server, const std::string& what, const Look& look) {
+template <typename Poll>
+void serve(WebServer& server, const std::string& what, const Poll& poll) {
   const StopSignal stop;
-  show("{}  {}; Ctrl-C ends\n", server.url(), what);
-  flush_shown();
+  print_result("{}  {}; Ctrl-C ends\n", server.url(), what);
+  flush_results();
   while (!StopSignal::requested()) {
-    std::this_thread::sleep_for(kLookAround);
-    look();
+    std::this_thread::sleep_for(kPollPeriod);
+    poll();
   }
 }
 
 /// As the page says it, once the whole log was read.
 void serve_log(const ViewCommand& command) {
   LogView log(command.log, command.web, page_html());
-  bool is_told = false;
+  bool is_reported = false;
   serve(log.server(), command.log, [&] {
-    if (is_told || !log.index().is_complete()) return;
-    is_told = true;
+    if (is_reported || !log.index().is_complete()) return;
+    is_reported = true;
     if (const std::string missing = log.index().problem(); !missing.empty())
-      say("note: {}: {}\n", command.log, missing);
+      print_message("note: {}: {}\n", command.log, missing);
   });
 }
 
@@ -76,11 +76,12 @@ int view(const ViewCommand& command) {
     const OpenOutputs outputs = plan.open();
     const ReplayReport report =
         write_replay(command.log, command.html, page_html(), command.html_limit_mb);
-    for (const std::string& note : outputs.notes()) say("note: {}\n", note);
-    show("{}: {:.2f} MB, {}, {:.1f} s\n", command.html, static_cast<double>(report.bytes) * 1e-6,
-         counted(report.avatars, "person", "people"), report.seconds);
-    if (report.problem.empty()) return kExitFine;
-    say("note: {}: {} The page says so, too.\n", command.log, report.problem);
+    for (const std::string& note : outputs.notes()) print_message("note: {}\n", note);
+    print_result("{}: {:.2f} MB, {}, {:.1f} s\n", command.html,
+                 static_cast<double>(report.bytes) * 1e-6,
+                 counted(report.avatars, "person", "people"), report.seconds);
+    if (report.problem.empty()) return kExitSuccess;
+    print_message("note: {}: {} The page says so, too.\n", command.log, report.problem);
     return kExitCheckFailed;
   }
   if (!command.log.empty()) {
@@ -89,7 +90,7 @@ int view(const ViewCommand& command) {
     LiveView live(command.lcm, command.web, page_html());
     serve(live.server(), fmt::format("listening to {}", command.lcm), [] {});
   }
-  return kExitFine;
+  return kExitSuccess;
 }
 
 }  // namespace

@@ -96,12 +96,12 @@ Option* Option::expected(int count) {
   return this;
 }
 
-Option* Option::expected(int least, int most) {
-  parsed_->expected(least, most);
+Option* Option::expected(int min, int max) {
+  parsed_->expected(min, max);
   return this;
 }
 
-Option* Option::take_all() {
+Option* Option::take_many() {
   parsed_->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return this;
 }
@@ -157,7 +157,7 @@ Option* CommandOptions::add_list(const std::string& name, std::vector<T>& values
                                  const std::string& about) {
   const auto take = [&values, between](const std::string& text) {
     values.clear();
-    for (const std::string& piece : pieces_of(text, between)) {
+    for (const std::string& piece : split_text(text, between)) {
       T value{};
       std::from_chars(piece.data(), piece.data() + piece.size(), value);  // it has passed
       values.push_back(value);

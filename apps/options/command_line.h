@@ -40,9 +40,9 @@ class Option {
   Option* type_name(const std::string& name);
   /// So many values, one after the other.
   Option* expected(int count);
-  Option* expected(int least, int most);
+  Option* expected(int min, int max);
   /// May be given several times.
-  Option* take_all();
+  Option* take_many();
   /// What it is when named without a value.
   Option* default_str(const std::string& value);
   Option* needs(Option* other);

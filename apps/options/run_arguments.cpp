@@ -45,7 +45,7 @@ void add_run_option(CommandOptions& app, const std::string& name, RunOptions& op
 
 void add_recording_options(CommandOptions& app, RunOptions& options) {
   for (const RunOption& row : run_options())
-    if (row.is_of_recording && row.name != "step") add(app, row, options);
+    if (row.is_of_recording && row.name != "sampling") add(app, row, options);
 }
 
 }  // namespace throng

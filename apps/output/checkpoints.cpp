@@ -25,12 +25,12 @@ void add_checkpoint_options(CommandOptions& app, CheckpointOptions& options) {
 
 void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan) {
   // The run of a checkpoint may go on to write it: it was read before.
-  if (options.resume.empty() || !(place_of(options.resume) == place_of(options.file)))
+  if (options.resume.empty() || !(identify(options.resume) == identify(options.file)))
     plan.reads("which --resume reads", options.resume);
   plan.writes({.option = "--checkpoint", .path = options.file});
 }
 
-void resume_where_asked(const CheckpointOptions& options, Simulation& simulation) {
+void resume_if_requested(const CheckpointOptions& options, Simulation& simulation) {
   if (options.resume.empty()) return;
   resume(simulation, options.resume);
   const int64_t frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);

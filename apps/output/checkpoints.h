@@ -22,7 +22,7 @@ void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan);
 
 /// Puts the simulation where the checkpoint was taken. Throws InputError if the file is none of
 /// this run, or if nothing is left to run.
-void resume_where_asked(const CheckpointOptions& options, Simulation& simulation);
+void resume_if_requested(const CheckpointOptions& options, Simulation& simulation);
 
 class Checkpoints {
  public:

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "scenes/file/scene.h"
 
 namespace throng {
@@ -34,11 +34,11 @@ void plan_model(const Model* model, OutputPlan& plan) {
 bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISDIR(mode); }
 
 /// What two may write at once: each byte is swallowed or shown, none is overwritten.
-bool takes_everything(const FilePlace& place) {
-  return place.still_to_be.empty() && S_ISCHR(place.mode);
+bool is_character_device(const FileIdentity& place) {
+  return place.missing_path.empty() && S_ISCHR(place.mode);
 }
 
-bool exists(const FilePlace& place) { return place.still_to_be.empty(); }
+bool exists(const FileIdentity& place) { return place.missing_path.empty(); }
 
 /// As a message names it.
 std::string named(const std::string& option, const fs::path& path) {
@@ -76,14 +76,14 @@ bool matches(const std::string& name, const std::string& pattern) {
 
 /// Of a stream whose bytes end up side by side with what else is written there; a terminal shows
 /// whatever comes.
-bool goes_somewhere(int descriptor, struct stat& status) {
+bool is_open_for_output(int descriptor, struct stat& status) {
   return ::fstat(descriptor, &status) == 0 && !S_ISCHR(status.st_mode);
 }
 
 }  // namespace
 
-FilePlace place_of(const fs::path& path) {
-  fs::path existing = links_followed(path);
+FileIdentity identify(const fs::path& path) {
+  fs::path existing = resolve_links(path);
   fs::path rest;
   struct stat status {};
   while (::stat(existing.empty() ? "." : existing.c_str(), &status) != 0) {
@@ -95,7 +95,7 @@ FilePlace place_of(const fs::path& path) {
   }
   // A missing folder that is left again is made on the way, and what lies behind it may be there.
   const fs::path normal = rest.lexically_normal();
-  if (normal != rest) return place_of(normal == "." ? existing : existing / normal);
+  if (normal != rest) return identify(normal == "." ? existing : existing / normal);
   return {status.st_dev, status.st_ino, status.st_mode, normal};
 }
 
@@ -125,11 +125,12 @@ void OutputPlan::fills(const std::string& option, const fs::path& folder,
 std::vector<OutputPlan::Name> OutputPlan::inputs() const {
   std::vector<Name> all;
   for (const auto& [what, path] : inputs_)
-    all.push_back({fmt::format("{}, {}", path.string(), what), path, place_of(path)});
+    all.push_back({fmt::format("{}, {}", path.string(), what), path, identify(path)});
   struct stat status {};
   for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
     const bool is_json = stream == STDOUT_FILENO && json_to_stdout_;
-    if (!goes_somewhere(stream, status) && !(is_json && ::fstat(stream, &status) == 0)) continue;
+    if (!is_open_for_output(stream, status) && !(is_json && ::fstat(stream, &status) == 0))
+      continue;
     const char* what = is_json                   ? "the standard output, which --json goes to"
                        : stream == STDOUT_FILENO ? "the file of the standard output"
                                                  : "the file of the standard error";
@@ -139,24 +140,24 @@ std::vector<OutputPlan::Name> OutputPlan::inputs() const {
 }
 
 std::vector<OutputPlan::Name> OutputPlan::names_of(const PlannedFile& file) const {
-  std::vector<Name> all = {{"that of " + file.option, file.path, place_of(file.path)}};
+  std::vector<Name> all = {{"that of " + file.option, file.path, identify(file.path)}};
   for (const fs::path& path : file.beside)
     all.push_back(
-        {fmt::format("{}, which {} needs, too", path.string(), file.option), path, place_of(path)});
-  if (!file.keeps.empty())
+        {fmt::format("{}, which {} needs, too", path.string(), file.option), path, identify(path)});
+  if (!file.keep_as.empty())
     all.push_back(
-        {fmt::format("{}, where {} keeps the older one", file.keeps.string(), file.option),
-         file.keeps, place_of(file.keeps)});
+        {fmt::format("{}, where {} keeps the older one", file.keep_as.string(), file.option),
+         file.keep_as, identify(file.keep_as)});
   return all;
 }
 
-bool OutputPlan::will_be_made(const FilePlace& folder) const {
+bool OutputPlan::will_be_made(const FileIdentity& folder) const {
   return std::any_of(folders_.begin(), folders_.end(),
-                     [&](const Folder& made) { return place_of(made.path) == folder; });
+                     [&](const Folder& made) { return identify(made.path) == folder; });
 }
 
 void OutputPlan::check_file(const PlannedFile& file) const {
-  const FilePlace place = place_of(file.path);
+  const FileIdentity place = identify(file.path);
   const bool is_folder = exists(place) ? S_ISDIR(place.mode) : !file.path.has_filename();
   if (is_folder) throw InputError(named(file.option, file.path), "a file", "a folder of that name");
   if (exists(place)) {
@@ -168,9 +169,9 @@ void OutputPlan::check_file(const PlannedFile& file) const {
                                          std::strerror(errno)));
     return;
   }
-  const fs::path folder = folder_of(links_followed(file.path));
-  if (S_ISDIR(place.mode) && place.still_to_be.has_parent_path()) {
-    if (will_be_made(place_of(folder)) || file.makes_folder) return;
+  const fs::path folder = folder_of(resolve_links(file.path));
+  if (S_ISDIR(place.mode) && place.missing_path.has_parent_path()) {
+    if (will_be_made(identify(folder)) || file.makes_folder) return;
     throw cannot_create(
         file.option, file.path,
         fmt::format("the folder {} does not exist; create it, or name another", folder.string()));
@@ -183,7 +184,7 @@ void OutputPlan::check_file(const PlannedFile& file) const {
 }
 
 void OutputPlan::check_folder(const Folder& folder) const {
-  const FilePlace place = place_of(folder.path);
+  const FileIdentity place = identify(folder.path);
   if (exists(place) && !S_ISDIR(place.mode))
     throw InputError(named(folder.option, folder.path), "a folder", "a file of that name");
   if (!S_ISDIR(place.mode))
@@ -196,7 +197,7 @@ void OutputPlan::check_distinct() const {
     throw InputError(named(option, file.path), "a file of its own", other.label);
   };
   const auto same = [](const Name& a, const Name& b) {
-    return a.place == b.place && !takes_everything(a.place);
+    return a.place == b.place && !is_character_device(a.place);
   };
   std::vector<Name> before;  // what earlier options write
   for (const PlannedFile& file : files_) {
@@ -215,21 +216,21 @@ void OutputPlan::check_distinct() const {
   for (const Name& input : inputs) all.emplace_back("", input);
   for (size_t i = 0; i < folders_.size(); ++i) {
     const Folder& folder = folders_[i];
-    const FilePlace place = place_of(folder.path);
+    const FileIdentity place = identify(folder.path);
     for (size_t j = 0; j < i; ++j)
-      if (place_of(folders_[j].path) == place)
+      if (identify(folders_[j].path) == place)
         throw InputError(named(folder.option, folder.path), "a folder of its own",
                          "that of " + folders_[j].option);
     for (const auto& [option, name] : all) {
       if (name.place == place)
         throw InputError(named(folder.option, folder.path), "a folder of its own", name.label);
       const bool lies_within =
-          !name.path.empty() && place_of(folder_of(links_followed(name.path))) == place;
+          !name.path.empty() && identify(folder_of(resolve_links(name.path))) == place;
       for (const std::string& pattern : folder.names) {
         const bool is_taken =
-            (lies_within && matches(links_followed(name.path).filename().string(), pattern)) ||
-            (!pattern.starts_with('*') && place_of(folder.path / pattern) == name.place &&
-             !takes_everything(name.place));
+            (lies_within && matches(resolve_links(name.path).filename().string(), pattern)) ||
+            (!pattern.starts_with('*') && identify(folder.path / pattern) == name.place &&
+             !is_character_device(name.place));
         if (!is_taken) continue;
         const std::string whole = named(folder.option, folder.path);
         if (option.empty())
@@ -264,9 +265,9 @@ OpenOutputs OutputPlan::open() const {
       outputs.open(file);
     }
     for (const PlannedFile& file : files_)
-      if (!file.keeps.empty()) outputs.to_keep_.push_back(file);
+      if (!file.keep_as.empty()) outputs.files_to_keep_.push_back(file);
   } catch (...) {
-    outputs.take_back();
+    outputs.roll_back();
     throw;
   }
   return outputs;
@@ -278,15 +279,15 @@ OpenOutputs::OpenOutputs(OpenOutputs&& other) noexcept
     : descriptors_(std::exchange(other.descriptors_, {})),
       created_(std::exchange(other.created_, {})),
       notes_(std::move(other.notes_)),
-      to_keep_(std::move(other.to_keep_)),
+      files_to_keep_(std::move(other.files_to_keep_)),
       exceptions_(other.exceptions_) {}
 
 OpenOutputs::~OpenOutputs() {
-  if (std::uncaught_exceptions() > exceptions_) take_back();
+  if (std::uncaught_exceptions() > exceptions_) roll_back();
   for (const int descriptor : descriptors_) ::close(descriptor);
 }
 
-void OpenOutputs::take_back() noexcept {
+void OpenOutputs::roll_back() noexcept {
   // Last made, first removed; a folder that is not empty stays.
   for (auto path = created_.rbegin(); path != created_.rend(); ++path) {
     struct stat status {};
@@ -345,43 +346,43 @@ void OpenOutputs::open(const PlannedFile& file) {
   if (is_there && is_special(status.st_mode)) return;
   const int descriptor = open_locked(file);
   // Only what is locked is ours to take back: until then another run may have created it.
-  if (!is_there) created_.push_back(links_followed(file.path));
-  if (is_there && status.st_size > 0 && file.is_recording && file.keeps.empty())
+  if (!is_there) created_.push_back(resolve_links(file.path));
+  if (is_there && status.st_size > 0 && file.is_recording && file.keep_as.empty())
     notes_.push_back(
         fmt::format("{} of {}, is replaced{}", file.path.string(), age_and_size(status),
-                    file.writing == Writing::kAtOnce ? " when the new one is whole" : ""));
-  if (file.writing != Writing::kAtOnce) return;
+                    file.mode == WriteMode::kAtomic ? " when the new one is whole" : ""));
+  if (file.mode != WriteMode::kAtomic) return;
   // Its turn comes at the end: until then nothing tells that it is going to be there.
   if (!is_there && ::unlink(created_.back().c_str()) == 0) created_.pop_back();
   ::close(descriptor);
   descriptors_.pop_back();
 }
 
-void OpenOutputs::keep_older() {
-  for (const PlannedFile& file : to_keep_) keep_older(file);
-  to_keep_.clear();
+void OpenOutputs::keep_previous() {
+  for (const PlannedFile& file : files_to_keep_) keep_previous(file);
+  files_to_keep_.clear();
 }
 
-void OpenOutputs::keep_older(const PlannedFile& file) {
+void OpenOutputs::keep_previous(const PlannedFile& file) {
   struct stat status {
   }, kept{};
   if (::stat(file.path.c_str(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0)
     return;
-  const bool replaces = ::stat(file.keeps.c_str(), &kept) == 0;
+  const bool replaces = ::stat(file.keep_as.c_str(), &kept) == 0;
   if (replaces) {
     // Somebody may have chosen that name for a run of his own.
-    const int descriptor = ::open(file.keeps.c_str(), O_WRONLY | O_CLOEXEC);
+    const int descriptor = ::open(file.keep_as.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor >= 0) descriptors_.push_back(descriptor);
-    if (descriptor >= 0) lock(descriptor, file.option, file.keeps);
+    if (descriptor >= 0) lock(descriptor, file.option, file.keep_as);
   }
-  if (::rename(links_followed(file.path).c_str(), file.keeps.c_str()) != 0)
+  if (::rename(resolve_links(file.path).c_str(), file.keep_as.c_str()) != 0)
     throw EnvironmentError(
         fmt::format("{}: cannot keep the older one as {}: {}; name another place with {}",
-                    file.path.string(), file.keeps.string(), std::strerror(errno), file.option));
+                    file.path.string(), file.keep_as.string(), std::strerror(errno), file.option));
   open_locked(file);
-  created_.push_back(links_followed(file.path));
+  created_.push_back(resolve_links(file.path));
   notes_.push_back(fmt::format(
-      "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keeps.string(),
+      "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keep_as.string(),
       replaces ? fmt::format(", in place of that of {}", age_and_size(kept)) : ""));
 }
 

@@ -16,32 +16,32 @@ struct Scene;
 
 /// A file on its way: an existing folder or file, and what is not there yet below it. Two paths are
 /// one file if and only if their places are equal, whatever links, dots and names lead there.
-struct FilePlace {
+struct FileIdentity {
   dev_t device = 0;
   ino_t inode = 0;
-  mode_t mode = 0;                    ///< of what exists
-  std::filesystem::path still_to_be;  ///< empty: the file itself exists
+  mode_t mode = 0;                     ///< of what exists
+  std::filesystem::path missing_path;  ///< empty: the file itself exists
 
-  bool operator==(const FilePlace& other) const {
-    return device == other.device && inode == other.inode && still_to_be == other.still_to_be;
+  bool operator==(const FileIdentity& other) const {
+    return device == other.device && inode == other.inode && missing_path == other.missing_path;
   }
 };
-FilePlace place_of(const std::filesystem::path& path);
+FileIdentity identify(const std::filesystem::path& path);
 
 /// When an output comes to be. What stood there before is lost only then.
-enum class Writing {
-  kAsItRuns,  ///< emptied when the work begins, locked until it ends
+enum class WriteMode {
+  kStreamed,  ///< emptied when the work begins, locked until it ends
   kAppended,  ///< locked, too
-  kAtOnce,    ///< replaced by a whole one
+  kAtomic,    ///< replaced by a whole one
 };
 
 struct PlannedFile {
   std::string option;  ///< "--log"
   std::filesystem::path path{};
-  Writing writing = Writing::kAtOnce;
-  bool is_recording = false;      ///< worth a line when an older one is replaced
-  bool makes_folder = false;      ///< nobody chose it
-  std::filesystem::path keeps{};  ///< where an older one goes instead of being lost, or empty
+  WriteMode mode = WriteMode::kAtomic;
+  bool is_recording = false;        ///< worth a line when an older one is replaced
+  bool makes_folder = false;        ///< nobody chose it
+  std::filesystem::path keep_as{};  ///< where an older one goes instead of being lost, or empty
   std::vector<std::filesystem::path> beside{};  ///< what the writer needs besides
 };
 
@@ -57,7 +57,7 @@ class OpenOutputs {
 
   /// Moves away what is kept; for the moment when all writers have opened theirs. Throws
   /// EnvironmentError.
-  void keep_older();
+  void keep_previous();
   /// What was replaced or kept, a line each, for the user.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -66,14 +66,14 @@ class OpenOutputs {
   void make_folder(const std::filesystem::path& folder, const std::string& option);
   void lock_folder(const std::filesystem::path& folder, const std::string& option);
   void open(const PlannedFile& file);
-  void keep_older(const PlannedFile& file);
+  void keep_previous(const PlannedFile& file);
   int open_locked(const PlannedFile& file);
-  void take_back() noexcept;
+  void roll_back() noexcept;
 
   std::vector<int> descriptors_;
   std::vector<std::filesystem::path> created_;
   std::vector<std::string> notes_;
-  std::vector<PlannedFile> to_keep_;
+  std::vector<PlannedFile> files_to_keep_;
   int exceptions_;
 };
 
@@ -100,7 +100,7 @@ class OutputPlan {
   struct Name {
     std::string label;  ///< "the file of --log"
     std::filesystem::path path;
-    FilePlace place;
+    FileIdentity place;
   };
   struct Folder {
     std::string option;
@@ -113,7 +113,7 @@ class OutputPlan {
   void check_file(const PlannedFile& file) const;
   void check_folder(const Folder& folder) const;
   void check_distinct() const;
-  bool will_be_made(const FilePlace& folder) const;
+  bool will_be_made(const FileIdentity& folder) const;
 
   std::vector<std::pair<std::string, std::filesystem::path>> inputs_;
   std::vector<PlannedFile> files_;

@@ -23,7 +23,7 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
                    : fmt::format("expected a name that ends in .sqlite or .csv, found '{}'", name);
       })
       ->expected(1)
-      ->take_all()
+      ->take_many()
       ->type_name("FILE");
   app.add_option("--trajectory-fps", options.trajectory_fps,
                  "Frames a second in it [10; of a recording its own]")
@@ -45,11 +45,11 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
   app.add_option("--separation", options.separation,
                  "How near robots come to people, as the scene's separation judges it: a folder")
       ->type_name("DIR");
-  app.add_option("--by-part", options.by_part,
+  app.add_option("--part-pairs", options.by_part,
                  "Tests, passes and false positives by pair of parts: a folder of CSV and figures")
       ->type_name("DIR")
-      ->excludes("--deadline-ms")
-      ->excludes("--deadline-tests");
+      ->excludes("--budget-ms")
+      ->excludes("--budget-tests");
   app.add_option("--trace-hash", options.trace,
                  "A hash a stage and frame, to see where two runs part ways")
       ->type_name("FILE");
@@ -57,19 +57,17 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
 
 void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
   for (const std::string& name : options.trajectories) {
-    PlannedFile file{.option = "--trajectory",
-                     .path = name,
-                     .writing = Writing::kAsItRuns,
-                     .is_recording = true};
+    PlannedFile file{
+        .option = "--trajectory", .path = name, .mode = WriteMode::kStreamed, .is_recording = true};
     if (file.path.extension() == ".sqlite")
-      for (const char* ending : kBesideSqlite) file.beside.emplace_back(name + ending);
+      for (const char* ending : kSqliteSideFiles) file.beside.emplace_back(name + ending);
     plan.writes(std::move(file));
   }
-  plan.writes({.option = "--trace-hash", .path = options.trace, .writing = Writing::kAsItRuns});
+  plan.writes({.option = "--trace-hash", .path = options.trace, .mode = WriteMode::kStreamed});
   plan.writes({.option = "--html", .path = options.html, .is_recording = true});
   plan.fills("--contacts", options.contacts, contact_files());
   plan.fills("--separation", options.separation, separation_files());
-  plan.fills("--by-part", options.by_part, by_part_files());
+  plan.fills("--part-pairs", options.by_part, by_part_files());
 }
 
 void require_recordable(const RecorderOptions& options, const Scene& scene) {
@@ -161,16 +159,16 @@ void LogGuard::message(Channel channel, int64_t utime_us, std::span<const uint8_
   guarded([&] { log_.message(channel, utime_us, bytes); });
 }
 
-void LogGuard::after_begin(Outlet& outlet) {
-  guarded([&] { log_.after_begin(outlet); });
+void LogGuard::after_begin(TargetState& target_state) {
+  guarded([&] { log_.after_begin(target_state); });
 }
 
-void LogGuard::after_frame(Outlet& outlet) {
-  guarded([&] { log_.after_frame(outlet); });
+void LogGuard::after_frame(TargetState& target_state) {
+  guarded([&] { log_.after_frame(target_state); });
 }
 
-void LogGuard::after_end(Outlet& outlet) {
-  guarded([&] { log_.after_end(outlet); });
+void LogGuard::after_end(TargetState& target_state) {
+  guarded([&] { log_.after_end(target_state); });
 }
 
 }  // namespace throng

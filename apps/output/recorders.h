@@ -74,9 +74,9 @@ class LogGuard final : public FileGuard, public MessageTarget {
 
   bool wants_messages() const override { return !failed() && log_.wants_messages(); }
   void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
-  void after_begin(Outlet& outlet) override;
-  void after_frame(Outlet& outlet) override;
-  void after_end(Outlet& outlet) override;
+  void after_begin(TargetState& target_state) override;
+  void after_frame(TargetState& target_state) override;
+  void after_end(TargetState& target_state) override;
 
  private:
   MessageTarget& log_;

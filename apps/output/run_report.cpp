@@ -111,8 +111,8 @@ constexpr std::array<const char*, kPairLevels> kLevels = {"sphere", "box", "part
 
 Json deadline_json(const RunReport& report) {
   Json json;
-  if (report.deadline_ms) json["ms"] = *report.deadline_ms;
-  if (report.deadline_tests) json["tests"] = *report.deadline_tests;
+  if (report.budget_ms) json["ms"] = *report.budget_ms;
+  if (report.budget_tests) json["tests"] = *report.budget_tests;
   json["frames_cut"] = report.summary.frames_cut;
   for (size_t level = 0; level < kPairLevels; ++level)
     json["pairs"][kLevels[level]] = report.summary.totals.levels[level];
@@ -122,13 +122,13 @@ Json deadline_json(const RunReport& report) {
 std::string deadline_text(const RunReport& report) {
   const RunSummary& summary = report.summary;
   std::string text = "at most ";
-  if (report.deadline_ms) text += fmt::format("{} ms", *report.deadline_ms);
-  if (report.deadline_ms && report.deadline_tests) text += " and ";
-  if (report.deadline_tests) text += fmt::format("{} tests", *report.deadline_tests);
+  if (report.budget_ms) text += fmt::format("{} ms", *report.budget_ms);
+  if (report.budget_ms && report.budget_tests) text += " and ";
+  if (report.budget_tests) text += fmt::format("{} tests", *report.budget_tests);
   text += fmt::format(" a frame: {} of {} frames cut; pairs reported by", summary.frames_cut,
                       summary.frames);
   const std::array<std::string_view, kPairLevels> by = {"spheres", "boxes",
-                                                        summary.totals.part.volume, "triangles"};
+                                                        summary.totals.part_volume.volume, "triangles"};
   for (size_t level = 0; level < kPairLevels; ++level)
     if (summary.totals.levels[level] > 0)
       text += fmt::format(" {} {},", by[level], summary.totals.levels[level]);
@@ -136,11 +136,11 @@ std::string deadline_text(const RunReport& report) {
   return text;
 }
 
-Json near_json(const NearSummary& near) {
+Json near_json(const ProximitySummary& near) {
   return {{"pairs", near.pairs},
           {"people", near.people},
           {"pairs_peak", near.pairs_peak},
-          {"least_m", near.least_m},
+          {"min_distance_m", near.min_distance_m},
           {"ms", {{"median", near.ms.median}, {"p95", near.ms.p95}, {"max", near.ms.max}}},
           {"hash", hash_text(near.hash)}};
 }
@@ -151,18 +151,18 @@ Json separation_json(const RunReport::Separation& separation) {
   for (size_t i = 0; i < kBodyRegions; ++i) {
     const RegionTotals& region = totals.regions[i];
     if (!region.is_there) continue;
-    const bool is_far = region.least_lo_m == RegionSeparation::kFar;
+    const bool is_far = region.min_distance_lo_m == RegionSeparation::kFar;
     regions[std::string(name_of(static_cast<BodyRegion>(i)))] = {
         {"shortfalls", region.shortfalls},
-        {"short_s", region.short_s},
-        {"most_short_m", region.most_short_m},
-        {"least_m", is_far ? Json() : Json{region.least_lo_m, region.least_hi_m}}};
+        {"shortfall_s", region.shortfall_s},
+        {"max_shortfall_m", region.max_shortfall_m},
+        {"least_m", is_far ? Json() : Json{region.min_distance_lo_m, region.min_distance_hi_m}}};
   }
   return {{"folder", separation.folder},
           {"robots", totals.robots},
           {"shortfalls", totals.shortfalls},
           {"pairs", totals.pairs},
-          {"unjudged", totals.unjudged},
+          {"undetermined", totals.undetermined},
           {"beyond_margin", totals.beyond_margin},
           {"regions", regions}};
 }
@@ -171,25 +171,25 @@ Json separation_json(const RunReport::Separation& separation) {
 std::string separation_text(const SeparationTotals& totals) {
   size_t worst = 0;
   for (size_t i = 1; i < kBodyRegions; ++i)
-    if (totals.regions[i].short_s > totals.regions[worst].short_s) worst = i;
+    if (totals.regions[i].shortfall_s > totals.regions[worst].shortfall_s) worst = i;
   std::string text = fmt::format("{} shortfalls", totals.shortfalls);
   if (totals.shortfalls > 0)
     text += fmt::format(", {} for longest ({:.2f} s, by {:.3f} m at most)",
-                        name_of(static_cast<BodyRegion>(worst)), totals.regions[worst].short_s,
-                        totals.regions[worst].most_short_m);
-  text += fmt::format("; of {} pairs of parts {} have no speed", totals.pairs, totals.unjudged);
+                        name_of(static_cast<BodyRegion>(worst)), totals.regions[worst].shortfall_s,
+                        totals.regions[worst].max_shortfall_m);
+  text += fmt::format("; of {} pairs of parts {} have no speed", totals.pairs, totals.undetermined);
   if (totals.beyond_margin > 0)
     text += fmt::format(", {} require more than the margin", totals.beyond_margin);
   return text;
 }
 
-Json lockstep_json(const RunReport::InLockstep& lockstep) {
+Json lockstep_json(const RunReport::LockstepReport& lockstep) {
   Json groups = Json::array();
   for (const Lockstep::Counts& group : lockstep.groups)
     groups.push_back({{"group", group.group},
                       {"channel", group.channel},
-                      {"turns", group.turns},
-                      {"answers", group.answers},
+                      {"turns", group.requests},
+                      {"answers", group.replies},
                       {"late", group.late},
                       {"repeated", group.repeated},
                       {"other_runs", group.other_runs},
@@ -197,8 +197,8 @@ Json lockstep_json(const RunReport::InLockstep& lockstep) {
                       {"refusal", group.refusal},
                       {"clamped", group.clamped}});
   return {{"timeout_s", lockstep.timeout_s},
-          {"waited_s", lockstep.waited_s},
-          {"longest_s", lockstep.longest_s},
+          {"waited_s", lockstep.total_wait_s},
+          {"longest_s", lockstep.max_wait_s},
           {"failure", lockstep.failure},
           {"groups", groups}};
 }
@@ -207,7 +207,7 @@ std::string lockstep_text(const Lockstep::Counts& group) {
   return fmt::format(
       "{} by {}: {} answers, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
       "of range",
-      group.group, group.channel, group.answers, group.late, group.repeated, group.other_runs,
+      group.group, group.channel, group.replies, group.late, group.repeated, group.other_runs,
       group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")", group.clamped);
 }
 
@@ -218,8 +218,9 @@ Json recording_json(const RunReport::Recording& recording) {
                {"fps", recording.facts.fps},
                {"shift_m", {recording.facts.shift_m.x(), recording.facts.shift_m.y()}},
                {"odd", Json::array()}};
-  for (const Oddity& odd : recording.facts.odd)
-    json["odd"].push_back({{"what", odd.what}, {"count", odd.count}, {"first", odd.first}});
+  for (const Anomaly& anomaly : recording.facts.anomalies)
+    json["odd"].push_back(
+        {{"what", anomaly.what}, {"count", anomaly.count}, {"first", anomaly.first}});
   return json;
 }
 
@@ -231,17 +232,14 @@ Json to_json(const RunReport& report) {
   json["seed"] = report.seed;
   json["avatars"] = summary.avatars;
   json["unplaced"] = summary.unplaced;
-  json["people"] = {{"entered", summary.traffic.entered},
-                    {"present", summary.traffic.present},
-                    {"left", summary.traffic.left},
-                    {"waiting", summary.traffic.waiting},
-                    {"to_come", summary.traffic.to_come},
-                    {"stranded", stranded(report)},
-                    {"queuing_peak", summary.queuing_peak},
-                    {"longest_stall_s", summary.longest_stall_s},
-                    {"deepest_overlap_m", summary.deepest_overlap_m}};
+  json["people"] = {
+      {"entered", summary.population.entered},     {"present", summary.population.present},
+      {"left", summary.population.left},           {"waiting", summary.population.waiting_to_enter},
+      {"scheduled", summary.population.scheduled}, {"stranded", stranded(report)},
+      {"queuing_peak", summary.queuing_peak},      {"longest_stall_s", summary.longest_stall_s},
+      {"max_overlap_m", summary.max_overlap_m}};
   json["stranded"] = stranded_json(report);
-  json["plan"] = {{"grew", report.plan_factor},
+  json["plan"] = {{"grew", report.scale_factor},
                   {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
   json["notes"] = report.notes;
   if (report.recording) json["recording"] = recording_json(*report.recording);
@@ -252,18 +250,18 @@ Json to_json(const RunReport& report) {
   json["threads"] = report.threads;
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
-  for (const DriveReceiver::Counts& driven : report.driven)
-    json["driven"].push_back({{"group", driven.group},
-                              {"channel", driven.channel},
-                              {"messages", driven.messages},
-                              {"frames", driven.frames},
-                              {"frames_held", driven.frames_held},
-                              {"missing", driven.missing},
-                              {"late", driven.late},
-                              {"restarts", driven.restarts},
-                              {"refused", driven.refused},
-                              {"refusal", driven.refusal},
-                              {"clamped", driven.clamped}});
+  for (const PoseCommandReceiver::Counts& group : report.external_control)
+    json["driven"].push_back({{"group", group.group},
+                              {"channel", group.channel},
+                              {"messages", group.messages},
+                              {"frames", group.frames},
+                              {"frames_without_command", group.frames_without_command},
+                              {"missing", group.missing},
+                              {"late", group.late},
+                              {"restarts", group.restarts},
+                              {"refused", group.refused},
+                              {"refusal", group.refusal},
+                              {"clamped", group.clamped}});
   if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
   if (report.pace.factor > 0)
     json["pace"] = {{"factor", report.pace.factor},
@@ -278,34 +276,34 @@ Json to_json(const RunReport& report) {
   json["stages"] = stages_json(summary);
   json["steering"] = {
       {"model", name_of(report.steering.model)},
-      {"density_speed", report.steering.density_speed},
+      {"density_dependent_speed", report.steering.density_dependent_speed},
       {"longest_stall_s", summary.longest_stall_s},
-      {"deepest_overlap_m", summary.deepest_overlap_m},
+      {"max_overlap_m", summary.max_overlap_m},
       {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
       {"sweeps", {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.max_sweeps}}}};
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
-  if (report.deadline_ms || report.deadline_tests) json["deadline"] = deadline_json(report);
-  if (summary.near.is_asked) json["near"] = near_json(summary.near);
-  if (const ContactPointSummary& points = summary.contact_points; points.is_asked)
+  if (report.budget_ms || report.budget_tests) json["deadline"] = deadline_json(report);
+  if (summary.proximity.is_enabled) json["near"] = near_json(summary.proximity);
+  if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
     json["contact_points"] = {{"points", points.points},
                               {"points_peak", points.points_peak},
-                              {"deepest_m", points.deepest_m},
-                              {"median_ms", summary.near.ms.median}};
+                              {"deepest_m", points.max_depth_m},
+                              {"median_ms", summary.proximity.ms.median}};
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
   json["lcm"] = {{"url", report.lcm.url},
                  {"messages", report.lcm.messages},
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
-  for (const OwnChannels::Told& told : report.told)
-    json["told"].push_back({{"who", told.to.who},
-                            {"channel", told.to.channel},
-                            {"bodies", told.bodies},
-                            {"messages", told.messages},
-                            {"events", told.events},
-                            {"near_rows", told.near_rows}});
+  for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
+    json["told"].push_back({{"who", published.to.who},
+                            {"channel", published.to.channel},
+                            {"bodies", published.bodies},
+                            {"messages", published.messages},
+                            {"events", published.events},
+                            {"proximity_rows", published.proximity_rows}});
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
@@ -314,7 +312,7 @@ Json to_json(const RunReport& report) {
                         {"obstacles", totals.obstacle_contacts},
                         {"people_touched", totals.people_touched},
                         {"per_person_min", totals.per_person_min()},
-                        {"touching_share", totals.touching_s / std::max(1e-9, totals.person_s)},
+                        {"contact_time_share", totals.touching_s / std::max(1e-9, totals.person_s)},
                         {"median_s", totals.median_s}};
   }
   if (report.separation) json["separation"] = separation_json(*report.separation);
@@ -343,24 +341,24 @@ std::string format_table(const RunReport& report) {
   line("time", fmt::format("{:.2f} s simulated in {:.2f} s: {:.1f} times real time ({}, {})",
                            summary.simulated_s, summary.wall_s, summary.realtime_factor,
                            counted(report.threads, "thread"), report.simd));
-  const TrafficCounters& traffic = summary.traffic;
-  if (traffic.left + traffic.waiting + traffic.to_come > 0)
+  const PopulationCounters& population = summary.population;
+  if (population.left + population.waiting_to_enter + population.scheduled > 0)
     line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
-                               traffic.entered, traffic.left, traffic.present, traffic.waiting,
-                               traffic.to_come));
+                               population.entered, population.left, population.present,
+                               population.waiting_to_enter, population.scheduled));
   line("stranded", stranded_text(report));
-  for (const DriveReceiver::Counts& driven : report.driven)
+  for (const PoseCommandReceiver::Counts& group : report.external_control)
     line("driven",
          fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; the last "
                      "pose held in {} of {} frames; {} values out of range; started anew {} times",
-                     driven.group, driven.channel, driven.messages, driven.missing, driven.late,
-                     driven.refused, driven.refusal.empty() ? "" : " (" + driven.refusal + ")",
-                     driven.frames_held, driven.frames, driven.clamped, driven.restarts));
+                     group.group, group.channel, group.messages, group.missing, group.late,
+                     group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")",
+                     group.frames_without_command, group.frames, group.clamped, group.restarts));
   if (report.lockstep) {
     for (const Lockstep::Counts& group : report.lockstep->groups)
       line("lockstep", lockstep_text(group));
     line("waited", fmt::format("{:.2f} s for answers, {:.3f} s at most for a frame",
-                               report.lockstep->waited_s, report.lockstep->longest_s));
+                               report.lockstep->total_wait_s, report.lockstep->max_wait_s));
   }
   if (report.pace.factor > 0)
     line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
@@ -369,23 +367,23 @@ std::string format_table(const RunReport& report) {
                              report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} at once", summary.begins,
                              summary.persists, summary.ends, counted(summary.pairs_peak, "pair")));
-  if (report.deadline_ms || report.deadline_tests) line("deadline", deadline_text(report));
-  if (summary.near.is_asked)
-    line("near",
-         fmt::format("{} rows of parts, {} of two people; at most {} at once, least {:.3f} "
-                     "m; {:.2f} ms a frame (hash {})",
-                     summary.near.pairs, summary.near.people, summary.near.pairs_peak,
-                     summary.near.least_m, summary.near.ms.median, hash_text(summary.near.hash)));
-  if (const ContactPointSummary& points = summary.contact_points; points.is_asked)
-    line("points",
-         fmt::format("{} of contact; at most {} at once, deepest {:.3f} m; {:.2f} ms a "
-                     "frame",
-                     points.points, points.points_peak, points.deepest_m, summary.near.ms.median));
+  if (report.budget_ms || report.budget_tests) line("deadline", deadline_text(report));
+  if (summary.proximity.is_enabled)
+    line("near", fmt::format("{} rows of parts, {} of two people; at most {} at once, least {:.3f} "
+                             "m; {:.2f} ms a frame (hash {})",
+                             summary.proximity.pairs, summary.proximity.people,
+                             summary.proximity.pairs_peak, summary.proximity.min_distance_m,
+                             summary.proximity.ms.median, hash_text(summary.proximity.hash)));
+  if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
+    line("points", fmt::format("{} of contact; at most {} at once, deepest {:.3f} m; {:.2f} ms a "
+                               "frame",
+                               points.points, points.points_peak, points.max_depth_m,
+                               summary.proximity.ms.median));
   if (summary.steering.rounds > 0)
     line("walking",
          fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "
                      "{}), headings turn {:.2f} rad/s",
-                     summary.longest_stall_s, 100 * summary.deepest_overlap_m,
+                     summary.longest_stall_s, 100 * summary.max_overlap_m,
                      summary.steering.mean_sweeps(), summary.steering.max_sweeps,
                      summary.steering.mean_heading_rate_radps()));
   line("log", report.log == "off" ? "off"
@@ -397,10 +395,10 @@ std::string format_table(const RunReport& report) {
            : fmt::format("{}: {}, {}, {} dropped", report.lcm.url,
                          counted(report.lcm.messages, "message"),
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
-  for (const OwnChannels::Told& told : report.told)
-    line("told",
-         fmt::format("{} by {}: {} bodies, {} messages, {} events, {} near rows", told.to.who,
-                     told.to.channel, told.bodies, told.messages, told.events, told.near_rows));
+  for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
+    line("told", fmt::format("{} by {}: {} bodies, {} messages, {} events, {} near rows",
+                             published.to.who, published.to.channel, published.bodies,
+                             published.messages, published.events, published.proximity_rows));
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
     line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "

@@ -11,9 +11,9 @@
 
 #include "analysis/contacts/contact_statistics.h"
 #include "lcm_io/replay/run_source.h"
-#include "lcm_io/wire/drive_receiver.h"
+#include "lcm_io/wire/filtered_channels.h"
 #include "lcm_io/wire/lockstep.h"
-#include "lcm_io/wire/own_channels.h"
+#include "lcm_io/wire/pose_command_receiver.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_monitor.h"
 
@@ -25,8 +25,8 @@ struct RunReport {
   double step_s = 0;
   int threads = 1;
   std::string simd;
-  std::optional<double> deadline_ms;
-  std::optional<uint64_t> deadline_tests;
+  std::optional<double> budget_ms;
+  std::optional<uint64_t> budget_tests;
   SteeringRule steering;
   RunSummary summary;
 
@@ -37,7 +37,7 @@ struct RunReport {
     int64_t dropped = 0;
   };
   Lcm lcm;
-  std::vector<OwnChannels::Told> told;  ///< one a --tell
+  std::vector<FilteredChannels::PublishedTotals> filtered_channels;  ///< one a --publish-for
   struct Pace {
     double factor = 0;  ///< simulated seconds a second that were asked for; 0: unpaced
     int64_t late_frames = 0;
@@ -45,16 +45,17 @@ struct RunReport {
     double behind_s = 0;  ///< at the end
   };
   Pace pace;
-  std::vector<DriveReceiver::Counts> driven;  ///< one a driven group, without lockstep
-  struct InLockstep {
+  std::vector<PoseCommandReceiver::Counts>
+      external_control;  ///< one a driven group, without lockstep
+  struct LockstepReport {
     std::vector<Lockstep::Counts> groups;
     double timeout_s = 0;
-    double waited_s = 0;   ///< for answers, over all frames
-    double longest_s = 0;  ///< of a frame
-    std::string failure;   ///< why it ended, or ""
+    double total_wait_s = 0;  ///< for answers, over all frames
+    double max_wait_s = 0;    ///< of a frame
+    std::string failure;      ///< why it ended, or ""
   };
-  std::optional<InLockstep> lockstep;  ///< with --lockstep
-  std::string log;                     ///< path, or "off"
+  std::optional<LockstepReport> lockstep;  ///< with --lockstep
+  std::string log;                         ///< path, or "off"
   uint64_t log_bytes = 0;
 
   struct Contacts {
@@ -79,7 +80,7 @@ struct RunReport {
     int people = 0;
   };
   std::vector<Stranded> stranded;
-  double plan_factor = 1;  ///< how many times longer --avatars made the plan
+  double scale_factor = 1;  ///< how many times longer --avatars made the plan
   Eigen::Vector2d ground_m = Eigen::Vector2d::Zero();
   std::vector<std::string> notes;  ///< what was said while the run was prepared
 };

@@ -6,14 +6,14 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/files/whole_file.h"
-#include "base/say.h"
+#include "base/files/atomic_file.h"
 
 namespace throng {
 
 void write_text(const std::filesystem::path& file, const std::string& text) {
-  write_whole_file(file, text);
+  write_file_atomically(file, text);
 }
 
 void append_text(const std::filesystem::path& file, const std::string& text) {
@@ -29,13 +29,13 @@ void append_text(const std::filesystem::path& file, const std::string& text) {
 void write_json_output(const std::string& file, const std::string& json) {
   if (file.empty()) return;
   if (is_stdout(file))
-    show_text(json);
+    print_result_text(json);
   else
     write_text(file, json);
 }
 
-void show_beside_json(const std::string& file, const std::string& table) {
-  if (!is_stdout(file)) show_text(table);
+void print_beside_json(const std::string& file, const std::string& table) {
+  if (!is_stdout(file)) print_result_text(table);
 }
 
 }  // namespace throng

@@ -22,6 +22,6 @@ inline bool is_stdout(const std::string& file) { return file == "-"; }
 void write_json_output(const std::string& file, const std::string& json);
 
 /// The same results for people, unless stdout is taken.
-void show_beside_json(const std::string& file, const std::string& table);
+void print_beside_json(const std::string& file, const std::string& table);
 
 }  // namespace throng

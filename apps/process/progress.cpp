@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "base/say.h"
+#include "base/console.h"
 
 namespace throng {
 namespace {
@@ -23,7 +23,7 @@ ProgressBar::ProgressBar(std::string label, int64_t total, std::string unit)
       on_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) say("\r\033[K");
+  if (drawn_) print_message("\r\033[K");
 }
 
 void ProgressBar::show(int64_t done) {
@@ -37,8 +37,8 @@ void ProgressBar::show(int64_t done) {
   const int filled = static_cast<int>(fraction * kWidth);
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double left_s = done > 0 ? elapsed_s * (1 / fraction - 1) : 0;
-  say("\r{} [{:#<{}}{:.<{}}] {}/{} {}, {:.1f} s left\033[K", label_, "", filled, "",
-      kWidth - filled, done, total_, unit_, left_s);
+  print_message("\r{} [{:#<{}}{:.<{}}] {}/{} {}, {:.1f} s left\033[K", label_, "", filled, "",
+                kWidth - filled, done, total_, unit_, left_s);
 }
 
 }  // namespace throng

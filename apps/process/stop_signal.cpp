@@ -13,14 +13,14 @@
 #include <thread>
 #include <utility>
 
-#include "base/say.h"
+#include "base/console.h"
 
 namespace throng {
 namespace {
 
 // `timeout`, a closing terminal and service managers send a signal twice in one breath, and mean it
 // once.
-constexpr int64_t kOneWish_ns = 500'000'000;
+constexpr int64_t kRepeatWindow_ns = 500'000'000;
 
 // The system gives the signal to any thread; a sig_atomic_t is safe within one only.
 std::atomic<bool> g_work_is_open{false};
@@ -55,23 +55,23 @@ void handle(int signal) {
       g_signal = signal;
       return;
     }
-    if (now - never < kOneWish_ns) return;
+    if (now - never < kRepeatWindow_ns) return;
   }
-  say_in_handler("throng: stopped by ");
-  say_in_handler(name_of_signal(signal));
-  say_in_handler("\n");
+  print_in_signal_handler("throng: stopped by ");
+  print_in_signal_handler(name_of_signal(signal));
+  print_in_signal_handler("\n");
   _exit(128 + signal);
 }
 
-constexpr std::chrono::milliseconds kLookAround{20};
-std::atomic<bool> g_work_was_left{false};
+constexpr std::chrono::milliseconds kPollPeriod{20};
+std::atomic<bool> g_work_was_abandoned{false};
 
 }  // namespace
 
 StopSignal::StopSignal() { g_work_is_open = true; }
 
 StopSignal::~StopSignal() {
-  flush_shown();  // the summary belongs to the work
+  flush_results();  // the summary belongs to the work
   g_work_is_open = false;
 }
 
@@ -96,14 +96,14 @@ int StopSignal::exit_code() { return requested() ? 128 + g_signal : 0; }
 
 std::string_view StopSignal::name() { return name_of_signal(g_signal); }
 
-bool done_before_a_signal(std::function<void()> work, std::chrono::milliseconds patience) {
+bool finishes_before_signal(std::function<void()> work, std::chrono::milliseconds patience) {
   std::packaged_task<void()> task(std::move(work));
   std::future<void> result = task.get_future();
   std::thread worker(std::move(task));
-  while (result.wait_for(kLookAround) != std::future_status::ready) {
+  while (result.wait_for(kPollPeriod) != std::future_status::ready) {
     if (!StopSignal::requested()) continue;
     if (result.wait_for(patience) == std::future_status::ready) break;
-    g_work_was_left = true;
+    g_work_was_abandoned = true;
     worker.detach();
     return false;
   }
@@ -112,9 +112,9 @@ bool done_before_a_signal(std::function<void()> work, std::chrono::milliseconds 
   return true;
 }
 
-void leave_unfinished_work(int exit_code) {
+void abandon_unfinished_work(int exit_code) {
   // Destructors of what is static would pull the ground from under the thread.
-  if (g_work_was_left) _exit(exit_code);
+  if (g_work_was_abandoned) _exit(exit_code);
 }
 
 }  // namespace throng

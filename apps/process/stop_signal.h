@@ -33,9 +33,9 @@ class StopSignal {
 /// the process ends, so that it must own, or share, all that it uses.
 ///
 /// `patience`: for work that looks for the signal itself and ends soon after it.
-bool done_before_a_signal(std::function<void()> work, std::chrono::milliseconds patience = {});
+bool finishes_before_signal(std::function<void()> work, std::chrono::milliseconds patience = {});
 
 /// At the very end of main(): ends the process here if work was left.
-void leave_unfinished_work(int exit_code);
+void abandon_unfinished_work(int exit_code);
 
 }  // namespace throng

@@ -13,21 +13,21 @@
 #include "avatars/gait/gait_cycle.h"
 #include "avatars/gait/gait_table.h"
 #include "avatars/gait/row_blend.h"
-#include "base/elementary.h"
 #include "base/files/archive.h"
-#include "base/simd/one_lane.h"
+#include "base/portable_math.h"
+#include "base/simd/scalar_lanes.h"
 
 namespace throng {
 namespace {
 
 // 2.23 m/s at a height of 1.75 m: walkers' free speeds are cut at 2.2 m/s (Weidmann 1993). Boulic's
 // curves end at 3, but each step there takes a centimetre of radius from everybody.
-constexpr double kFastestRelativeSpeed = 2.6;
+constexpr double kMaxRelativeSpeed = 2.6;
 constexpr int kPhases = 128;
 constexpr int kSpeeds = 33;
 
 // Shorter strides than this, in leg lengths, belong to speeds below a millimetre a second.
-constexpr float kShortestStride = 0.03f;
+constexpr float kMinStride = 0.03f;
 
 // Nodes are rounded to this, in radians and metres: the last bits of the C library's sines, which
 // differ between processors, do not reach a result.
@@ -68,9 +68,9 @@ struct Gait::Table : GaitTable {
       : GaitTable(column_count, phase_cells, speed_nodes) {}
 
   float leg_length_m = 0;  // 0: keeps still
-  float highest_root_speed = 0;
-  float speed_cells_per_root_speed = 0;
-  float strides_per_root_speed = 0;
+  float max_sqrt_speed = 0;
+  float speed_cells_per_sqrt_speed = 0;
+  float strides_per_sqrt_speed = 0;
   std::vector<RootBox> boxes;        // see bounds_around()
   std::optional<Stepping> stepping;  // of a walker
 
@@ -82,30 +82,30 @@ struct Gait::Table : GaitTable {
 
   // The square root of the relative speed, within the table. Strides are linear in it, so a posture
   // between two speeds still stands firm.
-  float root_speed(float speed_mps, float scale) const {
+  float sqrt_speed(float speed_mps, float scale) const {
     const float relative = std::max(speed_mps, 0.0f) / (leg_length_m * scale);
-    return std::min(std::sqrt(relative), highest_root_speed);
+    return std::min(std::sqrt(relative), max_sqrt_speed);
   }
 
-  GaitPlace place(float phase01, float speed_mps, float scale) const {
+  GaitPosition place(float phase01, float speed_mps, float scale) const {
     if (leg_length_m == 0) return {};  // no legs: one posture
     const float x = phase01 * static_cast<float>(phases);
-    const float y = root_speed(speed_mps, scale) * speed_cells_per_root_speed;
+    const float y = sqrt_speed(speed_mps, scale) * speed_cells_per_sqrt_speed;
     const int phase = std::clamp(static_cast<int>(x), 0, phases - 1);
     const int speed = std::clamp(static_cast<int>(y), 0, speeds - 2);
     return {speed, phase, x - static_cast<float>(phase), y - static_cast<float>(speed)};
   }
 
   RowBlend between(float phase01, float speed_mps, float scale) const {
-    const GaitPlace at = place(phase01, speed_mps, scale);
+    const GaitPosition at = place(phase01, speed_mps, scale);
     return {row(at.speed, at.phase), at.u, at.v};
   }
 
   void archive(Archive& a) {
-    constexpr size_t kMostFloats = 1 << 26;
-    a(columns, row_floats, phases, speeds, leg_length_m, highest_root_speed,
-      speed_cells_per_root_speed, strides_per_root_speed);
-    a.resized(rows, kMostFloats);
+    constexpr size_t kMaxFloats = 1 << 26;
+    a(columns, row_floats, phases, speeds, leg_length_m, max_sqrt_speed, speed_cells_per_sqrt_speed,
+      strides_per_sqrt_speed);
+    a.resized(rows, kMaxFloats);
     auto cells = static_cast<uint32_t>(boxes.size());
     a(cells);
     if (a.is_reading()) boxes.resize(cells);
@@ -120,8 +120,8 @@ struct Gait::Table : GaitTable {
   /// are needed.
   void fetch(const RowBlend& blend) const {
     if (leg_length_m == 0) return;
-    for (const float* speed : {blend.from, blend.from + next_speed()})
-      for (const float* line = speed; line < speed + 2 * next_phase(); line += 16)
+    for (const float* speed : {blend.from, blend.from + speed_stride()})
+      for (const float* line = speed; line < speed + 2 * phase_stride(); line += 16)
         __builtin_prefetch(line);
   }
 
@@ -129,7 +129,7 @@ struct Gait::Table : GaitTable {
   void blend(std::span<const RowBlend> blends, float* out, SimdTarget target) const {
     const auto floats = static_cast<size_t>(columns);
     if (leg_length_m != 0)
-      return blend_rows(blends, next_phase(), next_speed(), floats, out, target);
+      return blend_rows(blends, phase_stride(), speed_stride(), floats, out, target);
     for (const RowBlend& still : blends) out = std::copy_n(still.from, floats, out);
   }
 };
@@ -143,21 +143,21 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
   const std::optional<Walker> walker = Walker::find(posable, style);
   if (walker) {
     table_ = std::make_unique<Table>(column_count_, kPhases, kSpeeds);
-    const double highest = std::sqrt(kFastestRelativeSpeed);
+    const double highest = std::sqrt(kMaxRelativeSpeed);
     table_->leg_length_m = static_cast<float>(walker->leg_length_m());
-    table_->highest_root_speed = static_cast<float>(highest);
-    if (const int look = posable.look_joint(); look >= 0) {
-      look_column_ = posable.column_of_joint(look);
-      const JointColumn& limits = model.kinematics.columns()[static_cast<size_t>(look_column_)];
-      min_look_rad_ = limits.lower;
-      max_look_rad_ = limits.upper;
+    table_->max_sqrt_speed = static_cast<float>(highest);
+    if (const int yaw_joint = posable.head_yaw_joint(); yaw_joint >= 0) {
+      head_yaw_column_ = posable.column_of_joint(yaw_joint);
+      const JointColumn& limits = model.kinematics.columns()[static_cast<size_t>(head_yaw_column_)];
+      min_head_yaw_rad_ = limits.lower;
+      max_head_yaw_rad_ = limits.upper;
     }
-    table_->speed_cells_per_root_speed = static_cast<float>((kSpeeds - 1) / highest);
-    table_->strides_per_root_speed = static_cast<float>(stride_per_root_speed(style));
+    table_->speed_cells_per_sqrt_speed = static_cast<float>((kSpeeds - 1) / highest);
+    table_->strides_per_sqrt_speed = static_cast<float>(stride_per_sqrt_speed(style));
     for (int speed = 0; speed < kSpeeds; ++speed) {
-      const double root_speed = highest * speed / (kSpeeds - 1);
+      const double sqrt_speed = highest * speed / (kSpeeds - 1);
       cycles.push_back(
-          walker->cycle(std::min(root_speed * root_speed, kFastestRelativeSpeed), kPhases));
+          walker->cycle(std::min(sqrt_speed * sqrt_speed, kMaxRelativeSpeed), kPhases));
       // A standing person is perfectly still.
       if (speed == 0) cycles.back().assign(kPhases, WalkerPose(cycles.back().front()));
       for (int phase = 0; phase <= kPhases; ++phase)
@@ -166,7 +166,7 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
     if (const int aside = posable.joint_of("pelvis_lateral"); aside >= 0)
       for (int speed = 0; speed < kSpeeds; ++speed)
         for (int phase = 0; phase <= kPhases; ++phase)
-          aside_m_.push_back(table_->row(speed, phase)[posable.column_of_joint(aside)]);
+          hips_offset_m_.push_back(table_->row(speed, phase)[posable.column_of_joint(aside)]);
     leg_links.assign(walker->leg_links().begin(), walker->leg_links().end());
     max_drop_m = Stepping::max_drop_m(*walker);
     standing = standing_joints(posable, *table_, highest);
@@ -181,21 +181,21 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
   upright_radius_m_ = static_cast<float>(bounds.upright_radius_m);
   table_->boxes = std::move(bounds.whole);
   if (!walker) return;
-  table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_root_speed,
-                           kShortestStride, bounds.rest, standing);
-  share_room(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
+  table_->stepping.emplace(*walker, posable, cycles, table_->speed_cells_per_sqrt_speed, kMinStride,
+                           bounds.rest, standing);
+  share_bounds(sphere_centre_m_.z(), sphere_radius_m_, upright_radius_m_);
   swing_ = swing_of(cycles[static_cast<size_t>(kSpeeds / 2)],
-                    stance_fraction(kFastestRelativeSpeed / 4, style));
-  outline_ = outline_of(posable, *table_, table_->speed_cells_per_root_speed, table_->leg_length_m);
+                    stance_fraction(kMaxRelativeSpeed / 4, style));
+  outline_ = outline_of(posable, *table_, table_->speed_cells_per_sqrt_speed, table_->leg_length_m);
 }
 
 Gait::~Gait() = default;
 Gait::Gait(const Gait& other)
     : column_count_(other.column_count_),
-      look_column_(other.look_column_),
-      aside_m_(other.aside_m_),
-      min_look_rad_(other.min_look_rad_),
-      max_look_rad_(other.max_look_rad_),
+      head_yaw_column_(other.head_yaw_column_),
+      hips_offset_m_(other.hips_offset_m_),
+      min_head_yaw_rad_(other.min_head_yaw_rad_),
+      max_head_yaw_rad_(other.max_head_yaw_rad_),
       sphere_centre_m_(other.sphere_centre_m_),
       sphere_radius_m_(other.sphere_radius_m_),
       upright_radius_m_(other.upright_radius_m_),
@@ -222,15 +222,15 @@ Gait Gait::from(std::span<const uint8_t> bytes, const std::string& name) {
 }
 
 void Gait::archive(Archive& a) {
-  constexpr size_t kMostRows = 1 << 20;
-  a(column_count_, look_column_, min_look_rad_, max_look_rad_, sphere_centre_m_, sphere_radius_m_,
-    upright_radius_m_, swing_.bulge);
-  a.resized(aside_m_, kMostRows);
+  constexpr size_t kMaxRows = 1 << 20;
+  a(column_count_, head_yaw_column_, min_head_yaw_rad_, max_head_yaw_rad_, sphere_centre_m_,
+    sphere_radius_m_, upright_radius_m_, swing_.bulge);
+  a.resized(hips_offset_m_, kMaxRows);
   if (table_ == nullptr) table_ = std::make_unique<Table>(0, 0, 0);
   a(*table_);
-  bool gives_way = outline_ != nullptr;
-  a(gives_way);
-  if (!gives_way) return;
+  bool has_outline = outline_ != nullptr;
+  a(has_outline);
+  if (!has_outline) return;
   const auto outline =
       a.is_reading() ? std::make_shared<Outline>() : std::make_shared<Outline>(*outline_);
   a(*outline);
@@ -239,8 +239,8 @@ void Gait::archive(Archive& a) {
 
 float Gait::stride_length_m(float speed_mps, float scale) const {
   if (table_->leg_length_m == 0) return 1;
-  const float stride = table_->strides_per_root_speed * table_->root_speed(speed_mps, scale);
-  return std::max(stride, kShortestStride) * table_->leg_length_m * scale;
+  const float stride = table_->strides_per_sqrt_speed * table_->sqrt_speed(speed_mps, scale);
+  return std::max(stride, kMinStride) * table_->leg_length_m * scale;
 }
 
 void Gait::postures(std::span<const float> phases, std::span<const float> speeds_mps,
@@ -275,18 +275,18 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const float> p
   }
 }
 
-float Gait::trunk_aside_m(const WalkPosture& posture) const {
-  if (aside_m_.empty()) return 0;
+float Gait::hips_offset_m(const WalkPosture& posture) const {
+  if (hips_offset_m_.empty()) return 0;
   const float* n = posture.numbers;
-  return bilinear(aside_m_.data() + static_cast<size_t>(n[WalkPosture::kNode]), 1,
+  return bilinear(hips_offset_m_.data() + static_cast<size_t>(n[WalkPosture::kNode]), 1,
                   static_cast<size_t>(table_->phases) + 1, n[WalkPosture::kU], n[WalkPosture::kV]);
 }
 
-void Gait::look(float look_rad, std::span<float> row) const {
-  if (look_column_ < 0) return;
-  assert(std::abs(look_rad) <= kMostLook_rad);
-  float& angle = row[static_cast<size_t>(look_column_)];
-  angle = std::clamp(angle + look_rad, min_look_rad_, max_look_rad_);
+void Gait::apply_head_yaw(float head_yaw_rad, std::span<float> row) const {
+  if (head_yaw_column_ < 0) return;
+  assert(std::abs(head_yaw_rad) <= kMaxHeadYaw_rad);
+  float& angle = row[static_cast<size_t>(head_yaw_column_)];
+  angle = std::clamp(angle + head_yaw_rad, min_head_yaw_rad_, max_head_yaw_rad_);
 }
 
 void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_mps,
@@ -299,7 +299,7 @@ void Gait::bounds(std::span<const float> phases, std::span<const float> speeds_m
 }
 
 const RootBox& Gait::box_at(float phase01, float speed_mps, float scale) const {
-  const GaitPlace at = table_->place(phase01, speed_mps, scale);
+  const GaitPosition at = table_->place(phase01, speed_mps, scale);
   return table_->boxes[static_cast<size_t>(at.speed) * static_cast<size_t>(table_->phases) +
                        static_cast<size_t>(at.phase)];
 }
@@ -310,16 +310,16 @@ FootTrack Gait::track_at(float speed_mps, float scale) const {
   return table_->stepping->track_at(speed_mps, scale);
 }
 
-RootBox Gait::box_of(const WalkRoom& room, float scale) const {
-  return table_->stepping->box_of(room, scale);
+RootBox Gait::box_of(const WalkBounds& packed_bounds, float scale) const {
+  return table_->stepping->box_of(packed_bounds, scale);
 }
 
-WalkRoom Gait::room_of(const RootBox& box, float scale) const {
-  return table_->stepping->room_of(box, scale);
+WalkBounds Gait::walk_bounds_of(const RootBox& box, float scale) const {
+  return table_->stepping->walk_bounds_of(box, scale);
 }
 
-void Gait::share_room(float centre_z_m, float radius_m, float upright_radius_m) {
-  if (table_->stepping) table_->stepping->set_room(centre_z_m, radius_m, upright_radius_m);
+void Gait::share_bounds(float centre_z_m, float radius_m, float upright_radius_m) {
+  if (table_->stepping) table_->stepping->set_bounds(centre_z_m, radius_m, upright_radius_m);
 }
 
 void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPosture> all,
@@ -336,7 +336,7 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPost
       const Table& table = *gaits[first + i]->table_;
       const float* n = all[some[first + i]].numbers;
       blends[i] = {
-          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * table.next_phase(),
+          table.rows.data() + static_cast<size_t>(n[WalkPosture::kNode]) * table.phase_stride(),
           n[WalkPosture::kU], n[WalkPosture::kV]};
       table.fetch(blends[i]);
     }
@@ -347,47 +347,49 @@ void Gait::postures(std::span<const Gait* const> gaits, std::span<const WalkPost
   }
 }
 
-void Gait::walk(WalkChunk& chunk, SimdTarget target) {
-  if (!chunk.gaits[0]->has_legs()) {
-    for (size_t i = 0; i < chunk.count; ++i) chunk.gaits[i]->roll(chunk, i);
+void Gait::walk(WalkBatch& batch, SimdTarget target) {
+  if (!batch.gaits[0]->has_legs()) {
+    for (size_t i = 0; i < batch.count; ++i) batch.gaits[i]->roll(batch, i);
     return;
   }
-  for (size_t i = 0; i < chunk.count; ++i)
-    chunk.tables[i] = chunk.gaits[i]->table_->stepping->table();
-  uint64_t lost = chunk.gaits[0]->table_->stepping->walk(chunk, target);
+  for (size_t i = 0; i < batch.count; ++i)
+    batch.tables[i] = batch.gaits[i]->table_->stepping->table();
+  uint64_t lost = batch.gaits[0]->table_->stepping->walk(batch, target);
   for (; lost != 0; lost &= lost - 1) {
     const auto lane = static_cast<size_t>(std::countr_zero(lost));
-    chunk.gaits[lane]->stand_as_tabled(chunk, lane);
+    batch.gaits[lane]->stand_as_tabled(batch, lane);
   }
 }
 
 /// Somebody whom not even the table's own feet suit: fast walkers whose toes touch the room of all
 /// postures. Posture and box are the table's.
-void Gait::stand_as_tabled(WalkChunk& chunk, size_t i) const {
-  constexpr size_t kMostColumns = 256;
-  std::array<float, kMostColumns> row;
+void Gait::stand_as_tabled(WalkBatch& batch, size_t i) const {
+  constexpr size_t kMaxColumns = 256;
+  std::array<float, kMaxColumns> row;
   const std::span<float> columns(row.data(), static_cast<size_t>(column_count_));
-  postures({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, columns);
+  postures({&batch.phases[i], 1}, {&batch.gait_mps[i], 1}, {&batch.scales[i], 1}, columns);
   RootBox box;
-  bounds({&chunk.phases[i], 1}, {&chunk.gait_mps[i], 1}, {&chunk.scales[i], 1}, {&box, 1});
-  table_->stepping->take(row.data(), chunk.postures[i]);
-  chunk.shift_m[i] = chunk.breath[i] = 0;
-  const WalkRoom room = table_->stepping->room_of(box, chunk.scales[i]);
-  chunk.room_x[i] = room.x;
-  chunk.room_y[i] = room.y;
-  chunk.set_feet(i, {});
-  chunk.momentum[WalkChunk::kSunk][i] = chunk.momentum[WalkChunk::kSinking][i] = 0;
+  bounds({&batch.phases[i], 1}, {&batch.gait_mps[i], 1}, {&batch.scales[i], 1}, {&box, 1});
+  table_->stepping->take(row.data(), batch.postures[i]);
+  batch.shift_m[i] = batch.breath[i] = 0;
+  const WalkBounds packed_bounds = table_->stepping->walk_bounds_of(box, batch.scales[i]);
+  batch.bounds_x[i] = packed_bounds.x;
+  batch.bounds_y[i] = packed_bounds.y;
+  batch.set_feet(i, {});
+  batch.gait_rates[WalkBatch::kPelvisDrop][i] = batch.gait_rates[WalkBatch::kPelvisDropSpeed][i] =
+      0;
 }
 
-void Gait::roll(WalkChunk& chunk, size_t i) const {
-  if (chunk.present[i] == 0) return;
-  const bool fresh = chunk.gait_mps[i] == kNotComeIn;
-  chunk.gait_mps[i] = std::max(chunk.ahead_mps[i], 0.0f);
+void Gait::roll(WalkBatch& batch, size_t i) const {
+  if (batch.present[i] == 0) return;
+  const bool fresh = batch.gait_mps[i] == kNotEntered;
+  batch.gait_mps[i] = std::max(batch.ahead_mps[i], 0.0f);
   if (fresh) return;
-  const float w = chunk.w_before[i], z = chunk.z_before[i];
-  const float forward_m = (w * w - z * z) * chunk.way_x_m[i] + 2 * (w * z) * chunk.way_y_m[i];
-  chunk.phases[i] =
-      phase_of(chunk.phases[i] + forward_m / stride_length_m(chunk.gait_mps[i], chunk.scales[i]));
+  const float w = batch.w_before[i], z = batch.z_before[i];
+  const float forward_m =
+      (w * w - z * z) * batch.displacement_x_m[i] + 2 * (w * z) * batch.displacement_y_m[i];
+  batch.phases[i] =
+      phase_of(batch.phases[i] + forward_m / stride_length_m(batch.gait_mps[i], batch.scales[i]));
 }
 
 }  // namespace throng

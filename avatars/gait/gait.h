@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "avatars/body_avoidance/body_avoidance.h"
 #include "avatars/gait/gait_style.h"
 #include "avatars/model/model.h"
 #include "avatars/stepping/stepping.h"
-#include "avatars/yielding/yielding.h"
 
 namespace throng {
 
@@ -33,7 +33,7 @@ class Gait {
   /// names; a model without them (a robot on wheels) gets a gait that keeps the zero posture.
   explicit Gait(const Model& model, GaitStyle style = GaitStyle::kPlain);
   ~Gait();
-  /// With a room of its own, see share_room().
+  /// With a room of its own, see share_bounds().
   Gait(const Gait& other);
   Gait(Gait&&) noexcept;
   Gait& operator=(Gait&&) noexcept;
@@ -61,14 +61,14 @@ class Gait {
                        std::span<float> rows);
 
   /// The farthest that a head turns away from where the body goes.
-  static constexpr float kMostLook_rad = 0.5f;
+  static constexpr float kMaxHeadYaw_rad = 0.5f;
 
-  /// Turns the head of a posture row to the left by as much, at most kMostLook_rad to either side;
-  /// the gait's bounds hold that, too. Nothing happens to a model without a head that turns.
-  void look(float look_rad, std::span<float> row) const;
+  /// Turns the head of a posture row to the left by as much, at most kMaxHeadYaw_rad to either
+  /// side; the gait's bounds hold that, too. Nothing happens to a model without a head that turns.
+  void apply_head_yaw(float head_yaw_rad, std::span<float> row) const;
 
   /// How far the hips are to the left of the root, metres at scale 1.
-  float trunk_aside_m(const WalkPosture& posture) const;
+  float hips_offset_m(const WalkPosture& posture) const;
   /// What giving way needs to know of this body; null for one that cannot.
   const Outline* outline() const { return outline_.get(); }
 
@@ -81,7 +81,7 @@ class Gait {
 
   /// Walks avatars on by a step, each by its own of chunk.gaits, all of one model: see
   /// Stepping::walk(). A body without human legs rolls on by the way walked. No allocation.
-  static void walk(WalkChunk& chunk, SimdTarget target);
+  static void walk(WalkBatch& batch, SimdTarget target);
   /// Whether walk() gives postures, which then stand in for phase, speed and scale.
   bool has_legs() const;
   /// Writes the posture rows of some of all, whose gaits are given. No allocation.
@@ -92,12 +92,12 @@ class Gait {
   FootTrack track_at(float speed_mps, float scale) const;
   const SwingCurve& swing() const { return swing_; }
   /// A box that holds every part.
-  RootBox box_of(const WalkRoom& room, float scale) const;
+  RootBox box_of(const WalkBounds& packed_bounds, float scale) const;
   /// The other way round; nothing in z.
-  WalkRoom room_of(const RootBox& box, float scale) const;
+  WalkBounds walk_bounds_of(const RootBox& box, float scale) const;
   /// What walk() keeps bodies in, metres unscaled: at first this gait's own sphere and cylinder.
   /// All gaits of a model that walk together share one that holds those of each.
-  void share_room(float centre_z_m, float radius_m, float upright_radius_m);
+  void share_bounds(float centre_z_m, float radius_m, float upright_radius_m);
 
   /// A sphere in the root frame (metres, unscaled) that bounds every part in every posture the gait
   /// can produce: its centre lies on the root's z axis, the radius includes the interpolation
@@ -110,14 +110,14 @@ class Gait {
  private:
   Gait();
   void archive(Archive& a);
-  void roll(WalkChunk& chunk, size_t i) const;
-  void stand_as_tabled(WalkChunk& chunk, size_t i) const;
+  void roll(WalkBatch& batch, size_t i) const;
+  void stand_as_tabled(WalkBatch& batch, size_t i) const;
 
   struct Table;
   int column_count_ = 0;
-  int look_column_ = -1;
-  std::vector<float> aside_m_;                 ///< of the table's rows; empty: never aside
-  float min_look_rad_ = 0, max_look_rad_ = 0;  ///< the joint's limits
+  int head_yaw_column_ = -1;
+  std::vector<float> hips_offset_m_;                   ///< of the table's rows; empty: never aside
+  float min_head_yaw_rad_ = 0, max_head_yaw_rad_ = 0;  ///< the joint's limits
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;
   float upright_radius_m_ = 0;

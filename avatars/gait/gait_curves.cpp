@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
@@ -15,7 +15,7 @@ using Knot = PeriodicCurve::Knot;
 // Boulic's tables change at these relative speeds; the last one ends them.
 constexpr double kSlow = 0.5;
 constexpr double kFast = 1.3;
-constexpr double kFastest = 3.0;
+constexpr double kMaxRv = 3.0;
 
 // The pelvis of this body carries the trunk rigidly, Boulic's does not: his full roll would make
 // the head swing 5 cm to each side.
@@ -36,7 +36,7 @@ double surge(double t) { return sin_cos(kTurn * 2 * (t - kSurgesFrom)).sin; }
 
 double slow_share(double rv) { return std::min(rv / kSlow, 1.0); }
 
-double fast_share(double rv) { return std::clamp((rv - kFast) / (kFastest - kFast), 0.0, 1.0); }
+double fast_share(double rv) { return std::clamp((rv - kFast) / (kMaxRv - kFast), 0.0, 1.0); }
 
 PeriodicCurve curve_of_degrees(std::vector<Knot> knots) {
   for (Knot& knot : knots) knot.value *= kDegree;
@@ -48,7 +48,7 @@ PeriodicCurve curve_of_degrees(std::vector<Knot> knots) {
 double loaded_knee_degrees(double rv) {
   constexpr double kMeasuredRv = 1.56;
   if (rv < kMeasuredRv) return 3 + (16.6 - 3) * rv / kMeasuredRv;
-  return 16.6 + (25 - 16.6) * (rv - kMeasuredRv) / (kFastest - kMeasuredRv);
+  return 16.6 + (25 - 16.6) * (rv - kMeasuredRv) / (kMaxRv - kMeasuredRv);
 }
 
 PeriodicCurve knee_curve(double rv) {
@@ -77,7 +77,7 @@ PeriodicCurve thorax_curve(double rv) {
 // sqrt(RV). The foot here has no toe joint: rolling over its tip to 45 degrees lifts the ankle as
 // far as rolling over the ball to the measured 58.
 PeriodicCurve foot_pitch_curve(double rv, GaitStyle style) {
-  const double stride = figures_of(style).stride * std::sqrt(rv);
+  const double stride = parameters_of(style).stride * std::sqrt(rv);
   const double toe_off = stance_fraction(rv, style);
   return curve_of_degrees({{0, 16 * stride},
                            {0.09, 0},
@@ -119,22 +119,22 @@ double PeriodicCurve::operator()(double t) const {
 
 double stance_fraction(double relative_speed, GaitStyle style) {
   // (0.752 T - 0.143 s) / T with T = 1.346 / sqrt(RV)
-  return 0.752 - 0.143 / kStridePerRootSpeed * std::sqrt(relative_speed) +
-         figures_of(style).stance_more;
+  return 0.752 - 0.143 / kStridePerSqrtSpeed * std::sqrt(relative_speed) +
+         parameters_of(style).extra_stance;
 }
 
-double stride_per_root_speed(GaitStyle style) {
-  return figures_of(style).stride * kStridePerRootSpeed;
+double stride_per_sqrt_speed(GaitStyle style) {
+  return parameters_of(style).stride * kStridePerSqrtSpeed;
 }
 
 GaitCurves::GaitCurves(double relative_speed, GaitStyle style)
     : relative_speed_(relative_speed),
-      style_(&figures_of(style)),
+      style_(&parameters_of(style)),
       knee_(knee_curve(relative_speed)),
       elbow_(elbow_curve(relative_speed)),
       thorax_(thorax_curve(relative_speed)),
       foot_pitch_(foot_pitch_curve(relative_speed, style)) {
-  assert(relative_speed >= 0 && relative_speed <= kFastest + 1e-9);
+  assert(relative_speed >= 0 && relative_speed <= kMaxRv + 1e-9);
 }
 
 double GaitCurves::elbow_flexion(double t) const {
@@ -176,7 +176,7 @@ double GaitCurves::pelvis_roll(double t) const {
 
 double GaitCurves::pelvis_lateral(double t) const {
   const double rv = std::min(relative_speed_, kSlow);
-  return -style_->sway * 0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - kSwayFrom)).sin;
+  return -style_->sway * 0.128 * rv * (1 - rv) * sin_cos(kTurn * (t - kSwayPhase)).sin;
 }
 
 }  // namespace throng

@@ -35,15 +35,15 @@ class PeriodicCurve {
   int count_ = 0;
 };
 
-/// Boulic's cycle length in leg lengths is kStridePerRootSpeed * sqrt(RV), RV = leg lengths a
+/// Boulic's cycle length in leg lengths is kStridePerSqrtSpeed * sqrt(RV), RV = leg lengths a
 /// second.
-inline constexpr double kStridePerRootSpeed = 1.346;
+inline constexpr double kStridePerSqrtSpeed = 1.346;
 
 /// The fraction of the cycle that a foot spends on the ground.
 double stance_fraction(double relative_speed, GaitStyle style = GaitStyle::kPlain);
 
 /// Cycle length in leg lengths, over sqrt(RV).
-double stride_per_root_speed(GaitStyle style);
+double stride_per_sqrt_speed(GaitStyle style);
 
 /// The curves of one speed. Angles in radians, phase as cycle fraction, 0 = heel strike of the side
 /// asked for (the right one where the trunk is concerned).
@@ -66,16 +66,16 @@ class GaitCurves {
   double pelvis_lateral(double t) const;  ///< in leg lengths, positive to the left
   double pelvis_forward(double t) const;  ///< in leg lengths; the head surges less
   /// The pelvis is in the middle then, and goes to the right: a sine from there on.
-  static constexpr double kSwayFrom = 0.1;
+  static constexpr double kSwayPhase = 0.1;
   /// Amplitude of the pelvis's rise and fall, in leg lengths.
-  double largest_bob() const { return 0.015 * relative_speed_; }
-  const StyleFigures& style() const { return *style_; }
+  double bob_amplitude() const { return 0.015 * relative_speed_; }
+  const StyleParameters& style() const { return *style_; }
   /// Of the thorax against the root, opposite to the pelvis.
   double thorax_yaw(double t) const { return -style_->twist * thorax_(t); }
 
  private:
   double relative_speed_;
-  const StyleFigures* style_;
+  const StyleParameters* style_;
   PeriodicCurve knee_, elbow_, thorax_, foot_pitch_;
 };
 

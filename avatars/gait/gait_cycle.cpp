@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "avatars/gait/gait_curves.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
@@ -59,12 +59,12 @@ std::optional<Leg> Leg::find(const PosableModel& model, const std::string& side)
              zero);
   const std::array<std::string, 5> names = {"_hip_flexion", "_hip_adduction", "_hip_rotation",
                                             "_knee_flexion", "_ankle_flexion"};
-  struct Found {
+  struct HipJoint {
     int joint;
     Axis axis;
     Vector3d origin;
   };
-  std::vector<Found> chain;
+  std::vector<HipJoint> chain;
   for (const std::string& name : names) {
     const int joint = model.joint_of(side + name);
     if (joint < 0 || model.column_of_joint(joint) < 0) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<Leg> Leg::find(const PosableModel& model, const std::string& side)
   }
   // Joints are stored parents first, so the order in the URDF is the order of the chain.
   std::sort(chain.begin(), chain.begin() + 3,
-            [](const Found& a, const Found& b) { return a.joint < b.joint; });
+            [](const HipJoint& a, const HipJoint& b) { return a.joint < b.joint; });
 
   Leg leg;
   for (size_t i = 0; i < 3; ++i) {
@@ -251,10 +251,10 @@ void Leg::solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
   const Vector2d reach = sagittal(frame.transpose() * (target.ankle_m - hip));
 
   // Law of cosines for links that need not be straight in the zero posture.
-  const double wanted = (reach.squaredNorm() - thigh_.squaredNorm() - shank_.squaredNorm()) / 2;
+  const double required = (reach.squaredNorm() - thigh_.squaredNorm() - shank_.squaredNorm()) / 2;
   const double straight = angle_from(shank_, thigh_);
   const double knee =
-      straight + arc_cos(std::clamp(wanted / (thigh_.norm() * shank_.norm()), -1.0, 1.0));
+      straight + arc_cos(std::clamp(required / (thigh_.norm() * shank_.norm()), -1.0, 1.0));
   const double thigh_turn = angle_from(thigh_ + turned(shank_, knee), reach);
   const double ankle = -target.pitch_rad - thigh_turn - knee;
 
@@ -478,10 +478,10 @@ double highest_lift(const std::vector<Rope>& ropes, double shift) {
 std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
                                           std::vector<Instant>& instants) const {
   const size_t n = instants.size();
-  std::vector<double> height(n, 0.0), wanted(n), bob(n);
+  std::vector<double> height(n, 0.0), required(n), bob(n);
   for (int round = 0; round < 4; ++round) {
     for (size_t i = 0; i < n; ++i) {
-      wanted[i] = 0;
+      required[i] = 0;
       for (size_t side = 0; side < 2; ++side) {
         const Leg& leg = legs_[side];
         Instant::Foot& foot = instants[i].feet[side];
@@ -489,17 +489,17 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
         foot.target.ankle_m =
             foot.track_m + foot.clearance_m * Vector3d::UnitZ() +
             leg.ankle_over_ground_m(hip + height[i] * Vector3d::UnitZ(), foot.target);
-        wanted[i] += foot.load *
-                     (hip_height(hip, foot.target.ankle_m, leg.reach_m(foot.knee_rad)) - hip.z());
+        required[i] += foot.load *
+                       (hip_height(hip, foot.target.ankle_m, leg.reach_m(foot.knee_rad)) - hip.z());
       }
     }
-    bob = bob_of(wanted, curves.largest_bob() * leg_length_m());
+    bob = bob_of(required, curves.bob_amplitude() * leg_length_m());
     std::vector<Rope> ropes;
     for (size_t i = 0; i < n; ++i)
       for (size_t side = 0; side < 2; ++side)
         ropes.push_back({instants[i].feet[side].target.ankle_m -
                              (legs_[side].hip_m(instants[i].pelvis) + bob[i] * Vector3d::UnitZ()),
-                         legs_[side].reach_m(kStraightestKnee_rad)});
+                         legs_[side].reach_m(kMinKneeBend_rad)});
     const auto highest = [&](double shift) { return highest_lift(ropes, shift); };
     const double shift = highest_point(highest, -0.3 * leg_length_m(), 0.3 * leg_length_m());
     const double lift = highest(shift);
@@ -518,20 +518,20 @@ std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
 std::vector<WalkerPose> Walker::cycle(double relative_speed, int n) const {
   assert(n > 0 && n % 2 == 0);
   const GaitCurves curves(relative_speed, style_);
-  const StyleFigures& figures = curves.style();
-  const double root_speed = std::sqrt(relative_speed);
-  const double walking = smooth(root_speed);
+  const StyleParameters& parameters = curves.style();
+  const double sqrt_speed = std::sqrt(relative_speed);
+  const double walking = smooth(sqrt_speed);
 
   std::array<Step, 2> steps;
   for (size_t side = 0; side < 2; ++side) {
     const Leg& leg = legs_[side];
-    const double width = 1 - walking * (1 - figures.step_width * kStepWidthShare);
-    const double toes_out = kToeOut + walking * figures.toes_out_deg * kDegree;
+    const double width = 1 - walking * (1 - parameters.step_width * kStepWidthShare);
+    const double toes_out = kToeOut + walking * parameters.toes_out_deg * kDegree;
     steps[side] = {&curves,
                    &leg,
-                   stride_per_root_speed(style_) * root_speed * leg_length_m(),
+                   stride_per_sqrt_speed(style_) * sqrt_speed * leg_length_m(),
                    stance_fraction(relative_speed, style_),
-                   figures.lift * kClearance * std::min(root_speed, 1.0) * leg_length_m(),
+                   parameters.lift * kClearance * std::min(sqrt_speed, 1.0) * leg_length_m(),
                    leg.ankle_m().y() * width,
                    side == 0 ? -toes_out : toes_out};
   }

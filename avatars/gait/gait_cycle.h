@@ -141,7 +141,7 @@ class Walker {
   /// The links that the legs hang from the pelvis by.
   const std::array<int, 2>& leg_links() const { return leg_links_; }
   /// Less than this no knee is bent: at less, a millimetre of pelvis is worth several degrees.
-  static constexpr double kStraightestKnee_rad = 0.03490658503988659;
+  static constexpr double kMinKneeBend_rad = 0.03490658503988659;
 
  private:
   Walker(const PosableModel& model, GaitStyle style, Leg right, Leg left)

@@ -5,8 +5,8 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/files/archive.h"
+#include "base/files/atomic_file.h"
 #include "base/files/regular_file.h"
-#include "base/files/whole_file.h"
 
 namespace throng {
 
@@ -15,7 +15,7 @@ extern const char* const gait_sources;
 
 namespace {
 
-constexpr uint64_t kMostBytes = 1 << 28;
+constexpr uint64_t kMaxBytes = 1 << 28;
 
 /// The archive, and the checksum of all before it.
 std::vector<uint8_t> with_checksum(std::vector<uint8_t> bytes) {
@@ -29,19 +29,19 @@ std::vector<uint8_t> with_checksum(std::vector<uint8_t> bytes) {
 }  // namespace
 
 std::filesystem::path gait_file_name(const Model& model, GaitStyle style) {
-  const std::string_view style_name = figures_of(style).name;
+  const std::string_view style_name = parameters_of(style).name;
   const uint64_t key =
       Hasher().add(model.content_hash).add(style_name).add(std::string_view(gait_sources)).value();
   return fmt::format("{}-{:016x}.gait", style_name, key);
 }
 
 void write_gait_file(const Model& model, GaitStyle style, const std::filesystem::path& folder) {
-  write_whole_file(folder / gait_file_name(model, style), with_checksum(Gait(model, style).bytes()),
-                   {.what = "a gait"});
+  write_file_atomically(folder / gait_file_name(model, style),
+                        with_checksum(Gait(model, style).bytes()), {.what = "a gait"});
 }
 
 Gait read_gait_file(const std::filesystem::path& file) {
-  const std::vector<uint8_t> bytes = RegularFile(file, "a gait", kMostBytes).bytes();
+  const std::vector<uint8_t> bytes = RegularFile(file, "a gait", kMaxBytes).bytes();
   const std::span<const uint8_t> all(bytes);
   uint64_t expected = 0;
   if (all.size() < sizeof expected) throw InputError(file.string(), "a gait", "fewer than 8 bytes");
@@ -55,7 +55,7 @@ Gait read_gait_file(const std::filesystem::path& file) {
 
 Gait gait_of(const Model& model, GaitStyle style) {
   const std::filesystem::path file =
-      made_file(std::filesystem::path("gaits") / gait_file_name(model, style));
+      generated_file(std::filesystem::path("gaits") / gait_file_name(model, style));
   if (!file.empty()) try {
       return read_gait_file(file);
     } catch (const InputError&) {  // damaged: as if it were not there

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 
@@ -28,17 +28,17 @@ int PosableModel::joint_of(const std::string& name) const {
   return found == joints.end() ? -1 : static_cast<int>(found - joints.begin());
 }
 
-int PosableModel::look_joint() const {
-  const int look = joint_of("head_yaw");
-  if (look < 0 || column_of_joint(look) < 0) return -1;
+int PosableModel::head_yaw_joint() const {
+  const int yaw_joint = joint_of("head_yaw");
+  if (yaw_joint < 0 || column_of_joint(yaw_joint) < 0) return -1;
   const std::vector<Joint>& joints = model_->robot.joints;
-  const Joint& joint = joints[static_cast<size_t>(look)];
+  const Joint& joint = joints[static_cast<size_t>(yaw_joint)];
   if (joint.kind == Joint::Kind::kPrismatic || joint.mimic) return -1;
   for (const Joint& other : joints) {
-    const bool follows = other.mimic && other.mimic->joint == look;
+    const bool follows = other.mimic && other.mimic->joint == yaw_joint;
     if (other.parent_link == joint.child_link || follows) return -1;
   }
-  return look;
+  return yaw_joint;
 }
 
 double PosableModel::clamped(int column, double value) const {

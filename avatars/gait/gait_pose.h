@@ -25,7 +25,7 @@ class PosableModel {
 
   /// The joint that turns the head alone about an upright axis, or -1: "head_yaw", and nothing
   /// hangs from the head.
-  int look_joint() const;
+  int head_yaw_joint() const;
 
   /// The zero posture, as near as the limits allow.
   std::vector<double> rest() const;

@@ -3,7 +3,7 @@
 
 #include "avatars/gait/gait.h"
 #include "avatars/gait/gait_table.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "culling/volumes/slabs.h"
 
 namespace throng {
@@ -179,10 +179,11 @@ std::vector<double> strays_between_nodes(const PosableModel& model, const GaitTa
 std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& table,
                                  const Part& part) {
   const std::vector<Joint>& joints = model.model().robot.joints;
-  const int look = table.speeds > 1 ? model.look_joint() : -1;
-  const bool turns = look >= 0 && joints[static_cast<size_t>(look)].child_link == part.link;
+  const int yaw_joint = table.speeds > 1 ? model.head_yaw_joint() : -1;
+  const bool turns =
+      yaw_joint >= 0 && joints[static_cast<size_t>(yaw_joint)].child_link == part.link;
   constexpr int kCorners = 4;  // to either side
-  const double most = static_cast<double>(Gait::kMostLook_rad);
+  const double most = static_cast<double>(Gait::kMaxHeadYaw_rad);
   const double half = 0.5 * most / kCorners;
   std::vector<Vector3d> points;
   for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
@@ -191,7 +192,7 @@ std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& tab
       points.push_back(p);
       continue;
     }
-    const Vector3d& axis = joints[static_cast<size_t>(look)].axis;
+    const Vector3d& axis = joints[static_cast<size_t>(yaw_joint)].axis;
     const Vector3d along = p.dot(axis) * axis;
     for (int corner = -kCorners; corner <= kCorners; ++corner) {
       const Vector3d out = turn_about(axis, 2 * half * corner) * (p - along);
@@ -257,7 +258,7 @@ Sway sway_at(const StandingJoints& standing, int step) {
   const double fast = part > 0 ? standing.shares[speed + 1] : slow;
   // Between two steps a little more of it may be allowed than at the faster one.
   const double share = speed > 0 ? std::max({slow, fast, standing.shares[speed - 1]}) : 1.0;
-  return {share * standing.most_shift_m(), share * standing.most_breath_m()};
+  return {share * standing.max_shift_m(), share * standing.max_breath_m()};
 }
 
 // By link, whether it hangs from one of these.

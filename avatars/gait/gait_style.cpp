@@ -9,11 +9,11 @@ namespace {
 // healthy elderly", Physical Therapy 70, 1990). The others are our own, set by eye on pictures of
 // the body: relaxed rolls and leans back, brisk leans ahead with bent arms, stiff keeps the trunk
 // and the arms still, pockets keeps the hands at the hips.
-constexpr std::array<StyleFigures, kGaitStyleCount> kFigures = {{
+constexpr std::array<StyleParameters, kGaitStyleCount> kFigures = {{
     {.name = "plain"},
     {.name = "relaxed",
      .stride = 0.98,
-     .stance_more = 0.01,
+     .extra_stance = 0.01,
      .arm_swing = 1.15,
      .shoulder_ahead_deg = -2,
      .lean_deg = -1.5,
@@ -47,7 +47,7 @@ constexpr std::array<StyleFigures, kGaitStyleCount> kFigures = {{
      .toes_out_deg = 2},
     {.name = "short_steps",
      .stride = 0.84,
-     .stance_more = 0.025,
+     .extra_stance = 0.025,
      .arm_swing = 0.6,
      .elbow_bent_deg = 14,
      .arms_out_deg = 2,
@@ -61,6 +61,8 @@ constexpr std::array<StyleFigures, kGaitStyleCount> kFigures = {{
 
 }  // namespace
 
-const StyleFigures& figures_of(GaitStyle style) { return kFigures[static_cast<size_t>(style)]; }
+const StyleParameters& parameters_of(GaitStyle style) {
+  return kFigures[static_cast<size_t>(style)];
+}
 
 }  // namespace throng

@@ -14,10 +14,10 @@ inline constexpr size_t kGaitStyleCount = 6;
 
 /// What is multiplied is a share of the measured adult's, what is added is in degrees or in parts
 /// of the cycle. kPlain changes nothing.
-struct StyleFigures {
+struct StyleParameters {
   std::string_view name;          ///< in scene files
   double stride = 1;              ///< length of a step; the cadence is the inverse
-  double stance_more = 0;         ///< cycle fraction that a foot is longer on the ground
+  double extra_stance = 0;        ///< cycle fraction that a foot is longer on the ground
   double arm_swing = 1;           ///< of shoulders and elbows
   double shoulder_ahead_deg = 0;  ///< added to the flexion of shoulders
   double elbow_bent_deg = 0;      ///< added to the flexion of elbows
@@ -31,6 +31,6 @@ struct StyleFigures {
 };
 
 /// Where a figure has a source, gait_style.cpp names it.
-const StyleFigures& figures_of(GaitStyle style);
+const StyleParameters& parameters_of(GaitStyle style);
 
 }  // namespace throng

@@ -37,12 +37,12 @@ struct GaitTable {
     return const_cast<GaitTable*>(this)->row(speed, phase);
   }
   /// Floats from a row to the next phase's, and to the next speed's.
-  size_t next_phase() const { return static_cast<size_t>(row_floats); }
-  size_t next_speed() const { return static_cast<size_t>(phases + 1) * next_phase(); }
+  size_t phase_stride() const { return static_cast<size_t>(row_floats); }
+  size_t speed_stride() const { return static_cast<size_t>(phases + 1) * phase_stride(); }
 };
 
 /// Where a posture lies between the nodes.
-struct GaitPlace {
+struct GaitPosition {
   int speed = 0, phase = 0;
   float u = 0, v = 0;  ///< shares of the next phase and the next speed
 };
@@ -66,6 +66,6 @@ GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
 
 /// What the model has for standing, within the limits of its joints.
 StandingJoints standing_joints(const PosableModel& model, const GaitTable& table,
-                               double highest_root_speed);
+                               double max_sqrt_speed);
 
 }  // namespace throng

@@ -2,7 +2,7 @@
 #include "avatars/gait/row_blend.h"
 
 #include "base/simd/dispatch.h"
-#include "base/simd/one_lane.h"
+#include "base/simd/scalar_lanes.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "avatars/gait/row_blend.cpp"
@@ -16,12 +16,12 @@ namespace throng::HWY_NAMESPACE {
 namespace {
 
 template <class D>
-HWY_INLINE void blend_all_by(D d, std::span<const RowBlend> blends, size_t next_phase,
-                             size_t next_speed, size_t columns, float* out) {
+HWY_INLINE void blend_all_by(D d, std::span<const RowBlend> blends, size_t phase_stride,
+                             size_t speed_stride, size_t columns, float* out) {
   constexpr size_t kStep = hn::MaxLanes(D());
   for (const RowBlend& row : blends) {
     const auto blend_at = [&](size_t at) HWY_ATTR {
-      store_bilinear(d, row.from + at, next_phase, next_speed, row.u, row.v, out + at);
+      store_bilinear(d, row.from + at, phase_stride, speed_stride, row.u, row.v, out + at);
     };
     size_t at = 0;
     for (; at + kStep <= columns; at += kStep) blend_at(at);
@@ -32,13 +32,13 @@ HWY_INLINE void blend_all_by(D d, std::span<const RowBlend> blends, size_t next_
 
 }  // namespace
 
-void blend_all(std::span<const RowBlend> blends, size_t next_phase, size_t next_speed,
+void blend_all(std::span<const RowBlend> blends, size_t phase_stride, size_t speed_stride,
                size_t columns, float* out) {
   if (columns >= kLanes) {
-    blend_all_by(Lanes(), blends, next_phase, next_speed, columns, out);
+    blend_all_by(Lanes(), blends, phase_stride, speed_stride, columns, out);
   } else {
     const hn::CappedTag<float, 1> one;
-    blend_all_by(one, blends, next_phase, next_speed, columns, out);
+    blend_all_by(one, blends, phase_stride, speed_stride, columns, out);
   }
 }
 
@@ -50,21 +50,21 @@ HWY_AFTER_NAMESPACE();
 namespace throng {
 namespace {
 
-void blend_one_by_one(std::span<const RowBlend> blends, size_t next_phase, size_t next_speed,
-                      size_t columns, float* out) {
+void blend_scalar(std::span<const RowBlend> blends, size_t phase_stride, size_t speed_stride,
+                  size_t columns, float* out) {
   for (const RowBlend& row : blends) {
     for (size_t i = 0; i < columns; ++i)
-      out[i] = bilinear(row.from + i, next_phase, next_speed, row.u, row.v);
+      out[i] = bilinear(row.from + i, phase_stride, speed_stride, row.u, row.v);
     out += columns;
   }
 }
 
 }  // namespace
 
-void blend_rows(std::span<const RowBlend> blends, size_t next_phase, size_t next_speed,
+void blend_rows(std::span<const RowBlend> blends, size_t phase_stride, size_t speed_stride,
                 size_t columns, float* out, SimdTarget target) {
-  THRONG_CHOOSE(resolved(target), blend_all, blend_one_by_one)
-  (blends, next_phase, next_speed, columns, out);
+  THRONG_CHOOSE(resolved(target), blend_all, blend_scalar)
+  (blends, phase_stride, speed_stride, columns, out);
 }
 
 }  // namespace throng

@@ -15,9 +15,9 @@ struct RowBlend {
   float u, v;
 };
 
-/// Writes `columns` floats each; the next phase's row lies next_phase floats on, the next speed's
-/// next_speed.
-void blend_rows(std::span<const RowBlend> blends, size_t next_phase, size_t next_speed,
+/// Writes `columns` floats each; the next phase's row lies phase_stride floats on, the next speed's
+/// speed_stride.
+void blend_rows(std::span<const RowBlend> blends, size_t phase_stride, size_t speed_stride,
                 size_t columns, float* out, SimdTarget target);
 
 }  // namespace throng

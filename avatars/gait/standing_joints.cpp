@@ -25,9 +25,9 @@ int lateral_column(const PosableModel& model) {
   const int lateral = model.joint_of("pelvis_lateral");
   if (lateral < 0) return -1;
   const Joint& joint = model.model().robot.joints[static_cast<size_t>(lateral)];
-  const Eigen::Vector3d way = joint.parent_from_joint.linear() * joint.axis;
+  const Eigen::Vector3d direction = joint.parent_from_joint.linear() * joint.axis;
   const bool moves_all = joint.kind == Joint::Kind::kPrismatic && joint.parent_link == 0 &&
-                         way.y() > 1 - 1e-9 && model.gain_of_joint(lateral) == 1 &&
+                         direction.y() > 1 - 1e-9 && model.gain_of_joint(lateral) == 1 &&
                          all_hang_from(model.model().robot, joint.child_link);
   return moves_all ? model.column_of_joint(lateral) : -1;
 }
@@ -36,7 +36,7 @@ int lateral_column(const PosableModel& model) {
 double reach_from(const PosableModel& model, int joint) {
   const Robot& robot = model.model().robot;
   const int end = robot.joints[static_cast<size_t>(joint)].child_link;
-  double most_m = 0;
+  double max_m = 0;
   for (const Part& part : model.model().parts) {
     double reach_m = 0;
     for (const Eigen::Vector3f& vertex : part.mesh.vertices)
@@ -49,26 +49,26 @@ double reach_from(const PosableModel& model, int joint) {
         reach_m += std::max(std::abs(above.lower), std::abs(above.upper));
       link = above.parent_link;
     }
-    if (link == end) most_m = std::max(most_m, reach_m);
+    if (link == end) max_m = std::max(max_m, reach_m);
   }
-  return most_m;
+  return max_m;
 }
 
 /// How much of a column is left to its limits, to either side, at one speed.
-double room_of(const PosableModel& model, const GaitTable& table, int column, int speed) {
+double range_of(const PosableModel& model, const GaitTable& table, int column, int speed) {
   const JointColumn& limits = model.model().kinematics.columns()[static_cast<size_t>(column)];
-  float room = std::max(limits.upper - limits.lower, 0.0f);
+  float range = std::max(limits.upper - limits.lower, 0.0f);
   for (int phase = 0; phase <= table.phases; ++phase) {
     const float value = table.row(speed, phase)[column];
-    room = std::min({room, limits.upper - value, value - limits.lower});
+    range = std::min({range, limits.upper - value, value - limits.lower});
   }
-  return std::max(static_cast<double>(room), 0.0);
+  return std::max(static_cast<double>(range), 0.0);
 }
 
 }  // namespace
 
 StandingJoints standing_joints(const PosableModel& model, const GaitTable& table,
-                               double highest_root_speed) {
+                               double max_sqrt_speed) {
   StandingJoints out;
   out.lateral_column = lateral_column(model);
   for (size_t side = 0; side < 2; ++side) {
@@ -83,13 +83,14 @@ StandingJoints standing_joints(const PosableModel& model, const GaitTable& table
     out.arms_m = std::max(out.arms_m, reach_from(model, joint));
   }
   for (int speed = 0; speed < table.speeds; ++speed) {
-    const double root_speed = highest_root_speed * speed / std::max(table.speeds - 1, 1);
-    double share = std::clamp((kNothing - root_speed) / (kNothing - kAll), 0.0, 1.0);
-    const auto limit = [&](int column, float most) {
+    const double sqrt_speed = max_sqrt_speed * speed / std::max(table.speeds - 1, 1);
+    double share = std::clamp((kNothing - sqrt_speed) / (kNothing - kAll), 0.0, 1.0);
+    const auto limit = [&](int column, float max_offset) {
       if (column >= 0)
-        share = std::min(share, room_of(model, table, column, speed) / static_cast<double>(most));
+        share = std::min(share,
+                         range_of(model, table, column, speed) / static_cast<double>(max_offset));
     };
-    limit(out.lateral_column, kMostShift_m);
+    limit(out.lateral_column, kMaxShift_m);
     for (const int column : out.arm_columns) limit(column, kBreath_rad);
     out.shares.push_back(share);
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "avatars/gait/gait_file.h"
-#include "base/say.h"
+#include "base/console.h"
 
 namespace throng {
 namespace {
@@ -33,13 +33,13 @@ void tabulate(const fs::path& urdf, const fs::path& folder) {
 
 int main(int count, char** arguments) {
   if (count != 3) {
-    throng::say("usage: throng_tabulate URDF FOLDER\n");
+    throng::print_message("usage: throng_tabulate URDF FOLDER\n");
     return 2;
   }
   try {
     throng::tabulate(arguments[1], arguments[2]);
   } catch (const std::exception& error) {
-    throng::say("{}\n", error.what());
+    throng::print_message("{}\n", error.what());
     return 3;
   }
   return 0;

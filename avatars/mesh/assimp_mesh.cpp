@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "base/errors.h"
-#include "base/files/foreign.h"
 #include "base/files/regular_file.h"
+#include "base/files/sandboxed_parser.h"
 
 namespace throng {
 
@@ -73,11 +73,11 @@ class Collector {
  private:
   void append(const aiNode& node, const aiMatrix4x4& file_from_parent, int depth) {
     if (depth > kMaxNodeDepth)
-      throw Refusal(fmt::format("nodes nested at most {} deep", kMaxNodeDepth), "deeper ones");
+      throw ParseFailure(fmt::format("nodes nested at most {} deep", kMaxNodeDepth), "deeper ones");
     const aiMatrix4x4 file_from_node = file_from_parent * node.mTransformation;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_.mNumMeshes)
-        throw Refusal(
+        throw ParseFailure(
             fmt::format("nodes that show the {} meshes that there are", scene_.mNumMeshes),
             fmt::format("mesh {}", node.mMeshes[i]));
       append(*scene_.mMeshes[node.mMeshes[i]], file_from_node);
@@ -85,7 +85,7 @@ class Collector {
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
       // The importer of .raw files loses groups so; half a mesh is none.
       if (node.mChildren[i] == nullptr)
-        throw Refusal("a mesh that assimp reads whole", "one of which it loses a part");
+        throw ParseFailure("a mesh that assimp reads whole", "one of which it loses a part");
       append(*node.mChildren[i], file_from_node, depth + 1);
     }
   }
@@ -93,9 +93,9 @@ class Collector {
   void append(const aiMesh& mesh, const aiMatrix4x4& file_from_mesh) {
     // Few bytes may show one mesh many times over.
     if (mesh_.vertices.size() + mesh.mNumVertices > max_vertices_)
-      throw Refusal(fmt::format("at most {} vertices", max_vertices_), "more");
+      throw ParseFailure(fmt::format("at most {} vertices", max_vertices_), "more");
     if (mesh_.triangles.size() + mesh.mNumFaces > max_triangles_)
-      throw Refusal(fmt::format("at most {} triangles", max_triangles_), "more");
+      throw ParseFailure(fmt::format("at most {} triangles", max_triangles_), "more");
     const int first = static_cast<int>(mesh_.vertices.size());
     if (first == 0) {
       mesh_.vertices.reserve(mesh.mNumVertices);
@@ -113,8 +113,8 @@ class Collector {
       for (int k = 0; k < 3; ++k) {
         // Here, where it is known whose vertices these are: the next mesh's would be in range, too.
         if (face.mIndices[k] >= mesh.mNumVertices)
-          throw Refusal(fmt::format("indices of {} vertices", mesh.mNumVertices),
-                        fmt::format("{}", face.mIndices[k]));
+          throw ParseFailure(fmt::format("indices of {} vertices", mesh.mNumVertices),
+                             fmt::format("{}", face.mIndices[k]));
         triangle[k] = first + static_cast<int>(face.mIndices[k]);
       }
       if (mirrored) std::swap(triangle[1], triangle[2]);
@@ -135,8 +135,8 @@ Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max
   Assimp::Importer importer;
   const std::string extension = file.path().extension().string();
   if (extension.empty() || !importer.IsExtensionSupported(extension))
-    throw Refusal("a mesh in .tri, .stl, .obj, .dae, .ply or another format of assimp",
-                  fmt::format("'{}'", extension));
+    throw ParseFailure("a mesh in .tri, .stl, .obj, .dae, .ply or another format of assimp",
+                       fmt::format("'{}'", extension));
   auto files = std::make_unique<AssimpFiles>(file, max_bytes);
   const std::string name = files->name();
   importer.SetIOHandler(files.release());  // which the importer owns from here on
@@ -145,7 +145,7 @@ Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
     if (importer.GetException()) std::rethrow_exception(importer.GetException());
-    throw Refusal(fmt::format("a {} mesh", extension.substr(1)), importer.GetErrorString());
+    throw ParseFailure(fmt::format("a {} mesh", extension.substr(1)), importer.GetErrorString());
   }
   return Collector(*scene, max_vertices, max_triangles).collect();
 }

@@ -1,6 +1,6 @@
 // Triangles out of a file by assimp.
-// One rule: for child processes only (base/files/foreign.h): assimp crashes, hangs and reads beyond
-// its arrays on files that are damaged in the right place.
+// One rule: for child processes only (base/files/sandboxed_parser.h): assimp crashes, hangs and
+// reads beyond its arrays on files that are damaged in the right place.
 #pragma once
 
 #include "avatars/mesh/mesh.h"
@@ -10,7 +10,7 @@ namespace throng {
 
 /// The corners of all triangles, in the file's frame, as they come: repeated, unused, not finite.
 /// Node transforms are applied, polygons split; lines and points are left out. `max_bytes` is for
-/// the file and those it names. Throws Refusal, and whatever assimp throws.
+/// the file and those it names. Throws ParseFailure, and whatever assimp throws.
 Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max_vertices,
                          size_t max_triangles);
 

@@ -138,21 +138,22 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits,
+Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits,
                std::vector<std::string>* notes) {
   const std::string extension = lower_case(file.extension().string());
   if (extension == ".tri") return read_tri(file).mesh;
-  const ForeignParser assimp = {
+  const SandboxedParser assimp = {
       .library = "assimp",
       .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
-      .way_out = "export it again, for example as .stl or .tri"};
+      .remedy = "export it again, for example as .stl or .tri"};
   const auto parse = [&](const RegularFile& opened) {
     return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles),
                   extension == ".dae" ? ignored_up_axis(opened) : 0);
   };
   char up_axis = 0;
-  Mesh mesh = welded(checked(
-      unpacked(parse_apart(file, assimp, limits, parse), file.string(), up_axis), file.string()));
+  Mesh mesh =
+      welded(checked(unpacked(parse_sandboxed(file, assimp, limits, parse), file.string(), up_axis),
+                     file.string()));
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
   if (notes != nullptr && (up_axis == 'X' || up_axis == 'Y'))
     notes->push_back(

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "avatars/mesh/mesh.h"
-#include "base/files/foreign.h"
+#include "base/files/sandboxed_parser.h"
 
 namespace throng {
 
@@ -16,7 +16,7 @@ namespace throng {
 /// drops colours, normals, lines. `limits` are those of assimp's process. What the file states and
 /// is not honoured is added to `notes`, a line each. Throws InputError naming the file, whatever
 /// its bytes are.
-Mesh read_mesh(const std::filesystem::path& file, const ForeignLimits& limits = {},
+Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits = {},
                std::vector<std::string>* notes = nullptr);
 
 }  // namespace throng

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {

@@ -117,7 +117,7 @@ class Lines {
   }
   size_t bytes_left() const { return text_.size() - at_; }
   /// Lines that the rest can hold; the last may lack its line end.
-  size_t room() const { return (bytes_left() + 1) / kMinLineBytes; }
+  size_t line_capacity() const { return (bytes_left() + 1) / kMinLineBytes; }
 
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
     throw InputError(at_line(file_, number_), expected, found);
@@ -145,12 +145,12 @@ class Lines {
 };
 
 /// A count that the rest of the file has room for.
-size_t count_of(const Lines& lines, std::string_view word, const char* what, long long least) {
+size_t count_of(const Lines& lines, std::string_view word, const char* what, long long min_count) {
   const auto count = whole_number(word);
   const std::string expected = fmt::format("the number of {}", what);
   if (!count) lines.fail(expected, in_quotes(word));
-  if (*count < least)
-    lines.fail(fmt::format("{} to be at least {}", expected, least), std::to_string(*count));
+  if (*count < min_count)
+    lines.fail(fmt::format("{} to be at least {}", expected, min_count), std::to_string(*count));
   // More lines than bytes is a wrong number; a few lines too many is a short file, reported at its
   // end.
   if (static_cast<unsigned long long>(*count) > lines.bytes_left())
@@ -160,7 +160,7 @@ size_t count_of(const Lines& lines, std::string_view word, const char* what, lon
 }
 
 void read_vertices(Lines& lines, size_t count, Mesh& mesh) {
-  mesh.vertices.reserve(std::min(count, lines.room()));
+  mesh.vertices.reserve(std::min(count, lines.line_capacity()));
   for (size_t i = 0; i < count; ++i) {
     if (!lines.next())
       lines.fail_at_end(fmt::format("3 coordinates (vertex {} of {})", i + 1, count));
@@ -184,7 +184,7 @@ void read_triangles(Lines& lines, size_t count, TriFile& file) {
   const auto vertices = static_cast<long long>(file.mesh.vertices.size());
   bool zero_seen = false;
   bool end_seen = false;
-  file.mesh.triangles.reserve(std::min(count, lines.room()));
+  file.mesh.triangles.reserve(std::min(count, lines.line_capacity()));
   for (size_t i = 0; i < count; ++i) {
     if (!lines.next())
       lines.fail_at_end(fmt::format("3 vertex indices (triangle {} of {})", i + 1, count));

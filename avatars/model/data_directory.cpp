@@ -74,15 +74,15 @@ fs::path data_directory() {
   const std::vector<fs::path> places = candidates();
   for (const fs::path& place : places)
     if (holds_data(place)) return fs::canonical(place);
-  std::string looked_in;
-  for (const fs::path& place : places) looked_in += fmt::format("\n  {}", place.string());
+  std::string searched;
+  for (const fs::path& place : places) searched += fmt::format("\n  {}", place.string());
   throw EnvironmentError(
       fmt::format("the bundled models are in none of the folders below; set THRONG_DATA to the one "
                   "that holds {}{}",
-                  kModels.string(), looked_in));
+                  kModels.string(), searched));
 }
 
-fs::path made_file(const fs::path& name) {
+fs::path generated_file(const fs::path& name) {
   std::error_code ignored;
   for (const fs::path& data : candidates()) {
     const fs::path prefix = data.parent_path().parent_path();

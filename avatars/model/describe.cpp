@@ -103,14 +103,14 @@ void describe_size(const Model& model, std::string& out) {
         "height: {:.3f} m; a robot: no human legs, keeps its size unless a scene says height_m, "
         "and "
         "stands on its lowest point, its root '{}' {:.3f} m above the ground\n",
-        model.height_m, model.robot.links.front().name, model.root_above_ground_m());
+        model.height_m, model.robot.links.front().name, model.root_height_m());
 }
 
 }  // namespace
 
 std::string describe_model(const Model& model) {
-  const auto count_joints = [&](auto&& wanted) {
-    return std::count_if(model.robot.joints.begin(), model.robot.joints.end(), wanted);
+  const auto count_joints = [&](auto&& is_counted) {
+    return std::count_if(model.robot.joints.begin(), model.robot.joints.end(), is_counted);
   };
   std::string out =
       fmt::format("model '{}': {} links, {} joints, {} parts\n", model.name,

@@ -82,8 +82,8 @@ const std::vector<Geometry>& geometry_of(const Link& link) {
 }
 
 /// Also refuses what is no number any more once it is scaled.
-void require_near(std::span<const Eigen::Vector3f> vertices, const std::string& source,
-                  const Link& link, const std::string& where) {
+void check_coordinates(std::span<const Eigen::Vector3f> vertices, const std::string& source,
+                       const Link& link, const std::string& where) {
   for (const Eigen::Vector3f& vertex : vertices)
     if (!(static_cast<double>(vertex.cwiseAbs().maxCoeff()) <= kMaxDescribed))
       throw InputError(
@@ -107,7 +107,7 @@ Part part_of(const Link& link, int index, const std::string& where,
     const size_t first = part.mesh.vertices.size();
     (shape.mesh.is_point_cloud() ? has_cloud : has_surface) = true;
     append(shape, geometry, part);
-    require_near(std::span(part.mesh.vertices).subspan(first), shape.source, link, where);
+    check_coordinates(std::span(part.mesh.vertices).subspan(first), shape.source, link, where);
   }
   if (has_cloud && has_surface)
     throw InputError(where,

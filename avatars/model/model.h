@@ -43,7 +43,7 @@ struct Model {
   int part_count() const { return static_cast<int>(parts.size()); }
   /// How high the root is over the ground it stands on, at scale 1: a person's lies on it, a robot
   /// stands on the lowest point of its start_box_m.
-  float root_above_ground_m() const {
+  float root_height_m() const {
     return is_person || start_box_m.isEmpty() ? 0 : 0 - start_box_m.min().z();
   }
   /// Of the circle around the root's z axis that holds start_box_m.
@@ -77,7 +77,7 @@ std::filesystem::path data_directory();
 
 /// A file that was made when Throng was built: NAME in lib/throng beside the share/throng of a data
 /// directory. Empty if there is none.
-std::filesystem::path made_file(const std::filesystem::path& name);
+std::filesystem::path generated_file(const std::filesystem::path& name);
 
 /// The bundled adult: avatars/models/adult/adult.urdf.
 std::filesystem::path adult_urdf();

@@ -6,7 +6,7 @@
 
 #include "avatars/models/adult_body.h"
 #include "avatars/models/loft.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "avatars/models/adult_body.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {

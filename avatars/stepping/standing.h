@@ -18,12 +18,12 @@ namespace throng {
 
 /// What standing adds to a body of scale 1.
 struct QuietStanding {
-  float shift_m = 0;  ///< of the pelvis, to the left; at most kMostShift_m to either side
+  float shift_m = 0;  ///< of the pelvis, to the left; at most kMaxShift_m to either side
   float breath = 0;   ///< from 0, breathed out, to 1
 };
 
 /// Feet stand some 11 cm apart: above one of them would be 5.5 cm.
-inline constexpr float kMostShift_m = 0.045f;
+inline constexpr float kMaxShift_m = 0.045f;
 /// How far arms are lifted sideways by a whole breath: the chest widens by some millimetres.
 inline constexpr float kBreath_rad = 0.01f;
 /// Whoever is slower stands.
@@ -32,12 +32,12 @@ inline constexpr float kStanding_mps = 0.1f;
 QuietStanding quiet_standing(uint64_t seed, uint64_t id, double time_s);
 
 /// Kept of somebody: for how long it has stood, no more than matters.
-float stood_after(float stood_s, bool stands, float step_s);
+float advance_standing_time(float standing_time_s, bool stands, float step_s);
 /// How much of quiet_standing() it shows: nothing in the first second, and nothing soon after it
 /// has set out.
-float standing_share(float stood_s);
+float standing_share(float standing_time_s);
 /// The most that is kept.
-inline constexpr float kStood_s = 2.5f;
+inline constexpr float kMaxStandingTime_s = 2.5f;
 
 /// What a model has for standing, and how much of it each speed of its gait's table leaves room
 /// for.
@@ -47,11 +47,9 @@ struct StandingJoints {
   double arms_m = 0;                       ///< nothing is farther from the shoulder it hangs from
   std::vector<double> shares;              ///< by speed, from 0 to 1
 
-  double most_shift_m() const {
-    return lateral_column < 0 ? 0.0 : static_cast<double>(kMostShift_m);
-  }
+  double max_shift_m() const { return lateral_column < 0 ? 0.0 : static_cast<double>(kMaxShift_m); }
   /// Nothing of an arm is moved farther by a breath.
-  double most_breath_m() const {
+  double max_breath_m() const {
     return arm_columns[0] < 0 ? 0.0 : arms_m * static_cast<double>(kBreath_rad);
   }
 };

@@ -11,8 +11,8 @@
 #include "avatars/gait/gait_table.h"
 #include "avatars/stepping/standing.h"
 #include "avatars/stepping/stepping_kernels.h"
-#include "base/elementary.h"
 #include "base/files/archive.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
@@ -42,8 +42,8 @@ double lean_of(double sine) { return sine * (1 + 0.5 * sine * sine); }
 }  // namespace
 
 Stepping::Stepping(const Walker& walker, const PosableModel& model,
-                   std::span<const std::vector<WalkerPose>> cycles, float cells_per_root_speed,
-                   float shortest_stride, std::span<const RootBox> rest_boxes,
+                   std::span<const std::vector<WalkerPose>> cycles, float cells_per_sqrt_speed,
+                   float min_stride, std::span<const RootBox> rest_boxes,
                    const StandingJoints& standing)
     : tables_(std::make_unique<SteppingTables>()),
       vertical_column_(walker.vertical_column()),
@@ -52,20 +52,20 @@ Stepping::Stepping(const Walker& walker, const PosableModel& model,
   SteppingTables& t = *tables_;
   t.leg_length_m = static_cast<float>(walker.leg_length_m());
   t.per_leg_length = 1 / t.leg_length_m;
-  t.cells_per_root_speed = cells_per_root_speed;
-  t.highest_root_speed = static_cast<float>(cycles.size() - 1) / cells_per_root_speed;
-  t.shortest_stride_m = shortest_stride * t.leg_length_m;
+  t.cells_per_sqrt_speed = cells_per_sqrt_speed;
+  t.max_sqrt_speed = static_cast<float>(cycles.size() - 1) / cells_per_sqrt_speed;
+  t.min_stride_m = min_stride * t.leg_length_m;
   t.phases = static_cast<int>(cycles.front().size());
   t.speeds = static_cast<int>(cycles.size());
   t.max_drop_m = static_cast<float>(max_drop_m(walker));
-  t.most_shift_m = static_cast<float>(standing.most_shift_m());
-  t.most_breath_m = grained(standing.most_breath_m());
+  t.max_shift_m = static_cast<float>(standing.max_shift_m());
+  t.max_breath_m = grained(standing.max_breath_m());
   for (size_t side = 0; side < 2; ++side) read_leg(walker, model, side);
   t.table.resize((t.box(static_cast<int32_t>(rest_boxes.size())) + 15) / 16);
   float* const to = t.table.front().floats;
   for (int speed = 0; speed < t.speeds; ++speed) {
     const std::vector<WalkerPose>& cycle = cycles[static_cast<size_t>(speed)];
-    add_track(walker, cycle, speed / static_cast<double>(cells_per_root_speed),
+    add_track(walker, cycle, speed / static_cast<double>(cells_per_sqrt_speed),
               standing.shares[static_cast<size_t>(speed)], to + t.track(speed));
     for (int phase = 0; phase <= t.phases; ++phase)
       add_node(walker, cycle[static_cast<size_t>(phase % t.phases)],
@@ -77,7 +77,7 @@ Stepping::Stepping(const Walker& walker, const PosableModel& model,
       *corner++ = number;
 }
 
-void Stepping::set_room(float centre_z_m, float radius_m, float upright_radius_m) {
+void Stepping::set_bounds(float centre_z_m, float radius_m, float upright_radius_m) {
   SteppingTables& t = *tables_;
   t.sphere_z_m = centre_z_m;
   t.sphere_m = radius_m;
@@ -101,23 +101,24 @@ Stepping::Stepping(const Stepping& other)
 
 void SignedAxis::archive(Archive& a) { a(index, sign); }
 
-void LegNumbers::Roll::archive(Archive& a) { a(ahead_m, height_m, more_ahead_m, more_height_m); }
+void LegParameters::Roll::archive(Archive& a) { a(ahead_m, height_m, more_ahead_m, more_height_m); }
 
-void LegNumbers::archive(Archive& a) {
+void LegParameters::archive(Archive& a) {
   a(hip_m, thigh_m, shank_m, knee_side_m, ankle_side_m, square_sum_m2, per_twice_product,
-    straight_rad, straight_sin, straight_cos, straightest_cos, most_bent_cos, longest_m, longest_m2,
-    rolls, sole_half_width_m, axis1, axis3, axis13, hand, knee_sign, ankle_sign, lower_rad,
-    upper_rad, thigh_radius_m, knee_radius_m, shank_radius_m, foot_middle_m, foot_half_m, columns);
+    straight_rad, straight_sin, straight_cos, min_bend_cos, max_bend_cos, max_reach_m,
+    max_reach2_m2, rolls, sole_half_width_m, axis1, axis3, axis13, hand, knee_sign, ankle_sign,
+    lower_rad, upper_rad, thigh_radius_m, knee_radius_m, shank_radius_m, foot_middle_m, foot_half_m,
+    columns);
 }
 
 void SteppingTables::Line::archive(Archive& a) { a(floats); }
 
 void SteppingTables::archive(Archive& a) {
-  constexpr size_t kMostLines = 1 << 20;
-  a(leg_length_m, per_leg_length, highest_root_speed, cells_per_root_speed, shortest_stride_m,
-    phases, speeds, max_drop_m, most_shift_m, most_breath_m, sphere_z_m, sphere_m, upright_m,
-    corner_m, grain_m, per_grain, legs);
-  a.resized(table, kMostLines);
+  constexpr size_t kMaxLines = 1 << 20;
+  a(leg_length_m, per_leg_length, max_sqrt_speed, cells_per_sqrt_speed, min_stride_m, phases,
+    speeds, max_drop_m, max_shift_m, max_breath_m, sphere_z_m, sphere_m, upright_m, corner_m,
+    grain_m, per_grain, legs);
+  a.resized(table, kMaxLines);
 }
 
 void Stepping::archive(Archive& a) { a(*tables_, vertical_column_, lateral_column_, arm_columns_); }
@@ -130,7 +131,7 @@ double Stepping::max_drop_m(const Walker& walker) {
 void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t side) {
   const LegShape shape = walker.leg(side).shape();
   const Eigen::Vector3d middle = 0.5 * (walker.leg(0).hip_m() + walker.leg(1).hip_m());
-  LegNumbers& leg = tables_->legs[side];
+  LegParameters& leg = tables_->legs[side];
   leg.hip_m = floats(shape.hip_m - middle);
   leg.thigh_m = flat_floats(shape.thigh_m);
   leg.shank_m = flat_floats(shape.shank_m);
@@ -154,22 +155,22 @@ void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t 
     leg.lower_rad[i] = column.lower;
     leg.upper_rad[i] = column.upper;
   }
-  double least = static_cast<double>(leg.lower_rad[3]),
-         most = static_cast<double>(leg.upper_rad[3]);
-  if (leg.knee_sign < 0) std::tie(least, most) = std::pair(-most, -least);
-  least = std::max(least, Walker::kStraightestKnee_rad);
+  double min_rad = static_cast<double>(leg.lower_rad[3]),
+         max_rad = static_cast<double>(leg.upper_rad[3]);
+  if (leg.knee_sign < 0) std::tie(min_rad, max_rad) = std::pair(-max_rad, -min_rad);
+  min_rad = std::max(min_rad, Walker::kMinKneeBend_rad);
   const auto beyond = [&](double angle) {
     return static_cast<float>(sin_cos(std::clamp(angle - straight, 0.0, 3.14)).cos);
   };
-  leg.straightest_cos = beyond(least);
-  leg.most_bent_cos = beyond(most - 1e-4);
-  const double longest = walker.leg(side).reach_m(least);
-  leg.longest_m = grained(longest);
-  leg.longest_m2 = grained(longest * longest);
-  for (int i = 0; i < LegNumbers::kRolls; ++i) {
+  leg.min_bend_cos = beyond(min_rad);
+  leg.max_bend_cos = beyond(max_rad - 1e-4);
+  const double max_reach_m = walker.leg(side).reach_m(min_rad);
+  leg.max_reach_m = grained(max_reach_m);
+  leg.max_reach2_m2 = grained(max_reach_m * max_reach_m);
+  for (int i = 0; i < LegParameters::kRolls; ++i) {
     const auto rolled_at = [&](int node) {
-      return walker.leg(side).rolled(static_cast<double>(LegNumbers::kLowestPitch_rad) +
-                                     node / static_cast<double>(LegNumbers::kRollsPerRadian));
+      return walker.leg(side).rolled(static_cast<double>(LegParameters::kMinPitch_rad) +
+                                     node / static_cast<double>(LegParameters::kRollsPerRadian));
     };
     const Leg::Rolled here = rolled_at(i), next = rolled_at(i + 1);
     leg.rolls[static_cast<size_t>(i)] = {grained(here.ahead_m), grained(here.height_m),
@@ -192,7 +193,7 @@ void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t 
 void Stepping::add_node(const Walker& walker, const WalkerPose& pose, float* to) {
   for (size_t side = 0; side < 2; ++side) {
     const WalkerPose::Foot& foot = pose.feet[side];
-    const LegNumbers& leg = tables_->legs[side];
+    const LegParameters& leg = tables_->legs[side];
     const Eigen::Vector3d up = walker.leg(side).up_along_leg(foot.hip_m, foot.target);
     // A leaning foot stands on the sole's edge: that part of the height depends on the leg's lean.
     const double height =
@@ -211,11 +212,11 @@ void Stepping::add_node(const Walker& walker, const WalkerPose& pose, float* to)
 }
 
 void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cycle,
-                         double root_speed, double standing, float* to) {
+                         double sqrt_speed, double standing, float* to) {
   const WalkerPose &right_strike = cycle.front(), &left_strike = cycle[cycle.size() / 2];
   const double stride_m =
-      stride_per_root_speed(walker.style()) * root_speed * walker.leg_length_m();
-  const double stance = stance_fraction(root_speed * root_speed, walker.style());
+      stride_per_sqrt_speed(walker.style()) * sqrt_speed * walker.leg_length_m();
+  const double stance = stance_fraction(sqrt_speed * sqrt_speed, walker.style());
   // Without what the foot has rolled along its heading.
   const auto side_m = [&](const WalkerPose::Foot& foot, size_t side) {
     return foot.ground_m.y() -
@@ -228,33 +229,34 @@ void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cy
     *to++ = grained(value);
 }
 
-uint64_t Stepping::walk(WalkChunk& chunk, SimdTarget target) const {
-  assert(chunk.count > 0 && chunk.count <= WalkChunk::kRoom);
-  chunk.fill_up();
+uint64_t Stepping::walk(WalkBatch& batch, SimdTarget target) const {
+  assert(batch.count > 0 && batch.count <= WalkBatch::kCapacity);
+  batch.fill_up();
   if (target == SimdTarget::kScalar)
-    walk_one_by_one(*tables_, chunk);
+    walk_scalar(*tables_, batch);
   else
-    walk_simd(*tables_, chunk, target);
+    walk_simd(*tables_, batch, target);
   uint64_t lost = 0;
-  for (size_t lane = 0; lane < chunk.count; ++lane)
-    if (chunk.out_of_reach[lane] != 0 && !settle(chunk, lane)) lost |= uint64_t{1} << lane;
+  for (size_t lane = 0; lane < batch.count; ++lane)
+    if (batch.out_of_reach[lane] != 0 && !settle(batch, lane)) lost |= uint64_t{1} << lane;
   for (size_t n = 0; n < 2; ++n)
-    std::copy_n(chunk.next_sunk[n], chunk.count, chunk.momentum[WalkChunk::kSunk + n]);
+    std::copy_n(batch.next_pelvis_drop[n], batch.count,
+                batch.gait_rates[WalkBatch::kPelvisDrop + n]);
   return lost;
 }
 
 /// Takes from the shift of the feet that the legs do not reach what they do not; from both feet's
 /// where that does not help. One person in some hundred needs it.
-bool Stepping::settle(WalkChunk& chunk, size_t lane) const {
-  const std::array<float, WalkChunk::kFeetNumbers> whole = chunk.feet_of(lane);
-  std::array<float, WalkChunk::kFeetNumbers> reached{};
+bool Stepping::settle(WalkBatch& batch, size_t lane) const {
+  const std::array<float, WalkBatch::kFeetNumbers> whole = batch.feet_of(lane);
+  std::array<float, WalkBatch::kFeetNumbers> reached{};
   const auto reaches = [&](int sides, float share) {
-    chunk.set_feet(lane, whole);
-    if (!reach_with(*tables_, chunk, lane, sides, share)) return false;
-    reached = chunk.feet_of(lane);
+    batch.set_feet(lane, whole);
+    if (!reach_with(*tables_, batch, lane, sides, share)) return false;
+    reached = batch.feet_of(lane);
     return true;
   };
-  int sides = static_cast<int>(chunk.out_of_reach[lane]);
+  int sides = static_cast<int>(batch.out_of_reach[lane]);
   if (!reaches(sides, 0) && (sides == 3 || !reaches(sides = 3, 0))) return false;
   constexpr int kHalvings = 6;  // of 0.4 m, some millimetres
   float low = 0, high = 1;
@@ -262,20 +264,20 @@ bool Stepping::settle(WalkChunk& chunk, size_t lane) const {
     const float share = 0.5f * (low + high);
     (reaches(sides, share) ? low : high) = share;
   }
-  chunk.set_feet(lane, reached);
+  batch.set_feet(lane, reached);
   return true;
 }
 
 FootTrack Stepping::track_at(float speed_mps, float scale) const {
   const SteppingTables& t = *tables_;
-  const float root_speed = std::min(std::sqrt(std::max(speed_mps, 0.0f) / (scale * t.leg_length_m)),
-                                    t.highest_root_speed);
-  const float at = root_speed * t.cells_per_root_speed;
+  const float sqrt_speed =
+      std::min(std::sqrt(std::max(speed_mps, 0.0f) / (scale * t.leg_length_m)), t.max_sqrt_speed);
+  const float at = sqrt_speed * t.cells_per_sqrt_speed;
   const int32_t row = std::min(static_cast<int32_t>(at), t.speeds - 2);
   const float v = at - static_cast<float>(row);
   const float *slow = table() + t.track(row), *fast = table() + t.track(row + 1);
   const auto blend = [&](size_t i) { return slow[i] + v * (fast[i] - slow[i]); };
-  return {blend(0), blend(1), {blend(2), blend(3)}, std::max(blend(4), t.shortest_stride_m)};
+  return {blend(0), blend(1), {blend(2), blend(3)}, std::max(blend(4), t.min_stride_m)};
 }
 
 void Stepping::put(const WalkPosture& posture, float* row) const {
@@ -296,18 +298,18 @@ void Stepping::take(const float* row, WalkPosture& posture) const {
     posture.numbers[added] = 0;
 }
 
-WalkRoom Stepping::room_of(const RootBox& box, float scale) const {
+WalkBounds Stepping::walk_bounds_of(const RootBox& box, float scale) const {
   const auto grains = [&](int axis) {
     return grains_between(*tables_, box.min_m[axis] / scale, box.max_m[axis] / scale);
   };
   return {grains(0), grains(1)};
 }
 
-RootBox Stepping::box_of(const WalkRoom& room, float scale) const {
+RootBox Stepping::box_of(const WalkBounds& packed_bounds, float scale) const {
   const SteppingTables& t = *tables_;
   RootBox box{};
   for (int axis = 0; axis < 2; ++axis) {
-    const auto both = static_cast<uint32_t>(axis == 0 ? room.x : room.y);
+    const auto both = static_cast<uint32_t>(axis == 0 ? packed_bounds.x : packed_bounds.y);
     const auto at = [&](uint32_t grains) {
       return scale * (t.corner_m + static_cast<float>(static_cast<int32_t>(grains)) * t.grain_m);
     };
@@ -320,16 +322,17 @@ RootBox Stepping::box_of(const WalkRoom& room, float scale) const {
   return box;
 }
 
-void WalkChunk::fill_up() {
-  const size_t end = (count + kMostLanes - 1) / kMostLanes * kMostLanes;
+void WalkBatch::fill_up() {
+  const size_t end = (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
   const auto fill = [&](Numbers& numbers) {
     std::fill(numbers + count, numbers + end, numbers[count - 1]);
   };
-  for (Numbers* numbers : {&way_x_m, &way_y_m, &w_before, &z_before, &w_after, &z_after, &ahead_mps,
-                           &scales, &present, &stretch, &shift_m, &breath, &gait_mps, &phases})
+  for (Numbers* numbers :
+       {&displacement_x_m, &displacement_y_m, &w_before, &z_before, &w_after, &z_after, &ahead_mps,
+        &scales, &present, &stride_scale, &shift_m, &breath, &gait_mps, &phases})
     fill(*numbers);
   for (Numbers& numbers : feet) fill(numbers);
-  for (Numbers& numbers : momentum) fill(numbers);
+  for (Numbers& numbers : gait_rates) fill(numbers);
   for (Numbers& numbers : landing) fill(numbers);
   std::fill(tables.begin() + static_cast<ptrdiff_t>(count),
             tables.begin() + static_cast<ptrdiff_t>(end), tables[count - 1]);

@@ -7,42 +7,42 @@ inline constexpr float kComfort_rad = 0.3f;
 inline constexpr float kComfortShare = 0.12f;  // of the leg
 inline constexpr float kBeforeLift_s = 0.25f;
 // Cycles a second of such steps: at least, at most, and of one that is begun and has to end.
-inline constexpr float kSteppingRate_hz = 1.2f;
-inline constexpr float kFastestRate_hz = 1.6f;
+inline constexpr float kMinSteppingRate_hz = 1.2f;
+inline constexpr float kMaxSteppingRate_hz = 1.6f;
 inline constexpr float kFinishingRate_hz = 0.9f;
 // A step that is hardly due is made more slowly, but not put off for long.
-inline constexpr float kLeastUrge = 0.3f, kSoonDue = 15;
+inline constexpr float kMinUrgency = 0.3f, kUrgencyGain = 15;
 // Slower than this, steps end sooner than the way asks for: nobody stands on one leg.
 inline constexpr float kSlow_mps = 0.2f;
 // At this speed the next step comes soon enough.
 inline constexpr float kBrisk_mps = 0.8f;
 // A foot turns against the body no farther: the hip's limit of 40 degrees, less what toes that
 // point outwards take. When it lands the pelvis takes some, too.
-inline constexpr float kMostTurn_rad = 0.58f;
-inline constexpr float kMostTurnOutAtLanding_rad = 0.42f;
+inline constexpr float kMaxTurn_rad = 0.58f;
+inline constexpr float kMaxLandingTurnOut_rad = 0.42f;
 // A body turns so far over a foot in stance; who turns faster steps more often.
-inline constexpr float kMostTurnInStance_rad = 0.87f;
+inline constexpr float kMaxStanceTurn_rad = 0.87f;
 // A foot that the hip forces to turn does so about its contact, which goes so far ahead in a cycle.
-inline constexpr float kContactWay_m = 0.25f;
+inline constexpr float kContactTravel_m = 0.25f;
 // No foot is farther from where the gait has it, of the leg. It lands a little nearer, so that
 // nothing is cut off then; what the way alone makes of it leaves room for giving way.
-inline constexpr float kMostShiftShare = 0.4f;
-inline constexpr float kMostLandingShare = 0.38f, kMostWantedShare = 0.3f;
+inline constexpr float kMaxShiftShare = 0.4f;
+inline constexpr float kMaxLandingShare = 0.38f, kMaxTargetShare = 0.3f;
 // How high a foot is lifted on the spot, of the way it goes and at most; less in a quick step: the
 // knee of a straight leg bends by 33 degrees for 4 cm.
 inline constexpr float kLiftShare = 0.4f;
-inline constexpr float kHighest_m = 0.04f;
+inline constexpr float kMaxLift_m = 0.04f;
 inline constexpr float kLift_mps = 0.16f;  // of the time in the air
 // A gait follows a change of speed so late that the legs' swing dies away with the steps.
 inline constexpr float kEasing_s = 0.25f;
-inline constexpr float kLeastEasing_mps2 = 0.2f;  // so that it comes to rest
+inline constexpr float kMinEasing_mps2 = 0.2f;  // so that it comes to rest
 // The time in which the phase makes up for a foot that is left behind as the body slows down.
 inline constexpr float kCatchUp_s = 0.12f;
-inline constexpr float kMostCatchUp_hz = 0.35f;
+inline constexpr float kMaxCatchUp_hz = 0.35f;
 // Steps get quicker or slower by no more, cycles a second each second: hips and knees go along.
-inline constexpr float kCyclesChange_hz_ps = 14;
+inline constexpr float kCadenceChange_hz_ps = 14;
 // And nobody makes more, however fast something moves a body whose strides are still short.
-inline constexpr float kMostCycles_hz = 1.9f;
+inline constexpr float kMaxCadence_hz = 1.9f;
 // A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
 // lands: what it cannot reach any more it does not reach. A leg of 0.9 m speeds up by 2500
 // degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: two thirds and a third of what
@@ -70,19 +70,19 @@ struct Motion {
   float step_s;
 };
 
-THRONG_LANES Motion motion_of(const WalkChunk& c, size_t i) {
+THRONG_LANES Motion motion_of(const WalkBatch& c, size_t i) {
   // Upright: turned about z alone.
   const F w = load(c.w_before + i), z = load(c.z_before + i);
   const F w_after = load(c.w_after + i), z_after = load(c.z_after + i);
   const F cos = w * w - z * z, sin = 2.0f * (w * z);
-  const F x = load(c.way_x_m + i), y = load(c.way_y_m + i);
+  const F x = load(c.displacement_x_m + i), y = load(c.displacement_y_m + i);
   F half_cos = w * w_after + z * z_after, half_sin = w * z_after - z * w_after;
   half_sin = select(half_cos < 0.0f, 0.0f - half_sin, half_sin);
   half_cos = abs_of(half_cos);
   Motion m;
   m.forward = cos * x + sin * y;
   m.left = cos * y - sin * x;
-  const Way half[1] = {{half_sin, half_cos}};
+  const Direction half[1] = {{half_sin, half_cos}};
   F half_turn[1];
   angles_of(half, half_turn);
   m.turn = 2.0f * half_turn[0];
@@ -98,8 +98,7 @@ THRONG_LANES Motion motion_of(const WalkChunk& c, size_t i) {
 THRONG_LANES F eased(F gait_mps, F speed_mps, float step_s) {
   const F change = max_of(speed_mps, 0.0f) - gait_mps;
   const F size = abs_of(change);
-  const F by =
-      max_of(step_s / (kEasing_s + step_s) * size, min_of(size, kLeastEasing_mps2 * step_s));
+  const F by = max_of(step_s / (kEasing_s + step_s) * size, min_of(size, kMinEasing_mps2 * step_s));
   return select(change > 0.0f, gait_mps + by, gait_mps - by);
 }
 
@@ -110,48 +109,47 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
   const F speed = max_of(m.forward, 0.0f) * per_s;
   const F per_stride = inverse_of(stride_m);
   const F finishing_rate = kFinishingRate_hz * max_of(1.0f - speed * (1 / kSlow_mps), 0.0f);
-  F turn_need = 0.0f, way_square = 0.0f, finishing = 0.0f, behind = 0.0f;
+  F turn_need = 0.0f, offset_square = 0.0f, finishing = 0.0f, behind = 0.0f;
   for (size_t side = 0; side < 2; ++side) {
     const F own = own_phase(phase, side);
-    const M swings = own >= track.stance;
-    finishing = select(swings, finishing_rate, finishing);
+    const M is_swinging = own >= track.stance;
+    finishing = select(is_swinging, finishing_rate, finishing);
     const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
     // More and more as stance goes on, so that the rate does not jump.
     const F late = clamped(3.0f * own - 0.6f * track.stance, 0.0f, track.stance);
-    behind = max_of(behind, select(swings, 0.0f, 0.0f - x * late * inverse_of(track.stance)));
+    behind = max_of(behind, select(is_swinging, 0.0f, 0.0f - x * late * inverse_of(track.stance)));
     // What it comes to before the foot can be lifted. One that has landed turned into the curve is
     // where it should be.
     const F turn_now = abs_of(turned - kBeforeLift_s * per_s * m.turn) * (1 / kComfort_rad);
-    const M lags = (!swings) & (turned * m.turn <= 0.0f),
-            trails = (!swings) & (x * m.forward + y * m.left <= 0.0f);
+    const M lags = (!is_swinging) & (turned * m.turn <= 0.0f),
+            trails = (!is_swinging) & (x * m.forward + y * m.left <= 0.0f);
     turn_need = max_of(turn_need, select(lags, turn_now, 0.0f));
-    way_square = max_of(way_square, select(trails, x * x + y * y, 0.0f));
+    offset_square = max_of(offset_square, select(trails, x * x + y * y, 0.0f));
   }
-  const F need = max_of(turn_need, sqrt_of(way_square) * per_comfort_m);
+  const F need = max_of(turn_need, sqrt_of(offset_square) * per_comfort_m);
   // In stance a foot gets from one end of its comfort to the other.
   const F aside = abs_of(m.left) + max_of(0.0f - m.forward, 0.0f);
   const F travel = max_of(abs_of(m.turn) * (1 / kComfort_rad), aside * m.per_scale * per_comfort_m);
   const F stepping =
-      clamped(0.5f * track.stance * travel * per_s, kSteppingRate_hz, kFastestRate_hz);
+      clamped(0.5f * track.stance * travel * per_s, kMinSteppingRate_hz, kMaxSteppingRate_hz);
   const F due = 2.0f * need - 1.0f;
-  const F urge = clamped(max_of(due, min_of(kSoonDue * due, kLeastUrge)), 0.0f, 1.0f);
+  const F urgency = clamped(max_of(due, min_of(kUrgencyGain * due, kMinUrgency)), 0.0f, 1.0f);
   const F slow = max_of(1.0f - speed * (1 / kBrisk_mps), 0.0f);
-  const F catching_up =
-      select(speed > 0.0f,
-             min_of(behind * m.scale * per_stride * (1 / kCatchUp_s), kMostCatchUp_hz), 0.0f);
+  const F catching_up = select(
+      speed > 0.0f, min_of(behind * m.scale * per_stride * (1 / kCatchUp_s), kMaxCatchUp_hz), 0.0f);
   const F turning =
-      min_of(track.stance * abs_of(m.turn) * (per_s / kMostTurnInStance_rad), kFastestRate_hz) *
+      min_of(track.stance * abs_of(m.turn) * (per_s / kMaxStanceTurn_rad), kMaxSteppingRate_hz) *
       min_of(speed * (1 / kSlow_mps), 1.0f);
   return max_of(max_of(max_of(speed * per_stride + catching_up, finishing), turning),
-                slow * stepping * urge);
+                slow * stepping * urgency);
 }
 
 /// How far a foot should be turned when it lands if the body turns by twice `turn` over it: as far
 /// to one side as to the other, unless that is too far for the other.
 THRONG_LANES F turn_at_landing(F turn, size_t side) {
-  constexpr float kUsed_rad = 0.95f * kMostTurn_rad;
-  const float left = side == 0 ? kUsed_rad : kMostTurnOutAtLanding_rad,
-              right = side == 0 ? kMostTurnOutAtLanding_rad : kUsed_rad;
+  constexpr float kUsed_rad = 0.95f * kMaxTurn_rad;
+  const float left = side == 0 ? kUsed_rad : kMaxLandingTurnOut_rad,
+              right = side == 0 ? kMaxLandingTurnOut_rad : kUsed_rad;
   return clamped(select(turn > 0.0f, max_of(turn, 2.0f * turn - kUsed_rad),
                         min_of(turn, 2.0f * turn + kUsed_rad)),
                  -right, left);
@@ -166,7 +164,7 @@ THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
   const F ahead_s =
       min_of(0.5f * track.stance * inverse_of(max_of(rate, 1e-3f)), LandingLimits::kMaxAhead_s);
   const float per_s = 1 / m.step_s;
-  const F turn = clamped(m.turn * per_s * ahead_s, -kMostTurn_rad, kMostTurn_rad);
+  const F turn = clamped(m.turn * per_s * ahead_s, -kMaxTurn_rad, kMaxTurn_rad);
   F sin, cos;
   sin_cos_of(0.5f * turn, sin, cos);
   const F whole_cos = cos * cos - sin * sin, whole_sin = 2.0f * (sin * cos);
@@ -187,10 +185,10 @@ THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
 }
 
 /// To a length of at most that.
-THRONG_LANES void shorten(float most_m, F& x, F& y) {
+THRONG_LANES void shorten(float max_m, F& x, F& y) {
   const F square = x * x + y * y;
-  if (!any(square > most_m * most_m)) return;
-  const F share = min_of(most_m * inverse_sqrt_of(max_of(square, 1e-12f)), 1.0f);
+  if (!any(square > max_m * max_m)) return;
+  const F share = min_of(max_m * inverse_sqrt_of(max_of(square, 1e-12f)), 1.0f);
   x = x * share;
   y = y * share;
 }
@@ -198,11 +196,11 @@ THRONG_LANES void shorten(float most_m, F& x, F& y) {
 /// Legs and bounds end somewhere: beyond that a foot is dragged along.
 THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_y, F contact_m,
                                 F& x, F& y, F& turn) {
-  const F allowed = clamped(turn, -kMostTurn_rad, kMostTurn_rad), forced = allowed - turn;
+  const F allowed = clamped(turn, -kMaxTurn_rad, kMaxTurn_rad), forced = allowed - turn;
   x = x + contact_m * forced * allowed;
   y = y - contact_m * forced;
   turn = allowed;
-  shorten(kMostShiftShare * t.leg_length_m, x, y);
+  shorten(kMaxShiftShare * t.leg_length_m, x, y);
   const F at_x = natural_x + x, at_y = natural_y + y;
   const F away = at_x * at_x + at_y * at_y;
   // Of a foot that has rolled on to its toes this point is behind it.
@@ -214,10 +212,10 @@ THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_
   y = select(beyond, share * at_y - natural_y, y);
 }
 
-/// How feet in the air go to where they land, by number as WalkChunk::momentum has it.
-struct Momentum {
-  F swing[WalkChunk::kFeetNumbers];
-  F cycles;
+/// How feet in the air go to where they land, by number as WalkBatch::gait_rates has it.
+struct GaitRates {
+  F swing[WalkBatch::kFeetNumbers];
+  F cadence;
 };
 
 /// A swing that has begun.
@@ -230,29 +228,30 @@ struct Swinging {
 
 /// One of the numbers of a swinging foot, which is to come to rest at `goal` when it lands. With
 /// one goal all along it takes a cubic's way: see smooth().
-THRONG_LANES void swing_to(const Swinging& s, F goal, F fastest_ps, float hardest_ps2, F& number,
-                           F& speed) {
+THRONG_LANES void swing_to(const Swinging& s, F goal, F max_speed_ps, float max_acceleration_ps2,
+                           F& number, F& speed) {
   // All in terms of the time that is left.
-  const F way = speed * s.left, u = s.share;
-  const F hardest = hardest_ps2 * (s.left_s * s.left_s);
-  const F pull = clamped(6.0f * (goal - number) - 4.0f * way, 0.0f - hardest, hardest);
-  const F ends = way + pull;
-  const F wanted = way + u * (pull - u * ends);
+  const F start_rate = speed * s.left, u = s.share;
+  const F max_acceleration = max_acceleration_ps2 * (s.left_s * s.left_s);
+  const F pull = clamped(6.0f * (goal - number) - 4.0f * start_rate, 0.0f - max_acceleration,
+                         max_acceleration);
+  const F end_rate = start_rate + pull;
+  const F target = start_rate + u * (pull - u * end_rate);
   // As fast as it can still come to rest.
   const F until_s = s.left_s * (1.0f - u) + s.step_s;
-  const F fastest = min_of(fastest_ps, hardest_ps2 * until_s) * s.left_s;
-  const F gets = clamped(wanted, 0.0f - fastest, fastest);
-  const F began = clamped(way, 0.0f - fastest, fastest);
-  number = number + u * select(abs_of(wanted) > fastest, 0.5f * (began + gets),
-                               way + u * (0.5f * pull - u * (1.0f / 3) * ends));
-  speed = gets * inverse_of(max_of(s.left, 1e-6f));
+  const F max_speed = min_of(max_speed_ps, max_acceleration_ps2 * until_s) * s.left_s;
+  const F new_rate = clamped(target, 0.0f - max_speed, max_speed);
+  const F clamped_rate = clamped(start_rate, 0.0f - max_speed, max_speed);
+  number = number + u * select(abs_of(target) > max_speed, 0.5f * (clamped_rate + new_rate),
+                               start_rate + u * (0.5f * pull - u * (1.0f / 3) * end_rate));
+  speed = new_rate * inverse_of(max_of(s.left, 1e-6f));
 }
 
 /// What the foot's three numbers and their speeds come to; of one that stands the speeds are gone.
 THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F (&numbers)[3],
                              F* speeds) {
-  constexpr float kAnySpeed_mps = 100;
-  swing_to(s, goals[0], kAnySpeed_mps, kFoot_mps2, numbers[0], speeds[0]);
+  constexpr float kUnlimitedSpeed_mps = 100;
+  swing_to(s, goals[0], kUnlimitedSpeed_mps, kFoot_mps2, numbers[0], speeds[0]);
   swing_to(s, goals[2], kFootTurn_radps, kFootTurn_radps2, numbers[2], speeds[2]);
   const F turn_radps = speeds[2] * s.left * inverse_of(max_of(s.left_s, 1e-6f));
   const F aside_mps = kFootAside_mps - kAsidePerTurn_m * abs_of(turn_radps);
@@ -266,26 +265,27 @@ THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F swing_s, F v)
   constexpr float kArm_m = 0.2f;  // half a foot turns by so much, nearly
   const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);
   const F arch = 4.0f * v * (1.0f - v);
-  return min_of(kLiftShare * step_m, min_of(kLift_mps * swing_s, kHighest_m)) * arch * arch;
+  return min_of(kLiftShare * step_m, min_of(kLift_mps * swing_s, kMaxLift_m)) * arch * arch;
 }
 
 /// Moves the feet on with the root and returns the next phase.
 THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& before,
-                         const Track& after, F stretch, const F (&landing)[4], F phase, Feet& feet,
-                         Momentum& momentum) {
-  const F stride_m = max_of(after.stride, t.shortest_stride_m) * m.scale * stretch;
-  const F wanted = min_of(rate_of(t, m, stride_m, phase, before, feet), kMostCycles_hz);
-  const F cycles = momentum.cycles;
-  const float change = kCyclesChange_hz_ps * m.step_s;
-  const F rate = select(cycles < 0.0f, wanted, clamped(wanted, cycles - change, cycles + change));
-  momentum.cycles = rate;
+                         const Track& after, F stride_scale, const F (&landing)[4], F phase,
+                         Feet& feet, GaitRates& gait_rates) {
+  const F stride_m = max_of(after.stride, t.min_stride_m) * m.scale * stride_scale;
+  const F target = min_of(rate_of(t, m, stride_m, phase, before, feet), kMaxCadence_hz);
+  const F cadence = gait_rates.cadence;
+  const float change = kCadenceChange_hz_ps * m.step_s;
+  const F rate =
+      select(cadence < 0.0f, target, clamped(target, cadence - change, cadence + change));
+  gait_rates.cadence = rate;
   const F next = wrapped(phase + rate * m.step_s);
   Landing goal = landing_of(m, rate, after);
   for (size_t side = 0; side < 2; ++side) {
-    shorten(kMostWantedShare * t.leg_length_m, goal.x[side], goal.y[side]);
+    shorten(kMaxTargetShare * t.leg_length_m, goal.x[side], goal.y[side]);
     goal.x[side] = goal.x[side] + landing[2 * side];
     goal.y[side] = goal.y[side] + landing[2 * side + 1];
-    shorten(kMostLandingShare * t.leg_length_m, goal.x[side], goal.y[side]);
+    shorten(kMaxLandingShare * t.leg_length_m, goal.x[side], goal.y[side]);
   }
   const F forward = m.forward * m.per_scale, left = m.left * m.per_scale;
   const F per_swing = inverse_of(1.0f - after.stance);
@@ -296,12 +296,12 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     const F natural_x = after.x_at(own_next), natural_y = after.side[side];
     const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
     // In stance the ground moves back under the body, and the foot with it.
-    const F was_x = before.x_at(own) + x - forward, was_y = before.side[side] + y - left;
+    const F old_x = before.x_at(own) + x - forward, old_y = before.side[side] + y - left;
     const M stood = own < before.stance;
-    F stance_x = select(stood, m.turn_cos * was_x + m.turn_sin * was_y - natural_x, x);
-    F stance_y = select(stood, m.turn_cos * was_y - m.turn_sin * was_x - natural_y, y);
+    F stance_x = select(stood, m.turn_cos * old_x + m.turn_sin * old_y - natural_x, x);
+    F stance_y = select(stood, m.turn_cos * old_y - m.turn_sin * old_x - natural_y, y);
     F stance_turn = select(stood, turned - m.turn, turned);
-    keep_in_reach(t, natural_x, natural_y, kContactWay_m * own_next, stance_x, stance_y,
+    keep_in_reach(t, natural_x, natural_y, kContactTravel_m * own_next, stance_x, stance_y,
                   stance_turn);
     // In swing it goes to its landing place.
     const F u = (max_of(own, after.stance) - after.stance) * per_swing;
@@ -315,7 +315,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     F in_air[3] = {x, y, turned};
     const M stands = own_next < after.stance;
     swing_foot(swinging, {goal.x[side], goal.y[side], goal.turn[side]}, stands, in_air,
-               momentum.swing + 3 * side);
+               gait_rates.swing + 3 * side);
     const F off_x = x - goal.x[side], off_y = y - goal.y[side], off_turn = turned - goal.turn[side];
     feet.x[side] = select(stands, stance_x, in_air[0]);
     feet.y[side] = select(stands, stance_y, in_air[1]);
@@ -326,7 +326,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
   return next;
 }
 
-THRONG_LANES Feet load_feet(const WalkChunk& c, size_t i) {
+THRONG_LANES Feet load_feet(const WalkBatch& c, size_t i) {
   Feet feet;
   for (size_t side = 0; side < 2; ++side) {
     feet.x[side] = load(c.feet[3 * side] + i);
@@ -337,7 +337,7 @@ THRONG_LANES Feet load_feet(const WalkChunk& c, size_t i) {
   return feet;
 }
 
-THRONG_LANES void store_feet(const Feet& feet, WalkChunk& c, size_t i) {
+THRONG_LANES void store_feet(const Feet& feet, WalkBatch& c, size_t i) {
   for (size_t side = 0; side < 2; ++side) {
     store(feet.x[side], c.feet[3 * side] + i);
     store(feet.y[side], c.feet[3 * side + 1] + i);
@@ -347,16 +347,16 @@ THRONG_LANES void store_feet(const Feet& feet, WalkChunk& c, size_t i) {
 }
 
 /// What this speed leaves room for.
-THRONG_LANES void limit_standing(const SteppingTables& t, F share, WalkChunk& c, size_t i) {
-  const F most_m = t.most_shift_m * share;
-  store(clamped(load(c.shift_m + i), 0.0f - most_m, most_m), c.shift_m + i);
+THRONG_LANES void limit_standing(const SteppingTables& t, F share, WalkBatch& c, size_t i) {
+  const F max_m = t.max_shift_m * share;
+  store(clamped(load(c.shift_m + i), 0.0f - max_m, max_m), c.shift_m + i);
   store(clamped(load(c.breath + i), 0.0f, share), c.breath + i);
 }
 
-THRONG_LANES void store_posture(const F (&posture)[16], const F (&room)[2], WalkChunk& c,
+THRONG_LANES void store_posture(const F (&posture)[16], const F (&packed_bounds)[2], WalkBatch& c,
                                 size_t i) {
-  store(room[0], c.room_x + i);
-  store(room[1], c.room_y + i);
+  store(packed_bounds[0], c.bounds_x + i);
+  store(packed_bounds[1], c.bounds_y + i);
   for (size_t quad = 0; quad < 4; ++quad) {
     const F four[4] = {posture[4 * quad], posture[4 * quad + 1], posture[4 * quad + 2],
                        posture[4 * quad + 3]};
@@ -364,19 +364,20 @@ THRONG_LANES void store_posture(const F (&posture)[16], const F (&room)[2], Walk
   }
 }
 
-THRONG_LANES Momentum load_momentum(const WalkChunk& c, size_t i) {
-  Momentum momentum;
-  for (size_t n = 0; n < WalkChunk::kFeetNumbers; ++n) momentum.swing[n] = load(c.momentum[n] + i);
-  momentum.cycles = load(c.momentum[WalkChunk::kCycles] + i);
-  return momentum;
+THRONG_LANES GaitRates load_gait_rates(const WalkBatch& c, size_t i) {
+  GaitRates gait_rates;
+  for (size_t n = 0; n < WalkBatch::kFeetNumbers; ++n)
+    gait_rates.swing[n] = load(c.gait_rates[n] + i);
+  gait_rates.cadence = load(c.gait_rates[WalkBatch::kCadence] + i);
+  return gait_rates;
 }
 
-THRONG_LANES void store_sinking(const Sinking& now, WalkChunk& c, size_t i) {
-  store(now.sunk, c.next_sunk[0] + i);
-  store(now.mps, c.next_sunk[1] + i);
+THRONG_LANES void store_pelvis_drop(const PelvisDrop& now, WalkBatch& c, size_t i) {
+  store(now.drop, c.next_pelvis_drop[0] + i);
+  store(now.speed_mps, c.next_pelvis_drop[1] + i);
 }
 
-THRONG_LANES void store_step(const Track& track, const Place& at, WalkChunk& c, size_t i) {
+THRONG_LANES void store_step(const Track& track, const Place& at, WalkBatch& c, size_t i) {
   const F tracks[4] = {track.side[0], track.side[1], track.toes_out_sin, track.toes_out_cos};
   const F places[4] = {at.node, at.cell, at.u, at.v};
   for (size_t n = 0; n < 4; ++n) {
@@ -385,7 +386,7 @@ THRONG_LANES void store_step(const Track& track, const Place& at, WalkChunk& c, 
   }
 }
 
-THRONG_LANES void load_step(const WalkChunk& c, size_t i, Track& track, Place& at) {
+THRONG_LANES void load_step(const WalkBatch& c, size_t i, Track& track, Place& at) {
   track.side[0] = load(c.track[0] + i);
   track.side[1] = load(c.track[1] + i);
   track.toes_out_sin = load(c.track[2] + i);
@@ -394,7 +395,7 @@ THRONG_LANES void load_step(const WalkChunk& c, size_t i, Track& track, Place& a
 }
 
 /// The feet of the lanes from i on. Asks for what their legs will look up.
-THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
+THRONG_LANES void walk_feet(const SteppingTables& t, WalkBatch& c, size_t i) {
   const M present = load(c.present + i) > 0.0f;
   const F gait_before = load(c.gait_mps + i), ahead = load(c.ahead_mps + i);
   const F phase = load(c.phases + i);
@@ -406,16 +407,16 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
   const Feet was = load_feet(c, i);
   Feet feet = was;
   const F gait_now = select(present, after, gait_before);
-  const F root_speed = root_speed_of(t, gait_now, motion.per_scale);
-  const Speeds speeds = speeds_around(t, c.tables.data() + i, root_speed);
-  const Track track = track_of(t, speeds, root_speed);
-  const Track track_before = track_of(t, speeds, root_speed_of(t, before, motion.per_scale));
+  const F sqrt_speed = sqrt_speed_of(t, gait_now, motion.per_scale);
+  const Speeds speeds = speeds_around(t, c.tables.data() + i, sqrt_speed);
+  const Track track = track_of(t, speeds, sqrt_speed);
+  const Track track_before = track_of(t, speeds, sqrt_speed_of(t, before, motion.per_scale));
   const F landing[4] = {load(c.landing[0] + i), load(c.landing[1] + i), load(c.landing[2] + i),
                         load(c.landing[3] + i)};
-  const Momentum had = load_momentum(c, i);
-  Momentum momentum = had;
-  const F next = step_feet(t, motion, track_before, track, load(c.stretch + i), landing, phase,
-                           feet, momentum);
+  const GaitRates old_rates = load_gait_rates(c, i);
+  GaitRates gait_rates = old_rates;
+  const F next = step_feet(t, motion, track_before, track, load(c.stride_scale + i), landing, phase,
+                           feet, gait_rates);
   const auto settled = [&](F value, F when_fresh, F when_away) {
     return select(present, select(fresh, when_fresh, value), when_away);
   };
@@ -427,22 +428,23 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
     feet.lift[side] = settled(feet.lift[side], 0.0f, 0.0f);
   }
   store_feet(feet, c, i);
-  for (size_t n = 0; n < WalkChunk::kFeetNumbers; ++n)
-    store(settled(momentum.swing[n], 0.0f, had.swing[n]), c.momentum[n] + i);
-  store(settled(momentum.cycles, -1.0f, had.cycles), c.momentum[WalkChunk::kCycles] + i);
-  store(select(fresh, -1.0f, load(c.momentum[WalkChunk::kSunk] + i)),
-        c.momentum[WalkChunk::kSunk] + i);
+  for (size_t n = 0; n < WalkBatch::kFeetNumbers; ++n)
+    store(settled(gait_rates.swing[n], 0.0f, old_rates.swing[n]), c.gait_rates[n] + i);
+  store(settled(gait_rates.cadence, -1.0f, old_rates.cadence),
+        c.gait_rates[WalkBatch::kCadence] + i);
+  store(select(fresh, -1.0f, load(c.gait_rates[WalkBatch::kPelvisDrop] + i)),
+        c.gait_rates[WalkBatch::kPelvisDrop] + i);
   const F phase_now = settled(next, phase, phase);
   store(phase_now, c.phases + i);
   store(gait_now, c.gait_mps + i);
-  const Place at = place_of(t, speeds, phase_now, root_speed);
+  const Place at = place_of(t, speeds, phase_now, sqrt_speed);
   store_step(track, at, c, i);
   limit_standing(t, clamped(track.standing, 0.0f, 1.0f), c, i);
-  int32_t nodes[kAtOnce];
+  int32_t nodes[kLaneCount];
   store_whole(at.node, nodes);
-  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+  for (size_t lane = 0; lane < kLaneCount; ++lane) {
     const float* node = c.tables[i + lane] + t.node(nodes[lane]);
-    for (const float* row : {node, node + t.next_speed_node()}) {
+    for (const float* row : {node, node + t.speed_node_stride()}) {
       __builtin_prefetch(row);
       __builtin_prefetch(row + SteppingTables::kNodeFloats);
     }
@@ -450,19 +452,19 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkChunk& c, size_t i) {
 }
 
 /// And their legs, when walk_feet() is done.
-THRONG_LANES void walk_legs(const SteppingTables& t, WalkChunk& c, size_t i) {
+THRONG_LANES void walk_legs(const SteppingTables& t, WalkBatch& c, size_t i) {
   const Feet feet = load_feet(c, i);
   Track track;
   Place at;
   load_step(c, i, track, at);
-  F posture[16], room[2];
+  F posture[16], packed_bounds[2];
   const Standing standing = {load(c.shift_m + i), load(c.breath + i)};
-  const Sinking before = {load(c.momentum[WalkChunk::kSunk] + i),
-                          load(c.momentum[WalkChunk::kSinking] + i)};
-  Sinking now;
-  store(legs_of(t, c.tables.data() + i, feet, standing, before, c.step_s, at, track, posture, room,
-                now),
+  const PelvisDrop before = {load(c.gait_rates[WalkBatch::kPelvisDrop] + i),
+                             load(c.gait_rates[WalkBatch::kPelvisDropSpeed] + i)};
+  PelvisDrop now;
+  store(legs_of(t, c.tables.data() + i, feet, standing, before, c.step_s, at, track, posture,
+                packed_bounds, now),
         c.out_of_reach + i);
-  store_sinking(now, c, i);
-  store_posture(posture, room, c, i);
+  store_pelvis_drop(now, c, i);
+  store_posture(posture, packed_bounds, c, i);
 }

@@ -27,7 +27,7 @@ struct SignedAxis {
 
 /// A leg as bending and bounding it takes; meshes count as they lie in the zero posture. Axes are
 /// those of the root, points lie in the plane that the leg bends in: (x forward, z up).
-struct LegNumbers {
+struct LegParameters {
   std::array<float, 3> hip_m{};  ///< from the middle between the hips
   std::array<float, 2> thigh_m{}, shank_m{};
   float knee_side_m = 0, ankle_side_m = 0;         ///< left of the hip
@@ -35,12 +35,12 @@ struct LegNumbers {
   /// The knee's angle at which thigh and shank are one line, and the limits of what it is bent
   /// beyond that.
   float straight_rad = 0, straight_sin = 0, straight_cos = 1;
-  float straightest_cos = 1, most_bent_cos = -1;
-  float longest_m = 1, longest_m2 = 1;  ///< of the hip's farthest ankle, and its square
+  float min_bend_cos = 1, max_bend_cos = -1;
+  float max_reach_m = 1, max_reach2_m2 = 1;  ///< of the hip's farthest ankle, and its square
   /// How a foot rolls over its toes, by pitch from the lowest on: how far ahead the ankle is, how
   /// high, and how much more each of these at the next node.
   static constexpr int kRolls = 128;
-  static constexpr float kLowestPitch_rad = -1.6f, kRollsPerRadian = 64;
+  static constexpr float kMinPitch_rad = -1.6f, kRollsPerRadian = 64;
   struct Roll {
     float ahead_m, height_m, more_ahead_m, more_height_m;
 
@@ -70,20 +70,20 @@ struct SteppingTables {
   static constexpr size_t kBoxFloats = 4;
 
   float leg_length_m = 1, per_leg_length = 1;
-  float highest_root_speed = 1;  ///< of the relative speed
-  float cells_per_root_speed = 1;
-  float shortest_stride_m = 0;
+  float max_sqrt_speed = 1;  ///< of the relative speed
+  float cells_per_sqrt_speed = 1;
+  float min_stride_m = 0;
   int phases = 1, speeds = 1;
   float max_drop_m = 0;  ///< the pelvis sinks no farther for a foot that is too far away
   // What standing adds at most, and how far a breath moves anything.
-  float most_shift_m = 0, most_breath_m = 0;
+  float max_shift_m = 0, max_breath_m = 0;
   // The room of all postures: see GaitBounds.
   float sphere_z_m = 0, sphere_m = 0, upright_m = 0;
   // A body's box is kept in grains from the corner of a square around the root.
   float corner_m = 0, grain_m = 1, per_grain = 1;
   static constexpr uint32_t kGrains =
-      4096;                        ///< two such numbers make one that a float holds exactly
-  std::array<LegNumbers, 2> legs;  ///< right, left
+      4096;                           ///< two such numbers make one that a float holds exactly
+  std::array<LegParameters, 2> legs;  ///< right, left
   /// Tracks by speed, then nodes and boxes, speed-major, phases 0..phases and 0..phases - 1. A node
   /// is a cache line. All tables of a model have the same size.
   struct alignas(64) Line {
@@ -95,7 +95,7 @@ struct SteppingTables {
 
   void archive(Archive& a);
 
-  size_t next_speed_node() const { return static_cast<size_t>(phases + 1) * kNodeFloats; }
+  size_t speed_node_stride() const { return static_cast<size_t>(phases + 1) * kNodeFloats; }
   /// Where they begin; nodes and cells are counted.
   size_t track(int32_t speed) const { return static_cast<size_t>(speed) * kTrackFloats; }
   size_t node(int32_t i) const {
@@ -108,15 +108,15 @@ struct SteppingTables {
 };
 
 /// A lane after the other: the reference.
-void walk_one_by_one(const SteppingTables& tables, WalkChunk& chunk);
+void walk_scalar(const SteppingTables& tables, WalkBatch& batch);
 /// `target` is one that this machine has, not kBest.
-void walk_simd(const SteppingTables& tables, WalkChunk& chunk, SimdTarget target);
+void walk_simd(const SteppingTables& tables, WalkBatch& batch, SimdTarget target);
 /// The legs of one lane with the shift of the feet in `sides` (1 right, 2 left, 3 both) taken times
 /// `share`, which stays if both legs reach; returns whether they do.
-bool reach_with(const SteppingTables& tables, WalkChunk& chunk, size_t lane, int sides,
+bool reach_with(const SteppingTables& tables, WalkBatch& batch, size_t lane, int sides,
                 float share);
 
-/// A side of a box as WalkRoom has it; see grains_of() of stepping_legs-inl.h.
+/// A side of a box as WalkBounds has it; see grains_of() of stepping_legs-inl.h.
 float grains_between(const SteppingTables& tables, float low_m, float high_m);
 
 }  // namespace throng

@@ -1,6 +1,6 @@
 // Legs bent so that the feet are where stepping has put them, a person a lane: two links in closed
 // form, and the box that holds what comes out.
-// Included by stepping_one.cpp and stepping_simd.cpp, inside the namespace of their lanes F.
+// Included by stepping_scalar.cpp and stepping_simd.cpp, inside the namespace of their lanes F.
 
 struct Feet {
   F x[2], y[2], turn[2], lift[2];
@@ -15,7 +15,7 @@ THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
 THRONG_LANES F clamped(F x, F low, F high) { return min_of(max_of(x, low), high); }
 
 /// The direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
-THRONG_LANES Way way_of_sine(F sine) {
+THRONG_LANES Direction direction_of_sine(F sine) {
   const F s = clamped(sine, -1.0f, 1.0f);
   return {s, sqrt_of(max_of(1.0f - s * s, 0.0f))};
 }
@@ -66,7 +66,7 @@ struct LegReach {
 
 /// The foot leans with its leg, about the point where it stands: hip, knee and foot share a plane,
 /// and that the foot's middle lies as far beside the hip as the leg is made leaves one tilt.
-THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height, F forward_x,
+THRONG_LANES void reach_for(const LegParameters& leg, const Point& ground, F height, F forward_x,
                             F forward_y, LegReach& r) {
   const Point d = ground - r.hip;
   const F y = d.y * forward_x - d.x * forward_y;
@@ -87,22 +87,22 @@ THRONG_LANES void reach_for(const LegNumbers& leg, const Point& ground, F height
 }
 
 /// How far a hip has to sink until its leg is long enough.
-THRONG_LANES F sink_of(const LegNumbers& leg, const LegReach& r) {
+THRONG_LANES F drop_for(const LegParameters& leg, const LegReach& r) {
   const F aside = r.ankle.x * r.ankle.x + r.ankle.y * r.ankle.y;
-  return 0.0f - r.ankle.z - sqrt_of(max_of(leg.longest_m2 - aside, 0.0f));
+  return 0.0f - r.ankle.z - sqrt_of(max_of(leg.max_reach2_m2 - aside, 0.0f));
 }
 
 // The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk; less
 // where a foot is hardly away from where the gait has it, for the gait alone asks for nothing.
-inline constexpr float kSinksBefore_m = 0.04f;
+inline constexpr float kDropLead_m = 0.04f;
 // And no faster: below what it does in plain walking (`realism joints`). A foot that lands
 // meanwhile comes down a little later.
-inline constexpr float kSinking_mps = 0.12f, kSinking_mps2 = 1.5f;
+inline constexpr float kMaxDropSpeed_mps = 0.12f, kMaxDropAcceleration_mps2 = 1.5f;
 
 /// The larger of two, rounded off where they differ by less than `round`.
-THRONG_LANES F larger_of(F a, F b, F round) {
-  const F near = max_of(round - abs_of(a - b), 0.0f);
-  return max_of(a, b) + near * near * 0.25f / max_of(round, 1e-6f);
+THRONG_LANES F smooth_max(F a, F b, F round) {
+  const F overlap = max_of(round - abs_of(a - b), 0.0f);
+  return max_of(a, b) + overlap * overlap * 0.25f / max_of(round, 1e-6f);
 }
 
 /// How far a foot is from where the gait has it, roughly: a turn counts as at the toes.
@@ -113,20 +113,22 @@ THRONG_LANES F displacement_of(const Feet& feet, size_t side, const Standing& st
 }
 
 /// The pelvis that sinks, metres and m/s.
-struct Sinking {
-  F sunk, mps;
+struct PelvisDrop {
+  F drop, speed_mps;
 };
-THRONG_LANES Sinking followed(const Sinking& before, F wanted, float step_s) {
-  const F left = wanted - before.sunk, size = abs_of(left);
+THRONG_LANES PelvisDrop follow_drop(const PelvisDrop& before, F target, float step_s) {
+  const F left = target - before.drop, size = abs_of(left);
   // As fast as it can still stop there.
-  const F fastest =
-      min_of(min_of(size * (1 / step_s), sqrt_of(1.4f * kSinking_mps2 * size)), kSinking_mps);
-  const F change = select(left < 0.0f, 0.0f - fastest, fastest) - before.mps;
-  const F mps = before.mps + clamped(change, -kSinking_mps2 * step_s, kSinking_mps2 * step_s);
+  const F max_speed =
+      min_of(min_of(size * (1 / step_s), sqrt_of(1.4f * kMaxDropAcceleration_mps2 * size)),
+             kMaxDropSpeed_mps);
+  const F change = select(left < 0.0f, 0.0f - max_speed, max_speed) - before.speed_mps;
+  const F speed_mps = before.speed_mps + clamped(change, -kMaxDropAcceleration_mps2 * step_s,
+                                                 kMaxDropAcceleration_mps2 * step_s);
   // It comes to rest, and whoever has just come in is there.
-  const M is_there = (before.sunk < 0.0f) | ((size < 1e-5f) & (abs_of(before.mps) < 1e-2f));
-  return {select(is_there, wanted, max_of(before.sunk + step_s * mps, 0.0f)),
-          select(is_there, 0.0f, mps)};
+  const M is_there = (before.drop < 0.0f) | ((size < 1e-5f) & (abs_of(before.speed_mps) < 1e-2f));
+  return {select(is_there, target, max_of(before.drop + step_s * speed_mps, 0.0f)),
+          select(is_there, 0.0f, speed_mps)};
 }
 
 /// A foot as the gait has it: where it touches the ground, the ankle's height over that, its pitch.
@@ -139,10 +141,11 @@ struct Rolled {
   F ahead, height;
 };
 
-THRONG_LANES Rolled rolled(const LegNumbers& leg, F pitch) {
-  const F at = max_of((pitch - LegNumbers::kLowestPitch_rad) * LegNumbers::kRollsPerRadian, 0.0f);
-  const F node = min_of(floor_of(at), static_cast<float>(LegNumbers::kRolls - 1));
-  int32_t nodes[kAtOnce];
+THRONG_LANES Rolled rolled(const LegParameters& leg, F pitch) {
+  const F at =
+      max_of((pitch - LegParameters::kMinPitch_rad) * LegParameters::kRollsPerRadian, 0.0f);
+  const F node = min_of(floor_of(at), static_cast<float>(LegParameters::kRolls - 1));
+  int32_t nodes[kLaneCount];
   store_whole(node, nodes);
   F roll[4];
   load_rows([&](size_t lane) { return &leg.rolls[static_cast<size_t>(nodes[lane])].ahead_m; },
@@ -152,12 +155,12 @@ THRONG_LANES Rolled rolled(const LegNumbers& leg, F pitch) {
 }
 
 // A foot behind the body rolls on over its toes by so much before the pelvis has to sink.
-inline constexpr float kMostRaise_rad = 0.4f;
+inline constexpr float kMaxHeelRaise_rad = 0.4f;
 // Some centimetres of reach for each radian; the secant that follows makes it exact, nearly.
 inline constexpr float kRaisePerMetre_rad = 6;
 
 /// Pitches a foot down by so much, without sliding.
-THRONG_LANES Stand tipped(const LegNumbers& leg, F forward_x, F forward_y, const Stand& stand,
+THRONG_LANES Stand tipped(const LegParameters& leg, F forward_x, F forward_y, const Stand& stand,
                           const Rolled& before, F by) {
   const Rolled after = rolled(leg, stand.pitch - by);
   const F ahead = after.ahead - before.ahead;
@@ -171,7 +174,7 @@ THRONG_LANES Stand tipped(const LegNumbers& leg, F forward_x, F forward_y, const
 inline constexpr float kFlatter_m = 0.08f;
 
 /// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
-THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F moved_m,
+THRONG_LANES void lower_toes(const LegParameters& leg, F forward_x, F forward_y, F moved_m,
                              Stand& stand, LegReach& r) {
   const F unmoved = clamped(r.along - moved_m, 1e-3f, kFlatter_m);
   const F share = clamped(r.along * inverse_of(unmoved), 0.0f, 1.0f);
@@ -184,22 +187,22 @@ THRONG_LANES void lower_toes(const LegNumbers& leg, F forward_x, F forward_y, F 
 }
 
 /// Raises the heel of a foot that is too far behind until the leg is long enough.
-THRONG_LANES void raise_heel(const LegNumbers& leg, F forward_x, F forward_y, Stand& stand,
+THRONG_LANES void raise_heel(const LegParameters& leg, F forward_x, F forward_y, Stand& stand,
                              LegReach& r) {
   const auto too_long = [&leg](const LegReach& reach) {
-    return sqrt_of(dot(reach.ankle, reach.ankle)) - leg.longest_m;
+    return sqrt_of(dot(reach.ankle, reach.ankle)) - leg.max_reach_m;
   };
-  const F lacks = too_long(r);
-  const M behind = (lacks > 0.0f) & (r.along < 0.0f);
+  const F deficit_m = too_long(r);
+  const M behind = (deficit_m > 0.0f) & (r.along < 0.0f);
   if (!any(behind)) return;
   const Rolled before = rolled(leg, stand.pitch);
-  const F first = select(behind, min_of(lacks * kRaisePerMetre_rad, kMostRaise_rad), 0.0f);
+  const F first = select(behind, min_of(deficit_m * kRaisePerMetre_rad, kMaxHeelRaise_rad), 0.0f);
   const Stand tried = tipped(leg, forward_x, forward_y, stand, before, first);
   LegReach reach = r;
   reach_for(leg, tried.ground, tried.height, forward_x, forward_y, reach);
-  const F won = max_of(lacks - too_long(reach), 1e-4f);
-  const F raise =
-      select(behind, clamped(first * lacks * inverse_of(won), 0.0f, kMostRaise_rad), 0.0f);
+  const F gain_m = max_of(deficit_m - too_long(reach), 1e-4f);
+  const F raise = select(
+      behind, clamped(first * deficit_m * inverse_of(gain_m), 0.0f, kMaxHeelRaise_rad), 0.0f);
   stand = tipped(leg, forward_x, forward_y, stand, before, raise);
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }
@@ -218,19 +221,19 @@ struct Bounds {
 
 // Single precision, arcs good to 2e-6, and nodes blended as positions here and as angles in the
 // table, which turn by less than 0.02 between two of them: a tenth of this was measured.
-inline constexpr float kLegSlack_m = 1e-3f;
+inline constexpr float kLegRoundingMargin_m = 1e-3f;
 
 /// Whether sphere and cylinder hold a ball. They are convex: with the balls at its ends they hold a
 /// limb.
 THRONG_LANES M holds(const SteppingTables& t, const Point& p, float radius) {
   const F across = p.x * p.x + p.y * p.y, up = p.z - t.sphere_z_m;
-  const float upright = t.upright_m - radius - kLegSlack_m,
-              ball = t.sphere_m - radius - kLegSlack_m;
+  const float upright = t.upright_m - radius - kLegRoundingMargin_m,
+              ball = t.sphere_m - radius - kLegRoundingMargin_m;
   return (across <= upright * upright) & (across + up * up <= ball * ball);
 }
 
 /// Whether they hold a foot: of a box the corner that is farthest along each of its axes.
-THRONG_LANES M holds_foot(const SteppingTables& t, const LegNumbers& leg, const Point& p,
+THRONG_LANES M holds_foot(const SteppingTables& t, const LegParameters& leg, const Point& p,
                           const Turn& foot) {
   const std::array<float, 3>& half = leg.foot_half_m;
   const float square = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
@@ -242,18 +245,19 @@ THRONG_LANES M holds_foot(const SteppingTables& t, const LegNumbers& leg, const 
       2.0f * (half[0] * flat(foot.x) + half[1] * flat(foot.y) + half[2] * flat(foot.z));
   const F away = dot(q, q) + square +
                  2.0f * (half[0] * full(foot.x) + half[1] * full(foot.y) + half[2] * full(foot.z));
-  const float upright = t.upright_m - kLegSlack_m, ball = t.sphere_m - kLegSlack_m;
+  const float upright = t.upright_m - kLegRoundingMargin_m,
+              ball = t.sphere_m - kLegRoundingMargin_m;
   return (across <= upright * upright) & (away <= ball * ball);
 }
 
 /// Bends a leg to reach its ankle; angles of the hip's axes, knee and ankle go to `angles`. Where
 /// the knee's limits stop it the ankle is as near as they let it; where the ankle's do, the foot
 /// tilts. Returns whether joints and the room of all postures allow it.
-THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const LegReach& r,
+THRONG_LANES M bend(const SteppingTables& t, const LegParameters& leg, const LegReach& r,
                     const Turn& pelvis, F pitch, F* angles, Bounds& bounds) {
   // Law of cosines for links that need not be one line in the zero posture.
-  const F wanted = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
-  const F bend_cos = clamped(wanted, leg.most_bent_cos, leg.straightest_cos);
+  const F target = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
+  const F bend_cos = clamped(target, leg.max_bend_cos, leg.min_bend_cos);
   const F bend_sin = sqrt_of(max_of(1.0f - bend_cos * bend_cos, 0.0f));
   const F knee_sin = leg.straight_sin * bend_cos + leg.straight_cos * bend_sin;
   const F knee_cos = leg.straight_cos * bend_cos - leg.straight_sin * bend_sin;
@@ -272,13 +276,13 @@ THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const LegRea
   // pelvis^T thigh = turn(a1, q1) turn(a2, q2) turn(a3, q3) over perpendicular axes.
   const Turn thigh = turned_y(r.frame, sin, cos);
   const Point end = thigh * leg.axis3, p1 = pelvis * leg.axis1;
-  const Way ways[5] = {{dot(pelvis * leg.axis13, end), dot(pelvis * leg.axis3, end)},
-                       way_of_sine(leg.hand * dot(p1, end)),
-                       {dot(p1, thigh * leg.axis13), dot(p1, thigh * leg.axis1)},
-                       {bend_sin, bend_cos},
-                       {sin, cos}};
+  const Direction directions[5] = {{dot(pelvis * leg.axis13, end), dot(pelvis * leg.axis3, end)},
+                                   direction_of_sine(leg.hand * dot(p1, end)),
+                                   {dot(p1, thigh * leg.axis13), dot(p1, thigh * leg.axis1)},
+                                   {bend_sin, bend_cos},
+                                   {sin, cos}};
   F turns[5];
-  angles_of(ways, turns);
+  angles_of(directions, turns);
   const F knee = leg.straight_rad + turns[3], shank = turns[4] + knee;
   const F ankle =
       clamped((0.0f - pitch - shank) * leg.ankle_sign, leg.lower_rad[4], leg.upper_rad[4]);
@@ -306,9 +310,8 @@ THRONG_LANES M bend(const SteppingTables& t, const LegNumbers& leg, const LegRea
   return allowed;
 }
 
-THRONG_LANES F root_speed_of(const SteppingTables& t, F speed_mps, F per_scale) {
-  return min_of(sqrt_of(max_of(speed_mps, 0.0f) * per_scale * t.per_leg_length),
-                t.highest_root_speed);
+THRONG_LANES F sqrt_speed_of(const SteppingTables& t, F speed_mps, F per_scale) {
+  return min_of(sqrt_of(max_of(speed_mps, 0.0f) * per_scale * t.per_leg_length), t.max_sqrt_speed);
 }
 
 /// The whole number below x, at most `last`.
@@ -327,10 +330,10 @@ struct Speeds {
 };
 
 THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* tables,
-                                  F root_speed) {
+                                  F sqrt_speed) {
   Speeds s;
-  s.row = whole_of(root_speed * t.cells_per_root_speed, t.speeds - 2);
-  int32_t cell[kAtOnce];
+  s.row = whole_of(sqrt_speed * t.cells_per_sqrt_speed, t.speeds - 2);
+  int32_t cell[kLaneCount];
   store_whole(s.row, cell);
   for (size_t quad = 0; quad < 8; quad += 4) {
     F slow[4], fast[4];
@@ -345,8 +348,8 @@ THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* t
 }
 
 /// Straight on where the speed is a little beyond those around.
-THRONG_LANES Track track_of(const SteppingTables& t, const Speeds& s, F root_speed) {
-  const F v = root_speed * t.cells_per_root_speed - s.row;
+THRONG_LANES Track track_of(const SteppingTables& t, const Speeds& s, F sqrt_speed) {
+  const F v = sqrt_speed * t.cells_per_sqrt_speed - s.row;
   const auto blend = [&](size_t i) { return s.slow[i] + v * (s.fast[i] - s.slow[i]); };
   return {blend(0), blend(1), {blend(2), blend(3)}, blend(4), blend(5), blend(6), blend(7)};
 }
@@ -357,32 +360,32 @@ struct Place {
   F u, v;        ///< shares of the next phase and the next speed
 };
 
-THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F root_speed) {
+THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F sqrt_speed) {
   const F x = phase * static_cast<float>(t.phases), column = whole_of(x, t.phases - 1);
   return {s.row * static_cast<float>(t.phases + 1) + column,
           s.row * static_cast<float>(t.phases) + column, x - column,
-          root_speed * t.cells_per_root_speed - s.row};
+          sqrt_speed * t.cells_per_sqrt_speed - s.row};
 }
 
 /// Two numbers of grains in one: the low one of what is below, the high one of what is above.
 THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
-  constexpr auto kMost = static_cast<float>(SteppingTables::kGrains - 1);
-  const F low = floor_of((low_m - kLegSlack_m - t.corner_m) * t.per_grain);
-  const F high = floor_of((high_m + kLegSlack_m - t.corner_m) * t.per_grain) + 1.0f;
-  return max_of(low, 0.0f) * static_cast<float>(SteppingTables::kGrains) + min_of(high, kMost);
+  constexpr auto kMax = static_cast<float>(SteppingTables::kGrains - 1);
+  const F low = floor_of((low_m - kLegRoundingMargin_m - t.corner_m) * t.per_grain);
+  const F high = floor_of((high_m + kLegRoundingMargin_m - t.corner_m) * t.per_grain) + 1.0f;
+  return max_of(low, 0.0f) * static_cast<float>(SteppingTables::kGrains) + min_of(high, kMax);
 }
 
-/// What WalkPosture and WalkRoom hold. Returns, as WalkChunk has it, which
+/// What WalkPosture and WalkBounds hold. Returns, as WalkBatch has it, which
 /// feet joints or bounds do not allow.
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
-                       const Standing& standing, const Sinking& before, float step_s,
-                       const Place& at, const Track& track, F (&posture)[16], F (&room)[2],
-                       Sinking& now) {
-  int32_t nodes[kAtOnce], cells[kAtOnce];
+                       const Standing& standing, const PelvisDrop& before, float step_s,
+                       const Place& at, const Track& track, F (&posture)[16], F (&packed_bounds)[2],
+                       PelvisDrop& now) {
+  int32_t nodes[kLaneCount], cells[kLaneCount];
   store_whole(at.node, nodes);
   store_whole(at.cell, cells);
   F node[SteppingTables::kNodeFloats];
-  blend_rows([&](size_t lane) { return tables[lane] + t.node(nodes[lane]); }, t.next_speed_node(),
+  blend_rows([&](size_t lane) { return tables[lane] + t.node(nodes[lane]); }, t.speed_node_stride(),
              at.u, at.v, node);
   const Turn pelvis = turn_of(node[10], node[11], node[12]);
   const Point middle = {node[13], node[14] + standing.shift, node[15]};
@@ -391,7 +394,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   LegReach reach[2];
   F drop = 0.0f;
   for (size_t side = 0; side < 2; ++side) {
-    const LegNumbers& leg = t.legs[side];
+    const LegParameters& leg = t.legs[side];
     const F* foot = node + 5 * side;
     F sin, cos;
     sin_cos_of(feet.turn[side], sin, cos);
@@ -410,11 +413,11 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
                feet.x[side] * forward_x[side] + feet.y[side] * forward_y[side], stands[side],
                reach[side]);
     raise_heel(leg, forward_x[side], forward_y[side], stands[side], reach[side]);
-    drop = larger_of(drop, sink_of(leg, reach[side]),
-                     min_of(displacement_of(feet, side, standing), kSinksBefore_m));
+    drop = smooth_max(drop, drop_for(leg, reach[side]),
+                      min_of(displacement_of(feet, side, standing), kDropLead_m));
   }
-  now = followed(before, min_of(drop, t.max_drop_m), step_s);
-  now.sunk = drop = min_of(now.sunk, t.max_drop_m);
+  now = follow_drop(before, min_of(drop, t.max_drop_m), step_s);
+  now.drop = drop = min_of(now.drop, t.max_drop_m);
   if (any(drop > 0.0f))
     for (size_t side = 0; side < 2; ++side) {
       reach[side].hip.z = reach[side].hip.z - drop;
@@ -424,7 +427,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   F rest[4];
   load_rows([&](size_t lane) { return tables[lane] + t.box(cells[lane]); }, rest);
   // What does not hang from the hips moves along; a breath moves none of it farther than that.
-  const F by = standing.breath * t.most_breath_m;
+  const F by = standing.breath * t.max_breath_m;
   Bounds bounds = {rest[0] - by, rest[1] + standing.shift - by, rest[2] + by,
                    rest[3] + standing.shift + by};
   F out_of_reach = 0.0f;
@@ -439,7 +442,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
   posture[WalkPosture::kV] = at.v;
   posture[WalkPosture::kShift] = standing.shift;
   posture[WalkPosture::kBreath] = standing.breath;
-  room[0] = grains_of(t, bounds.low_x, bounds.high_x);
-  room[1] = grains_of(t, bounds.low_y, bounds.high_y);
+  packed_bounds[0] = grains_of(t, bounds.low_x, bounds.high_x);
+  packed_bounds[1] = grains_of(t, bounds.low_y, bounds.high_y);
   return out_of_reach;
 }

@@ -29,12 +29,12 @@ namespace {
 }  // namespace
 }  // namespace register_pairs
 
-void walk_all(const SteppingTables& tables, WalkChunk& chunk) {
-  using register_pairs::kAtOnce;
-  for (size_t first = 0; first < chunk.count; first += kAtOnce)
-    register_pairs::walk_feet(tables, chunk, first);
-  for (size_t first = 0; first < chunk.count; first += kAtOnce)
-    register_pairs::walk_legs(tables, chunk, first);
+void walk_all(const SteppingTables& tables, WalkBatch& batch) {
+  using register_pairs::kLaneCount;
+  for (size_t first = 0; first < batch.count; first += kLaneCount)
+    register_pairs::walk_feet(tables, batch, first);
+  for (size_t first = 0; first < batch.count; first += kLaneCount)
+    register_pairs::walk_legs(tables, batch, first);
 }
 
 #endif
@@ -44,8 +44,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace throng {
 
-void walk_simd(const SteppingTables& tables, WalkChunk& chunk, SimdTarget target) {
-  THRONG_CHOOSE(target, walk_all, walk_one_by_one)(tables, chunk);
+void walk_simd(const SteppingTables& tables, WalkBatch& batch, SimdTarget target) {
+  THRONG_CHOOSE(target, walk_all, walk_scalar)(tables, batch);
 }
 
 }  // namespace throng

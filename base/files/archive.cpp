@@ -17,7 +17,7 @@ void Archive::word(uint64_t& bits, size_t bytes) {
 }
 
 /// An element takes a byte at least: a length that cannot be is refused before it is allocated.
-void Archive::expect_room(uint64_t elements) const {
+void Archive::expect_available(uint64_t elements) const {
   if (elements > input_.size() - next_)
     refuse(fmt::format("{} more elements", elements), "the end");
 }

@@ -48,12 +48,12 @@ class Archive {
 
   /// A vector that takes the archive's length, at most `most` elements.
   template <typename T>
-  void resized(std::vector<T>& values, size_t most) {
+  void resized(std::vector<T>& values, size_t max_count) {
     uint64_t count = values.size();
     field(count);
     if (is_reading_) {
-      if (count > most) refuse_length(most, count);
-      expect_room(count);
+      if (count > max_count) refuse_length(max_count, count);
+      expect_available(count);
       values.resize(static_cast<size_t>(count));
     }
     for (T& value : values) field(value);
@@ -118,7 +118,7 @@ class Archive {
     }
   }
   void word(uint64_t& bits, size_t bytes);
-  void expect_room(uint64_t elements) const;
+  void expect_available(uint64_t elements) const;
   [[noreturn]] void refuse_length(uint64_t expected, uint64_t found) const;
 
   bool is_reading_ = false;

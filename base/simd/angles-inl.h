@@ -1,4 +1,4 @@
-// Angles, one a lane. Included inside the namespace of the lanes F, after base/elementary.h.
+// Angles, one a lane. Included inside the namespace of the lanes F, after base/portable_math.h.
 
 THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
 
@@ -22,32 +22,32 @@ THRONG_LANES F sin_of_turns(F turns) {
 }
 
 /// A direction whose angle is asked for.
-struct Way {
+struct Direction {
   F y, x;
 };
 
 /// float_arc_tan2() of some (x, y); none is longer than 1 or much shorter, so that one division
 /// does for all.
 template <size_t kCount>
-THRONG_LANES void angles_of(const Way (&ways)[kCount], F (&angles)[kCount]) {
+THRONG_LANES void angles_of(const Direction (&directions)[kCount], F (&angles)[kCount]) {
   using K = FloatArcTanConstants;
   F longer[kCount], product[kCount];
   for (size_t i = 0; i < kCount; ++i) {
-    longer[i] = max_of(max_of(abs_of(ways[i].x), abs_of(ways[i].y)), 1e-5f);
+    longer[i] = max_of(max_of(abs_of(directions[i].x), abs_of(directions[i].y)), 1e-5f);
     product[i] = i == 0 ? longer[0] : product[i - 1] * longer[i];
   }
   F rest = inverse_of(product[kCount - 1]);  // of those not done yet
   for (size_t i = kCount; i-- > 0;) {
     const F inverse = i == 0 ? rest : rest * product[i - 1];
     rest = rest * longer[i];
-    const F ax = abs_of(ways[i].x), ay = abs_of(ways[i].y);
+    const F ax = abs_of(directions[i].x), ay = abs_of(directions[i].y);
     const F t = min_of(ax, ay) * inverse;
     const F s = t * t;
     F angle = K::kP[5];
     for (int power = 4; power >= 0; --power) angle = angle * s + K::kP[power];
     angle = angle * t;
     angle = select(ay > ax, K::kHalfPi - angle, angle);
-    angle = select(ways[i].x < 0.0f, K::kPi - angle, angle);
-    angles[i] = select(ways[i].y < 0.0f, 0.0f - angle, angle);
+    angle = select(directions[i].x < 0.0f, K::kPi - angle, angle);
+    angles[i] = select(directions[i].y < 0.0f, 0.0f - angle, angle);
   }
 }

@@ -15,7 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/simd/dispatch.h"
 
 #if THRONG_HAS_LANES
@@ -210,7 +210,7 @@ namespace throng::HWY_NAMESPACE::register_pairs {
 
 /// Two registers at a time: such a kernel is one long chain of sums and products, each waiting for
 /// the one before, and two chains take hardly longer than one.
-inline constexpr size_t kAtOnce = 2 * kLanes;
+inline constexpr size_t kLaneCount = 2 * kLanes;
 
 struct F {
   V a, b;
@@ -274,11 +274,11 @@ HWY_INLINE void store_rows(const F (&in)[4], const Row& row) {
 /// on by v. Rows are blended as they lie, then transposed.
 template <size_t kFloats, typename Row>
 HWY_INLINE void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFloats]) {
-  alignas(64) float us[kAtOnce], vs[kAtOnce], rows[kAtOnce * kFloats];
+  alignas(64) float us[kLaneCount], vs[kLaneCount], rows[kLaneCount * kFloats];
   store(u, us);
   store(v, vs);
   const hn::CappedTag<float, 4> quad;
-  for (size_t lane = 0; lane < kAtOnce; ++lane) {
+  for (size_t lane = 0; lane < kLaneCount; ++lane) {
     const float* from = first(lane);
     float* to = rows + lane * kFloats;
     size_t i = 0;
@@ -310,8 +310,8 @@ HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE::eight_lanes {
 
 using Eight = hn::CappedTag<float, 8>;
-inline constexpr size_t kAtOnce = hn::MaxLanes(Eight());
-static_assert(kAtOnce == 8);
+inline constexpr size_t kLaneCount = hn::MaxLanes(Eight());
+static_assert(kLaneCount == 8);
 
 struct F {
   hn::Vec<Eight> v;

@@ -12,7 +12,7 @@ struct Motion {
 };
 
 Motion record(const std::vector<Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
+  BoxDynamics world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   Motion motion{objects.size(), static_cast<size_t>(frames - 1), margin_m(objects, world), {}};
   motion.poses.reserve(motion.objects * motion.frames);
   for (size_t frame = 0; frame < motion.frames; ++frame) {
@@ -29,7 +29,7 @@ Census run_method(const std::vector<Object>& objects, const Motion& motion,
   std::vector<typename Method::Placed> placed;
   placed.reserve(objects.size());
   Census census;
-  ExactCounters primitives;
+  TriangleCounters primitives;
   uint64_t collisions = 0;
   size_t mark = 0;
   found.clear();

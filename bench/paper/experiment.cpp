@@ -34,7 +34,7 @@ struct Inputs {
 };
 
 Inputs record_inputs(const std::vector<Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
+  BoxDynamics world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   const auto count = static_cast<uint32_t>(objects.size());
   Inputs inputs;
   inputs.margin_m = margin_m(objects, world);
@@ -87,7 +87,7 @@ void measure_motion(const std::vector<Object>& objects, const Inputs& inputs, Me
       placed.push_back(Method::update(fitted[p.object], objects[p.object], p.pose));
     use(placed.data());
   });
-  ExactCounters primitives;
+  TriangleCounters primitives;
   uint64_t runs = 0;
   costs.test = repeat(inputs.pairs.size(), [&] {
     uint64_t hits = 0;
@@ -106,11 +106,11 @@ void measure_motion(const std::vector<Object>& objects, const Inputs& inputs, Me
 template <typename Method>
 double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
   const auto fitted = fit_all<Method>(objects);
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
+  BoxDynamics world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   const float margin = margin_m(objects, world);
   std::vector<typename Method::Placed> placed;
   placed.reserve(objects.size());
-  ExactCounters primitives;
+  TriangleCounters primitives;
   uint64_t hits = 0;
   ThreadClock watch;
   for (int frame = 1; frame < frames; ++frame) {
@@ -183,7 +183,7 @@ Trial draw_trial(uint64_t seed, size_t pair, int attitude, double half_edge_m) {
 template <typename Method>
 int hits_of(const typename Method::Fitted& fit_a, const Object& a,
             const typename Method::Fitted& fit_b, const Object& b, const Trial& trial,
-            float margin_m, ExactCounters& unused) {
+            float margin_m, TriangleCounters& unused) {
   const auto placed_a = Method::update(fit_a, a, trial.a);
   const auto placed_b = Method::update(fit_b, b, trial.b);
   int hits = 0;
@@ -198,7 +198,7 @@ OverlapVolume measure(const std::vector<Object>& objects, int attitudes, uint64_
   OverlapVolume out;
   out.by_object_l.resize(objects.size());
   std::array<double, kBatches> batches{};
-  ExactCounters unused;
+  TriangleCounters unused;
   size_t pair = 0;
   for (size_t a = 0; a < objects.size(); ++a) {
     for (size_t b = a + 1; b < objects.size(); ++b, ++pair) {
@@ -318,7 +318,7 @@ StrategyCost cost_strategy(const PaperResult& result, Strategy strategy,
 
 double VolumeResult::total_ms(int length) const { return runs_ms(census.updates, length); }
 
-double VolumeResult::total_paper_way_ms(int length) const {
+double VolumeResult::total_paper_count_ms(int length) const {
   return runs_ms(census.updates_paper(), length);
 }
 
@@ -329,9 +329,9 @@ double VolumeResult::runs_ms(uint64_t updates, int length) const {
          costs.construction_all.median_ns * 1e-6;
 }
 
-const Scale* PaperResult::scale(size_t objects_wanted) const {
+const Scale* PaperResult::scale(size_t object_count) const {
   for (const Scale& each : scales)
-    if (each.objects == objects_wanted) return &each;
+    if (each.objects == object_count) return &each;
   return nullptr;
 }
 
@@ -357,10 +357,10 @@ double PaperResult::frame_ns(const VolumeResult& volume) const {
 }
 
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
-                            const std::function<void(const std::string&)>& tell,
+                            const std::function<void(const std::string&)>& announce,
                             const std::function<void(const PaperResult&)>& keep) {
   PaperResult result;
-  const auto finished = [&](Done stage) {
+  const auto finished = [&](CompletedStage stage) {
     result.done = stage;
     if (keep) keep(result);
   };
@@ -376,40 +376,41 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
     result.volumes.back().frames = options.frames;
   }
 
-  tell(fmt::format("Part I: collisions over {} frames, {} seeds", options.frames, options.seeds));
+  announce(
+      fmt::format("Part I: collisions over {} frames, {} seeds", options.frames, options.seeds));
   Workers workers(options.threads);
   const std::vector<CensusTable> censuses =
       take_censuses(objects, options.frames, options.seed, options.seeds, workers);
   fill_collisions(result.volumes, censuses);
-  const CensusTable longest =
+  const CensusTable long_run =
       take_census(objects, kRunLengths.back() * options.frames, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v)
-    result.volumes[v].long_collisions = longest[v].collisions;
-  finished(Done::kCollisions);
+    result.volumes[v].long_collisions = long_run[v].collisions;
+  finished(CompletedStage::kCollisions);
 
-  tell("Part I: how much room volumes leave");
+  announce("Part I: how much room volumes leave");
   const OverlapTable overlaps = measure_overlap(objects, options.attitudes, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].overlap = overlaps[v];
-  finished(Done::kRoom);
+  finished(CompletedStage::kOverlapVolumes);
 
-  tell("Part I: what building, updating and testing cost");
+  announce("Part I: what building, updating and testing cost");
   const auto costs = measure_costs(objects, options.frames, options.seed, options.constructions);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].costs = costs[v];
   result.primitive_ns = costs[kExactMethod].primitive_ns;
-  finished(Done::kCosts);
+  finished(CompletedStage::kCosts);
 
   for (const size_t size : kSizes) {
-    if (size > options.largest) break;
-    tell(fmt::format("Part II: {} objects", size));
+    if (size > options.max_objects) break;
+    announce(fmt::format("Part II: {} objects", size));
     Scale scale{size, {}};
     for (size_t s = 0; s < kStrategies.size(); ++s)
       scale.strategies.push_back(cost_strategy(result, static_cast<Strategy>(s), objects, size));
     result.scales.push_back(std::move(scale));
-    finished(Done::kCosts);
+    finished(CompletedStage::kCosts);
   }
   result.claims = judge(result, censuses);
   result.winners = find_winners(result.scales);
-  finished(Done::kAll);
+  finished(CompletedStage::kAll);
   return result;
 }
 

@@ -70,11 +70,11 @@ struct PaperOptions {
   std::string model = {};  ///< a URDF instead of the bundled adult's
   int frames = 500;        ///< of Part I; a multiple of 5
   uint64_t seed = 1;
-  int seeds = 1;            ///< seed, seed + 1, ... for the collisions
-  int threads = 1;          ///< over seeds; nothing that is timed
-  int constructions = 100;  ///< repetitions of what C_o measures, as many as the paper's
-  int attitudes = 100;      ///< pairs of attitudes a pair of objects, for the overlap volumes
-  size_t largest = 10'000;  ///< objects of Part II; at least 500
+  int seeds = 1;                ///< seed, seed + 1, ... for the collisions
+  int threads = 1;              ///< over seeds; nothing that is timed
+  int constructions = 100;      ///< repetitions of what C_o measures, as many as the paper's
+  int attitudes = 100;          ///< pairs of attitudes a pair of objects, for the overlap volumes
+  size_t max_objects = 10'000;  ///< objects of Part II; at least 500
 };
 
 /// A volume under an update rule, in Part I.
@@ -93,7 +93,7 @@ struct VolumeResult {
   /// N_u C_u + N_v C_v + C_o for `length` times the frames.
   double total_ms(int length = 1) const;
   /// The same with two updates a test, as the paper counts.
-  double total_paper_way_ms(int length = 1) const;
+  double total_paper_count_ms(int length = 1) const;
 
  private:
   double runs_ms(uint64_t updates, int length) const;
@@ -135,10 +135,10 @@ struct Winner {
 };
 
 /// How far the experiments came. What comes later is not there yet.
-enum class Done { kNothing, kCollisions, kRoom, kCosts, kAll };
+enum class CompletedStage { kNothing, kCollisions, kOverlapVolumes, kCosts, kAll };
 
 struct PaperResult {
-  Done done = Done::kNothing;
+  CompletedStage done = CompletedStage::kNothing;
   PaperOptions options;
   double edge_m = 0;
   std::vector<std::string> objects;
@@ -160,7 +160,7 @@ struct PaperResult {
 
 /// `tell` hears what comes next; `keep` gets the result so far whenever a stage of it is finished.
 PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptions& options,
-                            const std::function<void(const std::string&)>& tell,
+                            const std::function<void(const std::string&)>& announce,
                             const std::function<void(const PaperResult&)>& keep = {});
 
 // Which of the paper's orders our numbers support, and where one strategy overtakes another.

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "bench/paper/parts.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng::paper {
@@ -21,12 +21,12 @@ struct Turned {
   static Placed update(const Fitted& fitted, const Object&, const PartPose& pose) {
     return V::place(fitted, pose, 1.0f);
   }
-  static bool test(const Placed& a, const Placed& b, float margin_m, ExactCounters& counters) {
+  static bool test(const Placed& a, const Placed& b, float margin_m, TriangleCounters& counters) {
     return test_at(a, b, Eigen::Vector3f::Zero(), margin_m, counters);
   }
   /// b moved by `b_by_m`.
   static bool test_at(const Placed& a, const Placed& b, const Eigen::Vector3f& b_by_m,
-                      float margin_m, ExactCounters&) {
+                      float margin_m, TriangleCounters&) {
     return V::overlaps(a, b, b_by_m, margin_m);
   }
 };
@@ -52,11 +52,11 @@ struct Triangles {
   static Placed update(const Fitted& fitted, const Object&, const PartPose& pose) {
     return {&fitted, pose};
   }
-  static bool test(const Placed& a, const Placed& b, float margin_m, ExactCounters& counters) {
+  static bool test(const Placed& a, const Placed& b, float margin_m, TriangleCounters& counters) {
     return test_at(a, b, Eigen::Vector3f::Zero(), margin_m, counters);
   }
   static bool test_at(const Placed& a, const Placed& b, const Eigen::Vector3f& b_by_m, float,
-                      ExactCounters& counters) {
+                      TriangleCounters& counters) {
     return solids_touch(*a.surface, a.pose, 1, *b.surface, b.pose, 1, b_by_m, counters);
   }
 };

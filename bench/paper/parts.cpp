@@ -10,7 +10,7 @@
 
 #include "base/errors.h"
 #include "culling/volumes/volumes.h"
-#include "scenes/motion/box_world.h"
+#include "scenes/motion/box_motion.h"
 
 namespace throng::paper {
 
@@ -20,7 +20,7 @@ constexpr double kAdultEdge_m = 2.41;
 constexpr size_t kCopies = 15;
 
 /// In proportion to the mean room in which the spheres of two objects overlap.
-double sphere_room_m3(const std::vector<Object>& objects) {
+double sphere_overlap_volume_m3(const std::vector<Object>& objects) {
   double sum_m3 = 0;
   size_t pairs = 0;
   for (size_t a = 0; a < objects.size(); ++a)
@@ -51,22 +51,23 @@ std::vector<Object> load_objects(const std::string& urdf) {
   return objects;
 }
 
-BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
-                  const BoxWorldOptions& options) {
+BoxDynamics world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
+                     const BoxOptions& options) {
   std::vector<double> radii_m;
   for (const Object& object : objects) radii_m.push_back(object.radius_m);
-  return BoxWorld::of_kinds(options, radii_m, count, static_every);
+  return BoxDynamics::of_kinds(options, radii_m, count, static_every);
 }
 
-BoxWorldOptions part_one_box(const std::vector<Object>& objects, uint64_t seed) {
-  static const double adult_room_m3 = sphere_room_m3(load_objects());
-  BoxWorldOptions options;
+BoxOptions part_one_box(const std::vector<Object>& objects, uint64_t seed) {
+  static const double adult_overlap_volume_m3 = sphere_overlap_volume_m3(load_objects());
+  BoxOptions options;
   options.seed = seed;
-  options.edge_m = kAdultEdge_m * std::cbrt(sphere_room_m3(objects) / adult_room_m3);
+  options.edge_m =
+      kAdultEdge_m * std::cbrt(sphere_overlap_volume_m3(objects) / adult_overlap_volume_m3);
   return options;
 }
 
-float margin_m(const std::vector<Object>& objects, const BoxWorld& world) {
+float margin_m(const std::vector<Object>& objects, const BoxDynamics& world) {
   double radius_m = 0;
   for (const Object& object : objects) radius_m = std::max(radius_m, object.radius_m);
   return rounding_margin_m(static_cast<float>(2 * (world.reach_m() + radius_m)));

@@ -9,7 +9,7 @@
 
 #include "avatars/mesh/mesh.h"
 #include "culling/body_type.h"
-#include "scenes/motion/box_world.h"
+#include "scenes/motion/box_motion.h"
 
 namespace throng::paper {
 
@@ -26,14 +26,14 @@ struct Object {
 std::vector<Object> load_objects(const std::string& urdf = {});
 
 /// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).
-BoxWorld world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
-                  const BoxWorldOptions& options);
+BoxDynamics world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
+                     const BoxOptions& options);
 
 /// Part I's box. Its edge is calibrated on the adult, and in proportion to the room in which the
 /// spheres of other objects collide: they then do about as often as in the paper.
-BoxWorldOptions part_one_box(const std::vector<Object>& objects, uint64_t seed);
+BoxOptions part_one_box(const std::vector<Object>& objects, uint64_t seed);
 
 /// What tests over these objects in a box must allow for rounding.
-float margin_m(const std::vector<Object>& objects, const BoxWorld& world);
+float margin_m(const std::vector<Object>& objects, const BoxDynamics& world);
 
 }  // namespace throng::paper

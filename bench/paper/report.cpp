@@ -10,14 +10,14 @@
 
 #include "avatars/mesh/primitives.h"
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 #include "bench/paper/census.h"
 #include "bench/paper/published.h"
 #include "bench/paper/strategies.h"
 #include "bench/paper/tables.h"
 #include "bench/workbench/volume_trials.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/pose_math.h"
 #include "viewer/picture/volume_outline.h"
 
@@ -25,8 +25,8 @@ namespace throng::paper {
 namespace {
 
 /// The five volumes of the paper's figures, as it would have updated them.
-constexpr std::array<std::string_view, 5> kShown = {"sphere", "aabb", "obb", "kdop26_refit",
-                                                    "ordop26"};
+constexpr std::array<std::string_view, 5> kPlottedVolumes = {"sphere", "aabb", "obb",
+                                                             "kdop26_refit", "ordop26"};
 constexpr std::array<const char*, 5> kColours = {"#4477aa", "#ee6677", "#228833", "#ccbb44",
                                                  "#aa3377"};
 
@@ -73,13 +73,13 @@ Figure figure_3(const PaperResult& result) {
 Figure figure_6(const PaperResult& result) {
   std::string data;
   for (size_t i = 0; i < result.objects.size(); ++i) {
-    data += fmt::format("\"{}\"", spoken(result.objects[i]));
-    for (const std::string_view name : kShown)
+    data += fmt::format("\"{}\"", display_name(result.objects[i]));
+    for (const std::string_view name : kPlottedVolumes)
       data += fmt::format(" {}", volume_of(result, name).costs.construction[i].median_ns * 1e-3);
     data += '\n';
   }
   std::vector<std::string> series;
-  for (const std::string_view name : kShown) series.push_back(label(name));
+  for (const std::string_view name : kPlottedVolumes) series.push_back(label(name));
   return {"figure_06", "Figure 6: construction time by object",
           "Median of 100 constructions. The paper prints the sums (C_o): AABB 91, sphere 135, OBB "
           "368, or-DOP 369, k-DOP 574 ms.",
@@ -88,9 +88,9 @@ Figure figure_6(const PaperResult& result) {
 
 Figure figure_7(const PaperResult& result) {
   std::string script, plots;
-  for (size_t v = 0; v < kShown.size(); ++v) {
-    const VolumeResult& volume = volume_of(result, kShown[v]);
-    const PublishedVolume& published = *published_for(kShown[v]);
+  for (size_t v = 0; v < kPlottedVolumes.size(); ++v) {
+    const VolumeResult& volume = volume_of(result, kPlottedVolumes[v]);
+    const PublishedVolume& published = *published_for(kPlottedVolumes[v]);
     script += fmt::format("$v{} << EOD\n", v);
     for (size_t mark = 0; mark < kMarks; ++mark) {
       const double theirs = legible(published.collisions[mark]);
@@ -102,7 +102,7 @@ Figure figure_7(const PaperResult& result) {
         "{0}$v{1} using 1:2:3 with yerrorlines linewidth 2 pointtype 7 linecolor rgb '{2}' title "
         "'{3}, ours', $v{1} using 1:4 with linespoints dashtype 2 pointtype 6 linecolor rgb '{2}' "
         "title '{4}, paper'",
-        v == 0 ? "plot " : ", ", v, kColours[v], label(kShown[v]), published.volume);
+        v == 0 ? "plot " : ", ", v, kColours[v], label(kPlottedVolumes[v]), published.volume);
   }
   return {"figure_07", "Figure 7: accumulated collisions",
           "Solid: ours, with the standard deviation over the seeds; dashed: the paper's, lost last "
@@ -280,7 +280,7 @@ class Scenery {
 };
 
 /// The whole box; with the sphere of every object where asked.
-Image draw_world(const std::vector<Object>& objects, const BoxWorld& world,
+Image draw_world(const std::vector<Object>& objects, const BoxDynamics& world,
                  const std::vector<SlotPair>& pairs, bool with_spheres) {
   std::vector<uint8_t> collides(world.size());
   for (const SlotPair& pair : pairs) collides[pair.a] = collides[pair.b] = 1;
@@ -392,14 +392,14 @@ Picture figure_2(const std::vector<Object>& objects) {
 }
 
 /// The pair whose triangles touch and whose sizes differ least, with its volumes alone.
-Picture figure_11(const std::vector<Object>& objects, const BoxWorld& world,
+Picture figure_11(const std::vector<Object>& objects, const BoxDynamics& world,
                   const std::vector<SlotPair>& pairs) {
   const auto object = [&](uint32_t i) -> const Object& { return objects[i % objects.size()]; };
   const auto difference = [&](const SlotPair& pair) {
     return std::abs(object(pair.a).radius_m - object(pair.b).radius_m);
   };
   const SlotPair* best = nullptr;
-  ExactCounters counters;
+  TriangleCounters counters;
   for (const SlotPair& pair : pairs) {
     const Object &a = object(pair.a), &b = object(pair.b);
     if (!solids_touch({a.shape.points, a.shape.triangles}, world.pose(pair.a), 1,
@@ -427,18 +427,18 @@ Picture figure_11(const std::vector<Object>& objects, const BoxWorld& world,
     scenery.add(VolumeKind::kOrdop26, *object(i).type, placed);
   }
   return {"figure_11",
-          fmt::format("Figure 11: a pair that collides, {} and {}", spoken(object(best->a).name),
-                      spoken(object(best->b).name)),
+          fmt::format("Figure 11: a pair that collides, {} and {}",
+                      display_name(object(best->a).name), display_name(object(best->b).name)),
           "Spheres and or-DOPs 26 of both; the triangles touch. The paper shows one colliding pair "
           "with its sphere and both or-DOPs.",
           scenery.draw(800, 600)};
 }
 
-std::vector<SlotPair> ordop_pairs(const std::vector<Object>& objects, const BoxWorld& world) {
+std::vector<SlotPair> ordop_pairs(const std::vector<Object>& objects, const BoxDynamics& world) {
   using Method = Turned<Ordop<26>>;
   const auto fitted = fit_all<Method>(objects);
   const float margin = margin_m(objects, world);
-  ExactCounters unused;
+  TriangleCounters unused;
   std::vector<SlotPair> pairs;
   for (uint32_t a = 0; a < world.size(); ++a)
     for (uint32_t b = a + 1; b < world.size(); ++b)
@@ -449,7 +449,7 @@ std::vector<SlotPair> ordop_pairs(const std::vector<Object>& objects, const BoxW
 }
 
 Picture figure_4(const std::vector<Object>& objects, uint64_t seed) {
-  BoxWorld world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
+  BoxDynamics world = world_of(objects, objects.size(), 0, part_one_box(objects, seed));
   std::vector<SlotPair> pairs;
   for (int frame = 0; frame < kFrames || (pairs.empty() && frame < 10 * kFrames); ++frame) {
     world.step();
@@ -590,8 +590,8 @@ void write_report(const PaperResult& result, const std::vector<Object>& objects,
     pages.add_figure(figure.title, figure.caption, svg, figure.id + ".svg");
   }
   for (const Table& table : tables_of(result)) pages.add_table(table);
-  write_whole_file(folder / "report.html", pages.html + "</body></html>\n");
-  write_whole_file(folder / "report.md", pages.markdown);
+  write_file_atomically(folder / "report.html", pages.html + "</body></html>\n");
+  write_file_atomically(folder / "report.md", pages.markdown);
 }
 
 }  // namespace throng::paper

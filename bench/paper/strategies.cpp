@@ -6,7 +6,7 @@
 #include "bench/paper/census.h"
 #include "bench/workbench/repeat.h"
 #include "culling/fitted.h"
-#include "culling/strategies/recipe.h"
+#include "culling/strategies/paper_search.h"
 
 namespace throng::paper {
 namespace {
@@ -19,15 +19,15 @@ constexpr double kLongRun_ms = 300;
 
 }  // namespace
 
-BoxWorld part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed) {
-  BoxWorldOptions options = part_one_box(objects, seed);
+BoxDynamics part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed) {
+  BoxOptions options = part_one_box(objects, seed);
   options.edge_m *= std::cbrt(static_cast<double>(count) / static_cast<double>(objects.size()));
   return world_of(objects, count, 2, options);
 }
 
 namespace {
 
-std::unique_ptr<Recipe> recipe_of(Strategy strategy, SimdTarget simd, BodyTypes types) {
+std::unique_ptr<PaperSearch> recipe_of(Strategy strategy, SimdTarget simd, BodyTypes types) {
   CullerOptions options;
   options.part_volume = VolumeKind::kOrdop26;
   options.pair_search = strategy == Strategy::kTwoPassGrid ? PairSearch::kGrid : PairSearch::kBrute;
@@ -36,7 +36,7 @@ std::unique_ptr<Recipe> recipe_of(Strategy strategy, SimdTarget simd, BodyTypes 
       throng::Strategy::kNone,      throng::Strategy::kSphere,    throng::Strategy::kVolume,
       throng::Strategy::kHybridOne, throng::Strategy::kHybridAll, throng::Strategy::kTwoPass,
       throng::Strategy::kTwoPass};
-  return Recipe::make(kRecipes[static_cast<size_t>(strategy)], options, types);
+  return PaperSearch::make(kRecipes[static_cast<size_t>(strategy)], options, types);
 }
 
 std::vector<std::shared_ptr<const BodyType>> types_of(const std::vector<Object>& objects) {
@@ -69,13 +69,13 @@ struct StrategyRun::State : PoseSource {
     }
   }
 
-  BoxWorld world;
+  BoxDynamics world;
   std::vector<std::shared_ptr<const BodyType>> types;
   std::vector<uint32_t> ids;
   std::vector<uint16_t> kinds;
   std::vector<float> scales;
   std::vector<RootPose> roots;
-  std::unique_ptr<Recipe> recipe;
+  std::unique_ptr<PaperSearch> recipe;
   Work work;
 };
 
@@ -102,11 +102,11 @@ std::vector<SlotPair> StrategyRun::pairs() const {
   return pairs;
 }
 const Work& StrategyRun::work() const { return state_->work; }
-const BoxWorld& StrategyRun::world() const { return state_->world; }
+const BoxDynamics& StrategyRun::world() const { return state_->world; }
 
 size_t StrategyRun::count_primitives() {
   State& s = *state_;
-  ExactCounters counters;
+  TriangleCounters counters;
   size_t touching = 0;
   const auto surface = [&](uint32_t body) -> const TriangleBvh& {
     return s.types[s.kinds[body]]->volumes().surfaces().front();

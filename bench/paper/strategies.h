@@ -1,6 +1,6 @@
 // Part II: n objects, and what to do with every pair of them.
-// One rule: the strategies are those of culling/strategies/recipe.h; here they are only fed and
-// counted.
+// One rule: the strategies are those of culling/strategies/paper_search.h; here they are only fed
+// and counted.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ struct Work {
 };
 
 /// Part II's box: as full of objects as Part I's. Every other object stands still.
-BoxWorld part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed);
+BoxDynamics part_two_world(const std::vector<Object>& objects, size_t count, uint64_t seed);
 
 class StrategyRun {
  public:
@@ -59,7 +59,7 @@ class StrategyRun {
   /// Adds what triangles say about pairs() to work().primitives; returns how many touch.
   size_t count_primitives();
   const Work& work() const;
-  const BoxWorld& world() const;
+  const BoxDynamics& world() const;
 
  private:
   struct State;

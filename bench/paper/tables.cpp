@@ -65,7 +65,7 @@ Table table_3(const PaperResult& result) {
     table.rows.push_back({volume.name, plain(volume.census.tests), spread(volume.costs.test),
                           plain(volume.census.updates), spread(volume.costs.update),
                           spread(volume.costs.construction_all), number(volume.total_ms()),
-                          number(volume.total_paper_way_ms()),
+                          number(volume.total_paper_count_ms()),
                           published == nullptr ? "-" : number(published->total_ms)});
   }
   return table;
@@ -267,19 +267,19 @@ std::string markdown_cell(std::string cell) {
 
 std::vector<Table> tables_of(const PaperResult& result) {
   std::vector<Table> tables;
-  const bool has_costs = result.done >= Done::kCosts;
-  if (result.done >= Done::kCollisions) tables.push_back(table_2(result));
+  const bool has_costs = result.done >= CompletedStage::kCosts;
+  if (result.done >= CompletedStage::kCollisions) tables.push_back(table_2(result));
   if (has_costs) tables.push_back(table_3(result));
   tables.push_back(formula_check());
   if (has_costs)
     for (const auto table_of : {table_of_figure_6, table_of_figure_3, figures_8_to_10})
       tables.push_back(table_of(result));
   for (const Scale& scale : result.scales) tables.push_back(part_two(scale));
-  if (result.done == Done::kAll) {
+  if (result.done == CompletedStage::kAll) {
     tables.push_back(winners_table(result));
     tables.push_back(claims_table(result));
   }
-  if (result.done >= Done::kRoom) {
+  if (result.done >= CompletedStage::kOverlapVolumes) {
     tables.push_back(overlap_table(result));
     tables.push_back(overlap_by_object(result));
   }
@@ -375,7 +375,7 @@ Json to_json(const VolumeResult& volume) {
   json["c_u_ns"] = volume.costs.update.median_ns;
   json["c_o_ns"] = volume.costs.construction_all.median_ns;
   json["total_ms"] = volume.total_ms();
-  json["total_paper_way_ms"] = volume.total_paper_way_ms();
+  json["total_paper_way_ms"] = volume.total_paper_count_ms();
   json["false_positive_rate"] = volume.false_positive_rate;
   json["overlap_volume_l"] = volume.overlap.litres;
   json["overlap_volume_error_l"] = volume.overlap.error_l;
@@ -432,17 +432,17 @@ Json to_json(const Scale& scale) {
 std::string to_json(const PaperResult& result, const std::string& cpu) {
   Json json;
   json["throng"] = version_json();
-  json["stopped_early"] = result.done < Done::kAll;
+  json["stopped_early"] = result.done < CompletedStage::kAll;
   json["frames"] = result.options.frames;
   json["seed"] = result.options.seed;
   json["seeds"] = result.options.seeds;
   json["objects"] = result.objects;
   json["elongations"] = result.elongations;
   json["box_edge_m"] = result.edge_m;
-  if (result.done >= Done::kCosts)
+  if (result.done >= CompletedStage::kCosts)
     for (const VolumeResult& volume : result.volumes)
       json["volumes"][volume.name] = to_json(volume);
-  else if (result.done >= Done::kCollisions)
+  else if (result.done >= CompletedStage::kCollisions)
     for (const VolumeResult& volume : result.volumes)
       json["volumes"][volume.name] = counts_json(volume);
   if (const Scale* shown = result.scale(500)) json["strategies"] = to_json(*shown);

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "analysis/measures/contact_measures.h"
-#include "bench/realism/subject.h"
-#include "scenes/retargeting/recorded_world.h"
+#include "bench/realism/measured_run.h"
+#include "scenes/retargeting/recorded_motion.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
@@ -19,13 +19,14 @@ constexpr double kApart_m = 20;
 constexpr uint64_t kColumns = 32;
 constexpr uint64_t kPlaces = kColumns * kColumns;
 
-class EncounterWorld final : public RecordedWorld {
+class EncounterMotion final : public RecordedMotion {
  public:
-  EncounterWorld(const Scene& scene, SimdTarget simd, Workers& workers, std::vector<Passer> passers)
-      : RecordedWorld(scene, simd, workers), passers_(std::move(passers)) {}
+  EncounterMotion(const Scene& scene, SimdTarget simd, Workers& workers,
+                  std::vector<EncounterPerson> encounter_people)
+      : RecordedMotion(scene, simd, workers), passers_(std::move(encounter_people)) {}
 
   void place(BodyStates& bodies) override {
-    RecordedWorld::place(bodies);
+    RecordedMotion::place(bodies);
     const double own_m = static_cast<double>(models().front()->height_m);
     for (size_t id = 0; id < passers_.size(); ++id) {
       bodies.scales[id] = static_cast<float>(passers_[id].height_m / own_m);
@@ -35,7 +36,7 @@ class EncounterWorld final : public RecordedWorld {
   }
 
  private:
-  std::vector<Passer> passers_;
+  std::vector<EncounterPerson> passers_;
 };
 
 }  // namespace
@@ -47,7 +48,7 @@ Eigen::Vector2d middle_of(const Encounter& encounter) {
 }
 
 Scene encounter_scene(std::span<const Encounter> encounters) {
-  Scene scene = made_scene(
+  Scene scene = synthetic_scene(
       "encounters", 2 * encounters.size(), Encounter::kDuration_s,
       [&](size_t person, double time_s) {
         const Encounter& encounter = encounters[person / 2];
@@ -58,12 +59,13 @@ Scene encounter_scene(std::span<const Encounter> encounters) {
   return scene;
 }
 
-WorldFactory encounter_world(std::span<const Encounter> encounters) {
-  std::vector<Passer> passers;
+MotionFactory encounter_motion(std::span<const Encounter> encounters) {
+  std::vector<EncounterPerson> encounter_people;
   for (const Encounter& encounter : encounters)
-    passers.insert(passers.end(), encounter.people().begin(), encounter.people().end());
-  return [passers](const Scene& scene, SimdTarget simd, Workers& workers) {
-    return std::make_unique<EncounterWorld>(scene, simd, workers, passers);
+    encounter_people.insert(encounter_people.end(), encounter.people().begin(),
+                            encounter.people().end());
+  return [encounter_people](const Scene& scene, SimdTarget simd, Workers& workers) {
+    return std::make_unique<EncounterMotion>(scene, simd, workers, encounter_people);
   };
 }
 
@@ -93,9 +95,9 @@ class EncounterWatch final : public Sink {
     for (size_t i = 0; i < results_.size(); ++i) {
       const double apart_m =
           (frame.roots[2 * i + 1].position_m - frame.roots[2 * i].position_m).norm();
-      if (apart_m >= results_[i].nearest_roots_m) continue;
-      results_[i].nearest_roots_m = apart_m;
-      results_[i].nearest_s = now_s;
+      if (apart_m >= results_[i].min_root_distance_m) continue;
+      results_[i].min_root_distance_m = apart_m;
+      results_[i].min_distance_s = now_s;
     }
     for (const PairEvent& event : frame.events)
       strangers_ += event.kind == EventKind::kBegin && !are_together(event.pair);
@@ -113,7 +115,7 @@ class EncounterWatch final : public Sink {
   void end(const RunInfo&, const RunEnd&) override {}
 
   const std::vector<EncounterResult>& results() const { return results_; }
-  uint64_t strangers() const { return strangers_; }
+  uint64_t foreign_contacts() const { return strangers_; }
 
  private:
   static bool are_together(PairKey pair) { return pair.a() / 2 == pair.b() / 2; }
@@ -123,12 +125,12 @@ class EncounterWatch final : public Sink {
     const size_t group =
         group_pair(groups_->of(pair.a(), pair.part_a()), groups_->of(pair.b(), pair.part_b()));
     result.groups[group] = true;
-    result.deepest_of_m[group] = std::max(result.deepest_of_m[group], depth_m);
-    if (depth_m < result.deepest_m) return;
-    result.deepest_m = depth_m;
-    result.deepest_s = now_s;
+    result.max_depth_by_group_m[group] = std::max(result.max_depth_by_group_m[group], depth_m);
+    if (depth_m < result.max_depth_m) return;
+    result.max_depth_m = depth_m;
+    result.max_depth_s = now_s;
     const std::vector<Part>& parts = run.models.front()->parts;
-    result.deepest_parts =
+    result.max_depth_parts =
         fmt::format("{} and {}", parts[pair.part_a()].name, parts[pair.part_b()].name);
   }
 
@@ -154,7 +156,7 @@ std::string kind_line(const std::string& name, const std::vector<EncounterResult
   for (const EncounterResult& result : results) {
     if (!counts(result)) continue;
     ++all;
-    if (result.touches()) depths.push_back(result.deepest_m);
+    if (result.touches()) depths.push_back(result.max_depth_m);
   }
   std::sort(depths.begin(), depths.end());
   const auto deeper = static_cast<size_t>(
@@ -171,16 +173,16 @@ std::string parts_lines(const std::vector<EncounterResult>& results) {
   std::vector<std::pair<size_t, std::string>> lines;
   for (size_t group = 0; group < kGroupPairs; ++group) {
     size_t count = 0;
-    double deepest_m = 0;
+    double max_depth_m = 0;
     for (const EncounterResult& result : results) {
       count += result.groups[group];
-      deepest_m = std::max(deepest_m, result.deepest_of_m[group]);
+      max_depth_m = std::max(max_depth_m, result.max_depth_by_group_m[group]);
     }
     if (count > 0)
       lines.emplace_back(
           count, fmt::format("  {:<18}{:>7}{:>9.1f}{:>9}\n", name_of_group_pair(group), count,
                              100 * static_cast<double>(count) / static_cast<double>(results.size()),
-                             cm(deepest_m)));
+                             cm(max_depth_m)));
   }
   std::stable_sort(lines.begin(), lines.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -194,12 +196,12 @@ std::string worst_lines(const std::vector<EncounterResult>& results,
   for (const EncounterResult& result : results)
     if (result.touches()) worst.push_back(&result);
   std::stable_sort(worst.begin(), worst.end(),
-                   [](const auto* a, const auto* b) { return a->deepest_m > b->deepest_m; });
+                   [](const auto* a, const auto* b) { return a->max_depth_m > b->max_depth_m; });
   if (worst.size() > options.worst) worst.resize(options.worst);
   std::string text;
   for (const EncounterResult* each : worst)
-    text += fmt::format("  {:>6}{:>7} cm at {:.2f} s, {}: {}\n", each->number, cm(each->deepest_m),
-                        each->deepest_s, each->deepest_parts,
+    text += fmt::format("  {:>6}{:>7} cm at {:.2f} s, {}: {}\n", each->number,
+                        cm(each->max_depth_m), each->max_depth_s, each->max_depth_parts,
                         Encounter(options.seed, each->number).description());
   return text;
 }
@@ -216,12 +218,12 @@ EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
     for (uint64_t number = first; number < batch_end; ++number) {
       encounters.emplace_back(options.seed, number);
       if (number >= options.first)
-        out.drawn_again += static_cast<uint64_t>(encounters.back().rejected());
+        out.redrawn += static_cast<uint64_t>(encounters.back().rejected());
     }
     Scene scene = encounter_scene(encounters);
     set_switches(scene);
     Simulation simulation(std::move(scene),
-                          {.threads = options.threads, .world = encounter_world(encounters)});
+                          {.threads = options.threads, .motion = encounter_motion(encounters)});
     EncounterWatch watch(encounters);
     std::vector<Sink*> sinks = {&watch};
     if (listener != nullptr) sinks.push_back(listener);
@@ -231,9 +233,9 @@ EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
       if (result.is_sound())
         out.results.push_back(result);
       else
-        out.put_away.push_back(result.number);
+        out.rejected.push_back(result.number);
     }
-    out.strangers += watch.strangers();
+    out.foreign_contacts += watch.foreign_contacts();
     if (progress) progress(batch_end - options.first);
   }
   return out;
@@ -243,8 +245,8 @@ std::string encounter_report(const EncounterRuns& runs, const EncounterOptions& 
   std::string text = fmt::format(
       "{} encounters of two people, seed {}; {} draws put away whose ways broke a bound, {} whose "
       "discs of {} m met once they were dressed; {} contacts with strangers\n",
-      runs.results.size(), options.seed, runs.drawn_again, runs.put_away.size(), Encounter::kDisc_m,
-      runs.strangers);
+      runs.results.size(), options.seed, runs.redrawn, runs.rejected.size(), Encounter::kDisc_m,
+      runs.foreign_contacts);
   text += fmt::format("\n  {:<10}{:>11}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}\n", "", "encounters",
                       "touch", "%", "50 %", "90 %", "99 %", "most", "> 1 cm");
   text += fmt::format("  {:<38}{}\n", "", "deepest of those that touch, cm");

@@ -12,7 +12,7 @@
 #include "analysis/part_names.h"
 #include "analysis/validation/encounter.h"
 #include "scenes/file/scene.h"
-#include "scenes/motion/world.h"
+#include "scenes/motion/motion_source.h"
 #include "scenes/run/sink.h"
 
 namespace throng::realism {
@@ -23,8 +23,8 @@ namespace throng::realism {
 
 using validation::Encounter;
 using validation::EncounterKind;
+using validation::EncounterPerson;
 using validation::kEncounterKinds;
-using validation::Passer;
 
 /// People decide in turns, by their ids: so many encounters until it is the same one's turn again.
 inline constexpr uint64_t kTurns = 6;
@@ -33,7 +33,7 @@ inline constexpr uint64_t kTurns = 6;
 Scene encounter_scene(std::span<const Encounter> encounters);
 
 /// Their world: recorded people with the height, style and phase that each encounter gives them.
-WorldFactory encounter_world(std::span<const Encounter> encounters);
+MotionFactory encounter_motion(std::span<const Encounter> encounters);
 
 /// Where the middle of an encounter is on the ground.
 Eigen::Vector2d middle_of(const Encounter& encounter);
@@ -49,25 +49,25 @@ using validation::kEncounterKinds;
 struct EncounterResult {
   uint64_t number = 0;
   EncounterKind kind = EncounterKind::kHeadOn;
-  double nearest_roots_m = std::numeric_limits<double>::infinity();
-  double nearest_s = 0;
+  double min_root_distance_m = std::numeric_limits<double>::infinity();
+  double min_distance_s = 0;
   int touching_frames = 0;
   double first_touch_s = 0;
-  double deepest_m = 0;
-  double deepest_s = 0;
-  std::string deepest_parts;  ///< "leftHand and upperRightLeg"
+  double max_depth_m = 0;
+  double max_depth_s = 0;
+  std::string max_depth_parts;  ///< "leftHand and upperRightLeg"
   std::array<bool, kGroupPairs> groups{};
-  std::array<double, kGroupPairs> deepest_of_m{};
+  std::array<double, kGroupPairs> max_depth_by_group_m{};
 
   bool touches() const { return touching_frames > 0; }
-  bool is_sound() const { return nearest_roots_m >= Encounter::kDisc_m; }
+  bool is_sound() const { return min_root_distance_m >= Encounter::kDisc_m; }
 };
 
 struct EncounterRuns {
   std::vector<EncounterResult> results;  ///< of those whose discs kept apart
-  uint64_t drawn_again = 0;              ///< draws whose ways would have broken a bound
-  std::vector<uint64_t> put_away;  ///< numbers of those whose discs met once they were dressed
-  uint64_t strangers = 0;          ///< contacts of people of two encounters: expected 0
+  uint64_t redrawn = 0;                  ///< draws whose ways would have broken a bound
+  std::vector<uint64_t> rejected;  ///< numbers of those whose discs met once they were dressed
+  uint64_t foreign_contacts = 0;   ///< contacts of people of two encounters: expected 0
 };
 
 struct EncounterOptions {

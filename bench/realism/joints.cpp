@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng::realism {
 namespace {
@@ -49,7 +49,7 @@ void JointSpeeds::begin(const RunInfo& run) {
                          limit.speed_per_s, limit.acceleration_per_s2});
     }
   }
-  known_.assign(run.model_of_avatar.size(), 0);
+  history_frames_.assign(run.model_of_avatar.size(), 0);
 }
 
 void JointSpeeds::take(const RunInfo& run, const Frame& frame, size_t id) {
@@ -62,15 +62,15 @@ void JointSpeeds::take(const RunInfo& run, const Frame& frame, size_t id) {
     const double before = static_cast<double>(before_[first + i]);
     const double speed = column.unit * std::abs(now - before) / run.step_s;
     column.motion->speeds.add(speed);
-    column.motion->over_speed += speed > column.most_speed;
-    is_fast[column.half] |= speed > column.most_speed;
-    if (known_[id] < 2) continue;
+    column.motion->over_speed += speed > column.max_speed;
+    is_fast[column.half] |= speed > column.max_speed;
+    if (history_frames_[id] < 2) continue;
     const double earlier = static_cast<double>(earlier_[first + i]);
     const double acceleration =
         column.unit * std::abs(now - 2 * before + earlier) / (run.step_s * run.step_s);
     column.motion->accelerations.add(acceleration);
-    column.motion->over_acceleration += acceleration > column.most_acceleration;
-    is_hard[column.half] |= acceleration > column.most_acceleration;
+    column.motion->over_acceleration += acceleration > column.max_acceleration;
+    is_hard[column.half] |= acceleration > column.max_acceleration;
   }
   ++frames_;
   for (size_t half = 0; half < kBodyHalves; ++half) {
@@ -85,17 +85,17 @@ void JointSpeeds::take(const RunInfo& run, const Frame& frame, size_t id) {
 }
 
 void JointSpeeds::frame(const RunInfo& run, const Frame& frame) {
-  for (size_t id = 0; id < known_.size(); ++id) {
+  for (size_t id = 0; id < history_frames_.size(); ++id) {
     if (columns_[run.model_of_avatar[id]].empty()) continue;
     if (!frame.present.empty() && frame.present[id] == 0) {
-      known_[id] = 0;
+      history_frames_[id] = 0;
       continue;
     }
-    if (known_[id] > 0 &&
+    if (history_frames_[id] > 0 &&
         (frame.roots[id].position_m - roots_before_[id].position_m).norm() > kJump_mps * run.step_s)
-      known_[id] = 0;
-    if (known_[id] > 0) take(run, frame, id);
-    known_[id] = static_cast<uint8_t>(std::min(known_[id] + 1, 2));
+      history_frames_[id] = 0;
+    if (history_frames_[id] > 0) take(run, frame, id);
+    history_frames_[id] = static_cast<uint8_t>(std::min(history_frames_[id] + 1, 2));
   }
   std::swap(earlier_, before_);
   before_.assign(frame.postures.begin(), frame.postures.end());
@@ -136,13 +136,13 @@ const JointLimit* limit_of(const std::string& joint) {
   return nullptr;
 }
 
-double SwingAt::mean_deg() const { return swing_rad_s / time_s * 180 / std::numbers::pi; }
+double SwingSums::mean_deg() const { return swing_rad_s / time_s * 180 / std::numbers::pi; }
 
 ArmSwing::ArmSwing(const Simulation& simulation) : simulation_(simulation) {}
 
 void ArmSwing::Range::add(float value) {
-  least = std::min(least, value);
-  most = std::max(most, value);
+  min = std::min(min, value);
+  max = std::max(max, value);
 }
 
 void ArmSwing::begin(const RunInfo& run) {
@@ -181,11 +181,11 @@ void ArmSwing::finish(const RunInfo& run, const Frame& frame, size_t id) {
       kBounds_per_m2.begin());
   const Cycle& cycle = cycles_[id];
   const double time_s = cycle.frames * run.step_s;
-  SwingAt& at = levels_[level];
+  SwingSums& at = levels_[level];
   at.time_s += time_s;
   for (size_t side = 0; side < 2; ++side) {
     at.swing_rad_s += 0.5 * time_s * cycle.swing[side].width();
-    at.own_rad_s += 0.5 * time_s * cycle.own[side].width();
+    at.reference_rad_s += 0.5 * time_s * cycle.reference[side].width();
   }
 }
 
@@ -194,8 +194,8 @@ void ArmSwing::frame(const RunInfo& run, const Frame& frame) {
   is_placed_ = false;
   for (size_t id = 0; id < cycles_.size(); ++id) {
     const Kind& kind = kinds_[run.model_of_avatar[id]];
-    const bool is_held = !bodies.held_rows.empty() && bodies.held_rows[id] != nullptr;
-    if (kind.shoulders[0] < 0 || is_held) continue;
+    const bool is_external = !bodies.external_rows.empty() && bodies.external_rows[id] != nullptr;
+    if (kind.shoulders[0] < 0 || is_external) continue;
     Cycle& cycle = cycles_[id];
     const float phase = bodies.phases[id], speed_mps = bodies.gait_mps[id];
     const bool is_there = frame.present.empty() || frame.present[id] != 0;
@@ -217,10 +217,10 @@ void ArmSwing::frame(const RunInfo& run, const Frame& frame) {
       const auto column = static_cast<size_t>(kind.shoulders[side]);
       if (cycle.frames == 0) {
         cycle.swing[side].begin(now[column]);
-        cycle.own[side].begin(row_[column]);
+        cycle.reference[side].begin(row_[column]);
       }
       cycle.swing[side].add(now[column]);
-      cycle.own[side].add(row_[column]);
+      cycle.reference[side].add(row_[column]);
     }
     ++cycle.frames;
     cycle.last_phase = phase;
@@ -266,7 +266,7 @@ std::string swing_lines(const ArmSwing& swing) {
                                  "mean deg", "% of own");
   const auto& bounds = ArmSwing::kBounds_per_m2;
   for (size_t i = 0; i < ArmSwing::kLevels; ++i) {
-    const SwingAt& at = swing.levels()[i];
+    const SwingSums& at = swing.levels()[i];
     if (!(at.time_s > 0)) continue;
     text += fmt::format("  {:<21}{:>9.0f}{:>9.1f}{:>9.2f}\n",
                         range_text(i == 0 ? 0 : bounds[i - 1],

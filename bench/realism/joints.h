@@ -80,7 +80,7 @@ class JointSpeeds final : public Sink {
     JointMotion* motion;
     double unit;  ///< degrees a radian, or 1
     size_t half;
-    double most_speed, most_acceleration;
+    double max_speed, max_acceleration;
   };
   static size_t index(BodyHalf half) { return static_cast<size_t>(half); }
   void take(const RunInfo& run, const Frame& frame, size_t id);
@@ -89,7 +89,7 @@ class JointSpeeds final : public Sink {
   std::vector<std::vector<Column>> columns_;  ///< by model; empty: nobody
   std::vector<float> before_, earlier_;       ///< rows of the last two frames
   std::vector<RootPose> roots_before_;
-  std::vector<uint8_t> known_;  ///< by avatar: how many frames before are, at most 2
+  std::vector<uint8_t> history_frames_;  ///< by avatar: how many frames before are, at most 2
   uint64_t frames_ = 0;
   std::array<uint64_t, kBodyHalves> over_speed_{}, over_acceleration_{};
   Histogram standing_turns_, turns_;
@@ -98,13 +98,13 @@ class JointSpeeds final : public Sink {
 /// How far arms swing, of what the style of walking has them swing at that speed, by density.
 /// Each whole cycle of each shoulder counts by its time, beside the gait's own posture in
 /// the same frames.
-struct SwingAt {
+struct SwingSums {
   double time_s = 0;  ///< of cycles, of persons
   double swing_rad_s = 0;
-  double own_rad_s = 0;  ///< the style's
+  double reference_rad_s = 0;  ///< the style's
 
   double mean_deg() const;
-  double share() const { return swing_rad_s / own_rad_s; }
+  double share() const { return swing_rad_s / reference_rad_s; }
 };
 
 class ArmSwing final : public Sink {
@@ -123,21 +123,21 @@ class ArmSwing final : public Sink {
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo&, const RunEnd&) override {}
 
-  const std::array<SwingAt, kLevels>& levels() const { return levels_; }
+  const std::array<SwingSums, kLevels>& levels() const { return levels_; }
 
  private:
   struct Range {
-    float least = 0, most = 0;
-    void begin(float value) { least = most = value; }
+    float min = 0, max = 0;
+    void begin(float value) { min = max = value; }
     void add(float value);
-    double width() const { return static_cast<double>(most - least); }
+    double width() const { return static_cast<double>(max - min); }
   };
   /// Of somebody, since the phase was 0 last.
   struct Cycle {
     bool is_whole = false;  ///< began at phase 0, and walked since
     int frames = 0;
     float last_phase = -1;  ///< below 0: was not there
-    std::array<Range, 2> swing, own;
+    std::array<Range, 2> swing, reference;
   };
   struct Kind {
     std::array<int, 2> shoulders{-1, -1};  ///< columns, right and left
@@ -154,7 +154,7 @@ class ArmSwing final : public Sink {
   std::unique_ptr<LocalDensity> density_;
   std::vector<Eigen::Vector2d> positions_m_;
   bool is_placed_ = false;
-  std::array<SwingAt, kLevels> levels_{};
+  std::array<SwingSums, kLevels> levels_{};
 };
 
 // The tables of `realism joints`.

@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
+#include "base/console.h"
 #include "base/errors.h"
-#include "base/say.h"
-#include "bench/realism/contact_account.h"
+#include "bench/realism/contact_audit.h"
 #include "bench/realism/encounters.h"
 #include "bench/realism/joints.h"
-#include "bench/realism/subject.h"
+#include "bench/realism/measured_run.h"
 #include "lcm_io/log/log_sink.h"
 
 namespace throng::realism {
@@ -107,12 +107,12 @@ std::optional<double> seconds_of(const Arguments& arguments) {
   return seconds;
 }
 
-AccountOf account_of(const std::string& name, const Arguments& arguments) {
-  ContactAccount account;
-  Scene scene = open_subject(name, seconds_of(arguments));
-  AccountOf out{scene.name, {}};
-  run_subject(std::move(scene), threads_of(arguments), true,
-              [&](const Simulation&) { return std::vector<Sink*>{&account}; });
+NamedContactSums account_of(const std::string& name, const Arguments& arguments) {
+  ContactAudit account;
+  Scene scene = open_measured_run(name, seconds_of(arguments));
+  NamedContactSums out{scene.name, {}};
+  run_measured(std::move(scene), threads_of(arguments), true,
+               [&](const Simulation&) { return std::vector<Sink*>{&account}; });
   out.sums = account.sums();
   return out;
 }
@@ -124,20 +124,20 @@ int contacts(const Arguments& arguments) {
   if (is_pair && arguments.against.size() != names.size())
     throw InputError("--against", fmt::format("as many as before it, {}", names.size()),
                      fmt::format("{}", arguments.against.size()));
-  AccountOf all_before{"all together", {}}, all_after = all_before;
+  NamedContactSums all_before{"all together", {}}, all_after = all_before;
   for (size_t i = 0; i < names.size(); ++i) {
-    const AccountOf before = account_of(names[i], arguments);
+    const NamedContactSums before = account_of(names[i], arguments);
     all_before.sums.add(before.sums);
-    std::optional<AccountOf> after;
+    std::optional<NamedContactSums> after;
     if (is_pair) {
       after = account_of(arguments.against[i], arguments);
       all_after.sums.add(after->sums);
     }
-    show("{}\n", contact_report(before, after ? &*after : nullptr, names.size() == 1));
-    flush_shown();
+    print_result("{}\n", contact_report(before, after ? &*after : nullptr, names.size() == 1));
+    flush_results();
   }
   if (names.size() > 1)
-    show("{}", contact_report(all_before, is_pair ? &all_after : nullptr, true));
+    print_result("{}", contact_report(all_before, is_pair ? &all_after : nullptr, true));
   return 0;
 }
 
@@ -147,12 +147,12 @@ int joints(const Arguments& arguments) {
     JointSpeeds speeds;
     std::unique_ptr<ArmSwing> swing;
     // Contacts cost much and move no joint.
-    run_subject(std::move(scene), threads_of(arguments), false, [&](const Simulation& simulation) {
+    run_measured(std::move(scene), threads_of(arguments), false, [&](const Simulation& simulation) {
       swing = std::make_unique<ArmSwing>(simulation);
       return std::vector<Sink*>{&speeds, swing.get()};
     });
-    show("{}\n", joint_report(name, speeds, *swing));
-    flush_shown();
+    print_result("{}\n", joint_report(name, speeds, *swing));
+    flush_results();
   };
   if (arguments.words.size() == 1) {
     Scene walking = plain_walking(seconds_of(arguments).value_or(20));
@@ -160,7 +160,7 @@ int joints(const Arguments& arguments) {
     measure(std::move(walking));
   }
   for (size_t i = 1; i < arguments.words.size(); ++i)
-    measure(open_subject(arguments.words[i], seconds_of(arguments)));
+    measure(open_measured_run(arguments.words[i], seconds_of(arguments)));
   return 0;
 }
 
@@ -172,9 +172,9 @@ int encounters(const Arguments& arguments) {
                                             : option(arguments, "--seed", 1);
   options.worst = option(arguments, "--worst", options.worst);
   const EncounterRuns runs = run_encounters(options, nullptr, [&](uint64_t done) {
-    if (options.count > 1000) say("{} of {}\n", done, options.count);
+    if (options.count > 1000) print_message("{} of {}\n", done, options.count);
   });
-  show("{}", encounter_report(runs, options));
+  print_result("{}", encounter_report(runs, options));
   return 0;
 }
 
@@ -183,7 +183,8 @@ std::string picture_command(const Encounter& encounter, double at_s, const std::
   const Eigen::Vector2d at = middle_of(encounter);
   return fmt::format(
       "throng render {} --frame {} --eye {},{},2.5 --target {},{},1 --out encounter_{}.png", log,
-      std::llround(at_s / kMadeStep_s), at.x() + 2, at.y() - 3, at.x(), at.y(), encounter.number());
+      std::llround(at_s / kSyntheticStep_s), at.x() + 2, at.y() - 3, at.x(), at.y(),
+      encounter.number());
 }
 
 int encounter(const Arguments& arguments) {
@@ -197,34 +198,34 @@ int encounter(const Arguments& arguments) {
   if (found != arguments.options.end()) log.emplace(found->second);
   const EncounterRuns runs = run_encounters(options, log ? &*log : nullptr);
   const Encounter one(options.seed, options.first);
-  show("{}: {}\n", options.first, one.description());
+  print_result("{}: {}\n", options.first, one.description());
   if (runs.results.empty()) {
-    show("put away: discs of {} m met\n", Encounter::kDisc_m);
+    print_result("put away: discs of {} m met\n", Encounter::kDisc_m);
     return 0;
   }
   const EncounterResult& result = runs.results.front();
-  show("roots {:.3f} m apart at the nearest, at {:.2f} s; ", result.nearest_roots_m,
-       result.nearest_s);
+  print_result("roots {:.3f} m apart at the nearest, at {:.2f} s; ", result.min_root_distance_m,
+               result.min_distance_s);
   if (!result.touches())
-    show("they do not touch\n");
+    print_result("they do not touch\n");
   else
-    show("touching in {} frames, the first at {:.2f} s; {:.1f} cm deep at {:.2f} s {}\n",
-         result.touching_frames, result.first_touch_s, 100 * result.deepest_m, result.deepest_s,
-         result.deepest_parts);
-  const double at_s = result.touches() ? result.deepest_s : result.nearest_s;
-  if (log) show("{}\n", picture_command(one, at_s, found->second));
+    print_result("touching in {} frames, the first at {:.2f} s; {:.1f} cm deep at {:.2f} s {}\n",
+                 result.touching_frames, result.first_touch_s, 100 * result.max_depth_m,
+                 result.max_depth_s, result.max_depth_parts);
+  const double at_s = result.touches() ? result.max_depth_s : result.min_distance_s;
+  if (log) print_result("{}\n", picture_command(one, at_s, found->second));
   return 0;
 }
 
 int realism(int argc, char** argv) {
   const Arguments arguments = arguments_of(argc, argv);
-  bodies_yield = !is_off(arguments, "--yielding");
+  with_body_avoidance = !is_off(arguments, "--yielding");
   const std::string command = arguments.words.empty() ? "" : arguments.words.front();
   if (command == "encounters") return encounters(arguments);
   if (command == "encounter") return encounter(arguments);
   if (command == "joints") return joints(arguments);
   if (command == "contacts") return contacts(arguments);
-  say("{}", kUsage);
+  print_message("{}", kUsage);
   return 2;
 }
 
@@ -234,12 +235,12 @@ int realism(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     const int code = throng::realism::realism(argc, argv);
-    return throng::flush_shown() || throng::reader_has_left() ? code : 3;
+    return throng::flush_results() || throng::stdout_is_closed() ? code : 3;
   } catch (const throng::InputError& error) {
-    throng::say("{}\n", error.what());
+    throng::print_message("{}\n", error.what());
     return 2;
   } catch (const std::exception& error) {
-    throng::say("{}\n", error.what());
+    throng::print_message("{}\n", error.what());
     return 3;
   }
 }

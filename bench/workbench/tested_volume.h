@@ -160,7 +160,7 @@ class FittedVolumeOf final : public FittedVolume {
       place(places, placed);
       std::vector<uint8_t> many(pairs.size()), one(pairs.size());
       V::overlaps_many(placed, pairs, many);
-      one_by_one(placed, pairs, one);
+      test_scalar(placed, pairs, one);
       uint64_t differing = 0;
       for (size_t i = 0; i < pairs.size(); ++i) differing += (many[i] != 0) != (one[i] != 0);
       return differing;
@@ -180,8 +180,8 @@ class FittedVolumeOf final : public FittedVolume {
         placed.push_back({&fitted_[part.shape], part.pose, part.scale});
     }
   }
-  static void one_by_one(std::span<const Placed> placed, std::span<const PlacedPair> pairs,
-                         std::span<uint8_t> overlaps) {
+  static void test_scalar(std::span<const Placed> placed, std::span<const PlacedPair> pairs,
+                          std::span<uint8_t> overlaps) {
     for (size_t i = 0; i < pairs.size(); ++i) {
       const PlacedPair& pair = pairs[i];
       overlaps[i] = V::overlaps(placed[pair.a], placed[pair.b], pair.a_to_b_m, pair.margin_m);
@@ -192,7 +192,7 @@ class FittedVolumeOf final : public FittedVolume {
     if constexpr (HasKernel<V>)
       V::overlaps_many(placed, pairs, overlaps);
     else
-      one_by_one(placed, pairs, overlaps);
+      test_scalar(placed, pairs, overlaps);
   }
 
   std::span<const PartShape> shapes_;

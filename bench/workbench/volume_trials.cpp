@@ -9,8 +9,8 @@
 #include "avatars/avatars.h"
 #include "base/figure.h"
 #include "base/text.h"
-#include "bench/workbench/couples.h"
-#include "culling/exact/triangle_bvh.h"
+#include "bench/workbench/random_pairs.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/pose_math.h"
 
 namespace throng::bench {
@@ -23,7 +23,7 @@ constexpr int kStride = 5;               // steps between two frames of walkers
 constexpr uint64_t kFramesOfCrowd = 30;  // later they have walked apart
 
 /// Near pairs of one frame, with the truth of each.
-struct NearFrame {
+struct PairFrame {
   std::vector<PartPlace> places;
   std::vector<PlacedPair> pairs;
   std::vector<uint8_t> touching;
@@ -37,7 +37,7 @@ class Source {
   /// What comes next, in order; by one thread.
   virtual void go_on() {}
   /// Frame `number`, at most kFramesAtOnce from the next; by several threads at once.
-  virtual NearFrame frame(uint64_t number) const = 0;
+  virtual PairFrame frame(uint64_t number) const = 0;
   virtual std::string describe(const PlacedPair& pair) const = 0;
 
   std::span<const PartShape> shapes() const { return shapes_; }
@@ -47,7 +47,7 @@ class Source {
     shapes_.push_back(shape);
     reach_m_.push_back(1.001f * static_cast<float>(reach_of(shape.points)));
   }
-  void add_pair(NearFrame& frame, uint32_t a, uint32_t b, const Eigen::Vector3f& a_to_b_m,
+  void add_pair(PairFrame& frame, uint32_t a, uint32_t b, const Eigen::Vector3f& a_to_b_m,
                 bool touching) const {
     const PartPlace &p = frame.places[a], &q = frame.places[b];
     const float reach = a_to_b_m.norm() + translation_m(p.pose).norm() +
@@ -63,9 +63,9 @@ class Source {
 };
 
 /// Bodies of a family in twos.
-class CouplesSource final : public Source {
+class RandomPairsSource final : public Source {
  public:
-  CouplesSource(Family family, uint64_t seed) : family_(family), seed_(seed) {
+  RandomPairsSource(Family family, uint64_t seed) : family_(family), seed_(seed) {
     Draw draw(seed, static_cast<uint64_t>(family));
     kinds_ = kinds_of(family, draw);
     uint32_t shapes = 0;
@@ -77,12 +77,12 @@ class CouplesSource final : public Source {
   }
   std::string name() const override { return std::string(name_of(family_)); }
 
-  NearFrame frame(uint64_t number) const override {
+  PairFrame frame(uint64_t number) const override {
     Draw draw(seed_, ((number + 1) << 8) | static_cast<uint64_t>(family_));
-    const Couples world(family_, kinds_, draw);
-    NearFrame out;
+    const RandomPairs world(family_, kinds_, draw);
+    PairFrame out;
     std::vector<PartBox> boxes;
-    for (uint32_t a = 0; a < 2 * Couples::kCouples; a += 2) {
+    for (uint32_t a = 0; a < 2 * RandomPairs::kPairs; a += 2) {
       const auto first = static_cast<uint32_t>(out.places.size());
       boxes.clear();
       for (const uint32_t body : {a, a + 1})
@@ -95,7 +95,7 @@ class CouplesSource final : public Source {
       const Eigen::Vector3d a_to_b = world.root(a + 1) - world.root(a);
       for (uint32_t i = 0; i < parts_a; ++i)
         for (uint32_t j = parts_a; j < boxes.size(); ++j)
-          if (PartBox::near(boxes[i], boxes[j], a_to_b))
+          if (PartBox::is_within_margin(boxes[i], boxes[j], a_to_b))
             add_pair(out, first + i, first + j, a_to_b.cast<float>(),
                      world.touch(a, i, a + 1, j - parts_a));
     }
@@ -140,13 +140,13 @@ class WalkersSource final : public Source {
     }
   }
 
-  NearFrame frame(uint64_t number) const override {
+  PairFrame frame(uint64_t number) const override {
     const Moment& moment = moments_[number % kFramesAtOnce];
     const auto parts = static_cast<uint32_t>(trees_.size());
-    NearFrame out;
+    PairFrame out;
     for (uint32_t i = 0; i < moment.poses.size(); ++i)
       out.places.push_back({i % parts, moment.poses[i], 1});
-    ExactCounters counters;
+    TriangleCounters counters;
     for (const BoxPair& pair : reference_pairs({moment.boxes, parts})) {
       const PartPlace &a = out.places[pair.a], &b = out.places[pair.b];
       const Eigen::Vector3f a_to_b =
@@ -181,12 +181,13 @@ class WalkersSource final : public Source {
 };
 
 /// One frame held against the truth.
-LawRow judge(const Source& source, const FittedVolume& volume, uint64_t seed, uint64_t number) {
-  const NearFrame frame = source.frame(number);
+NoMissResult judge(const Source& source, const FittedVolume& volume, uint64_t seed,
+                   uint64_t number) {
+  const PairFrame frame = source.frame(number);
   std::vector<uint8_t> overlaps(frame.pairs.size());
   volume.test(frame.places, frame.pairs, overlaps);
-  LawRow row{.family = source.name()};
-  row.near = frame.pairs.size();
+  NoMissResult row{.family = source.name()};
+  row.tested = frame.pairs.size();
   row.differing = volume.kernel_differs(frame.places, frame.pairs);
   for (size_t i = 0; i < frame.pairs.size(); ++i) {
     row.touching += frame.touching[i];
@@ -206,18 +207,18 @@ LawRow judge(const Source& source, const FittedVolume& volume, uint64_t seed, ui
   return row;
 }
 
-LawRow check_source(Source& source, const TestedVolume& volume, uint64_t pairs, uint64_t seed,
-                    Workers& workers) {
+NoMissResult check_source(Source& source, const TestedVolume& volume, uint64_t pairs, uint64_t seed,
+                          Workers& workers) {
   const std::unique_ptr<FittedVolume> fitted = volume.fit(source.shapes());
-  LawRow sum{.family = source.name()};
-  for (uint64_t first = 0; sum.near < pairs; first += kFramesAtOnce) {
+  NoMissResult sum{.family = source.name()};
+  for (uint64_t first = 0; sum.tested < pairs; first += kFramesAtOnce) {
     source.go_on();
-    std::vector<LawRow> rows(kFramesAtOnce);
+    std::vector<NoMissResult> rows(kFramesAtOnce);
     workers.for_blocks(kFramesAtOnce, [&](int block, int) {
       rows[static_cast<size_t>(block)] =
           judge(source, *fitted, seed, first + static_cast<uint64_t>(block));
     });
-    for (const LawRow& row : rows) sum.add(row);
+    for (const NoMissResult& row : rows) sum.add(row);
   }
   return sum;
 }
@@ -236,8 +237,8 @@ void append_part(std::string& text, const char* name, const PartShape& shape,
 
 }  // namespace
 
-void LawRow::add(const LawRow& other) {
-  near += other.near;
+void NoMissResult::add(const NoMissResult& other) {
+  tested += other.tested;
   touching += other.touching;
   reported += other.reported;
   missed += other.missed;
@@ -245,12 +246,12 @@ void LawRow::add(const LawRow& other) {
   if (!first_miss) first_miss = other.first_miss;
 }
 
-std::vector<LawRow> check_law(const TestedVolume& volume, uint64_t near_pairs, uint64_t seed,
-                              Workers& workers) {
-  const uint64_t each = near_pairs / (std::size(kFamilies) + 1) + 1;
-  std::vector<LawRow> rows;
+std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t proximity_pairs,
+                                          uint64_t seed, Workers& workers) {
+  const uint64_t each = proximity_pairs / (std::size(kFamilies) + 1) + 1;
+  std::vector<NoMissResult> rows;
   for (const Family family : kFamilies) {
-    CouplesSource source(family, seed);
+    RandomPairsSource source(family, seed);
     rows.push_back(check_source(source, volume, each, seed, workers));
   }
   WalkersSource walkers(seed);
@@ -298,7 +299,7 @@ std::vector<BoxPair> sphere_pairs(const Crowd& crowd, const BodyType& type) {
 class Census {
  public:
   Census(const BodyType& type, VolumeList volumes, FalsePositives& out)
-      : type_(type), out_(out), says_(volumes.size()) {
+      : type_(type), out_(out), overlaps_(volumes.size()) {
     for (const TestedVolume* volume : volumes) fitted_.push_back(volume->fit(type.parts()));
     for (const PartShape& part : type.parts()) surfaces_.emplace_back(part.points, part.triangles);
   }
@@ -308,8 +309,8 @@ class Census {
              std::span<const PairKey> reported, std::span<const BoxPair> pairs) {
     lay_out(bodies, poses, pairs);
     for (size_t i = 0; i < fitted_.size(); ++i) {
-      says_[i].resize(tests_.size());
-      fitted_[i]->test(places_, tests_, says_[i]);
+      overlaps_[i].resize(tests_.size());
+      fitted_[i]->test(places_, tests_, overlaps_[i]);
     }
     out_.avatar_pairs += pairs.size();
     for (size_t i = 0; i < tests_.size(); ++i) {
@@ -317,10 +318,10 @@ class Census {
       const PartPlace &a = places_[test.a], &b = places_[test.b];
       const BoxPair& avatars = pairs[i / (surfaces_.size() * surfaces_.size())];
       // The truth is looked for wherever any volume reports, so that one that misses is caught.
-      const bool touching =
-          std::any_of(says_.begin(), says_.end(), [&](const auto& says) { return says[i] != 0; }) &&
-          solids_touch(surfaces_[a.shape], a.pose, a.scale, surfaces_[b.shape], b.pose, b.scale,
-                       test.a_to_b_m, exact_);
+      const bool touching = std::any_of(overlaps_.begin(), overlaps_.end(),
+                                        [&](const auto& overlaps) { return overlaps[i] != 0; }) &&
+                            solids_touch(surfaces_[a.shape], a.pose, a.scale, surfaces_[b.shape],
+                                         b.pose, b.scale, test.a_to_b_m, exact_);
       const PairKey key(bodies.ids[avatars.a], bodies.ids[avatars.b], a.shape, b.shape);
       count(i, std::minmax(a.shape, b.shape), touching,
             std::binary_search(reported.begin(), reported.end(), key));
@@ -360,10 +361,10 @@ class Census {
     ++in.tests;
     in.touching += touching;
     for (size_t i = 0; i < out_.volumes.size(); ++i) {
-      const bool says = i < says_.size() ? says_[i][test] != 0 : by_pipeline;
-      out_.volumes[i].reported += says;
-      out_.volumes[i].missed += touching && !says;
-      if (out_.volumes[i].name == out_.matrix_volume) in.passed += says;
+      const bool overlaps = i < overlaps_.size() ? overlaps_[i][test] != 0 : by_pipeline;
+      out_.volumes[i].reported += overlaps;
+      out_.volumes[i].missed += touching && !overlaps;
+      if (out_.volumes[i].name == out_.matrix_volume) in.passed += overlaps;
     }
   }
 
@@ -374,8 +375,8 @@ class Census {
   std::vector<uint32_t> first_place_;  // by avatar
   std::vector<PartPlace> places_;
   std::vector<PlacedPair> tests_;
-  std::vector<std::vector<uint8_t>> says_;  // by volume
-  ExactCounters exact_;
+  std::vector<std::vector<uint8_t>> overlaps_;  // by volume
+  TriangleCounters exact_;
 };
 
 }  // namespace
@@ -417,7 +418,8 @@ struct Motion {
 };
 
 Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t seed) {
-  BoxWorld world = paper::world_of(objects, objects.size(), 0, paper::part_one_box(objects, seed));
+  BoxDynamics world =
+      paper::world_of(objects, objects.size(), 0, paper::part_one_box(objects, seed));
   const float margin = paper::margin_m(objects, world);
   const auto count = static_cast<uint32_t>(objects.size());
   Motion motion;
@@ -440,7 +442,7 @@ Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t se
     motion.shapes.push_back(object.shape);
     surfaces.emplace_back(object.shape.points, object.shape.triangles);
   }
-  ExactCounters counters;
+  TriangleCounters counters;
   for (const PlacedPair& pair : motion.pairs) {
     const PartPlace &a = motion.places[pair.a], &b = motion.places[pair.b];
     motion.touching.push_back(solids_touch(surfaces[a.shape], a.pose, 1, surfaces[b.shape], b.pose,
@@ -451,16 +453,16 @@ Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t se
 
 }  // namespace
 
-std::vector<SimpleAndAccurate> place_in_figure_3(const std::vector<paper::Object>& objects,
-                                                 VolumeList volumes, int frames, uint64_t seed) {
+std::vector<CostAndAccuracy> measure_figure_3(const std::vector<paper::Object>& objects,
+                                              VolumeList volumes, int frames, uint64_t seed) {
   const Motion motion = record(objects, frames, seed);
   const auto count = static_cast<double>(objects.size());
   std::vector<uint8_t> overlaps(motion.pairs.size());
-  std::vector<SimpleAndAccurate> out;
+  std::vector<CostAndAccuracy> out;
   for (const TestedVolume* volume : volumes) {
     const std::unique_ptr<FittedVolume> fitted = volume->fit(motion.shapes);
     fitted->test(motion.places, motion.pairs, overlaps);
-    SimpleAndAccurate row{.name = volume->name()};
+    CostAndAccuracy row{.name = volume->name()};
     uint64_t touching = 0;
     for (size_t i = 0; i < overlaps.size(); ++i) {
       row.found += overlaps[i] != 0;

@@ -27,21 +27,21 @@ struct Miss {
   PlacedPair test;
 };
 
-struct LawRow {
+struct NoMissResult {
   std::string family;
-  uint64_t near = 0;       ///< pairs tested
+  uint64_t tested = 0;     ///< pairs tested
   uint64_t touching = 0;   ///< by their triangles, or one inside the other
   uint64_t reported = 0;   ///< that the volume says may overlap
   uint64_t missed = 0;     ///< touching and not reported
   uint64_t differing = 0;  ///< of which the kernel says something else than the test one by one
   std::optional<Miss> first_miss{};
 
-  void add(const LawRow& other);
+  void add(const NoMissResult& other);
 };
 
-/// A row a family, "walking" the last; at least `near_pairs` of them together.
-std::vector<LawRow> check_law(const TestedVolume& volume, uint64_t near_pairs, uint64_t seed,
-                              Workers& workers);
+/// A row a family, "walking" the last; at least `proximity_pairs` of them together.
+std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t proximity_pairs,
+                                          uint64_t seed, Workers& workers);
 
 /// The shapes, poses and shift of a miss, as text that another program can read.
 std::string to_text(const Miss& miss);
@@ -87,7 +87,7 @@ FalsePositives count_false_positives(Crowd& crowd, VolumeList volumes, const Cen
 /// The paper's Figure 3, measured: what a frame of 15 objects costs with a volume, against how much
 /// of what it finds is true.
 /// Every volume is given the same motion, that of Part I, and the same truth.
-struct SimpleAndAccurate {
+struct CostAndAccuracy {
   std::string name;
   double fit_ns = 0;      ///< all objects once: C_o
   double update_ns = 0;   ///< C_u
@@ -98,8 +98,8 @@ struct SimpleAndAccurate {
 };
 
 /// `frames` frames of Part I under this seed, tested volume by volume.
-std::vector<SimpleAndAccurate> place_in_figure_3(const std::vector<paper::Object>& objects,
-                                                 VolumeList volumes, int frames, uint64_t seed);
+std::vector<CostAndAccuracy> measure_figure_3(const std::vector<paper::Object>& objects,
+                                              VolumeList volumes, int frames, uint64_t seed);
 
 struct LabelledPoint {
   std::string label;

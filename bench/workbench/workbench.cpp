@@ -10,17 +10,17 @@
 #include <thread>
 
 #include "avatars/avatars.h"
+#include "base/console.h"
 #include "base/errors.h"
 #include "base/figure.h"
-#include "base/files/whole_file.h"
-#include "base/say.h"
+#include "base/files/atomic_file.h"
 #include "base/text.h"
 
 namespace throng {
 namespace {
 
 using bench::FalsePositives;
-using bench::LawRow;
+using bench::NoMissResult;
 using bench::PartCell;
 
 constexpr double kDensitiesPerM2[] = {1, 4};
@@ -30,21 +30,21 @@ double ratio(uint64_t a, uint64_t b) {
   return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0;
 }
 
-LawRow sum_of(const std::vector<LawRow>& rows) {
-  LawRow sum{.family = "all"};
-  for (const LawRow& row : rows) sum.add(row);
+NoMissResult sum_of(const std::vector<NoMissResult>& rows) {
+  NoMissResult sum{.family = "all"};
+  for (const NoMissResult& row : rows) sum.add(row);
   return sum;
 }
 
-void put_law(std::string& out, const std::vector<LawRow>& rows) {
+void put_no_miss(std::string& out, const std::vector<NoMissResult>& rows) {
   append(out, "  {:<10}{:>12}{:>12}{:>12}{:>8}\n", "family", "near pairs", "touching", "reported",
          "missed");
-  const auto put = [&](const LawRow& row) {
-    append(out, "  {:<10}{:>12}{:>12}{:>12}{:>8}\n", row.family, row.near, row.touching,
+  const auto put = [&](const NoMissResult& row) {
+    append(out, "  {:<10}{:>12}{:>12}{:>12}{:>8}\n", row.family, row.tested, row.touching,
            row.reported, row.missed);
   };
-  for (const LawRow& row : rows) put(row);
-  const LawRow sum = sum_of(rows);
+  for (const NoMissResult& row : rows) put(row);
+  const NoMissResult sum = sum_of(rows);
   put(sum);
   if (sum.first_miss) append(out, "\n  first miss: {}\n", sum.first_miss->where);
   if (sum.differing > 0)
@@ -92,7 +92,7 @@ void put_costs(std::string& out, const WorkbenchResult& result) {
   auto rows = result.figure_3;
   std::stable_sort(rows.begin(), rows.end(),
                    [](const auto& p, const auto& q) { return p.frame_ns < q.frame_ns; });
-  for (const bench::SimpleAndAccurate& row : rows)
+  for (const bench::CostAndAccuracy& row : rows)
     append(out, "{} {:<18}{:>10.1f}{:>11.1f}{:>9.1f}{:>12.0f}{:>11.1f}%\n",
            row.name == result.name ? '>' : ' ', row.name, row.fit_ns * 1e-3, row.update_ns,
            row.test_ns, row.frame_ns, 100 * row.true_share);
@@ -117,12 +117,12 @@ void write_files(const WorkbenchResult& result) {
   const std::filesystem::path folder = result.options.out;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  write_whole_file(folder / "by_part.csv", by_part_csv(result));
-  if (const auto miss = sum_of(result.law).first_miss)
-    write_whole_file(folder / "miss.txt", bench::to_text(*miss));
-  if (!has_gnuplot()) return say("note: no gnuplot, so no figure_03.svg\n");
+  write_file_atomically(folder / "by_part.csv", by_part_csv(result));
+  if (const auto miss = sum_of(result.no_miss).first_miss)
+    write_file_atomically(folder / "miss.txt", bench::to_text(*miss));
+  if (!has_gnuplot()) return print_message("note: no gnuplot, so no figure_03.svg\n");
   std::vector<bench::LabelledPoint> points;
-  for (const bench::SimpleAndAccurate& row : result.figure_3)
+  for (const bench::CostAndAccuracy& row : result.figure_3)
     points.push_back({row.name, row.frame_ns, row.true_share});
   draw({"figure_03", "", "", bench::figure_3_script(points, "15 updates, 105 tests", result.name)},
        folder);
@@ -140,7 +140,7 @@ WorkbenchOptions options_of(int argc, char** argv) {
   options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const char* const usage = "[PAIRS [SEED [FOLDER]]]";
   for (int i = 1; i < std::min(argc, 3); ++i)
-    if (!read_number(argv[i], i == 1 ? options.near_pairs : options.seed))
+    if (!read_number(argv[i], i == 1 ? options.proximity_pairs : options.seed))
       throw InputError(argv[0], fmt::format("{}, whole numbers from 1", usage),
                        fmt::format("'{}'", argv[i]));
   if (argc > 3) options.out = argv[3];
@@ -150,19 +150,21 @@ WorkbenchOptions options_of(int argc, char** argv) {
 }  // namespace
 
 uint64_t WorkbenchResult::missed() const {
-  uint64_t sum = sum_of(law).missed;
+  uint64_t sum = sum_of(no_miss).missed;
   for (const FalsePositives& each : false_positives)
     for (const bench::VolumeReport& volume : each.volumes)
       if (volume.name == name) sum += volume.missed;
   return sum;
 }
 
-bool WorkbenchResult::keeps_the_law() const { return missed() == 0 && sum_of(law).differing == 0; }
+bool WorkbenchResult::has_no_misses() const {
+  return missed() == 0 && sum_of(no_miss).differing == 0;
+}
 
 WorkbenchResult try_volume(const bench::TestedVolume& volume, const WorkbenchOptions& options) {
   WorkbenchResult result{volume.name(), options, {}, {}, {}};
   Workers workers(options.threads);
-  result.law = bench::check_law(volume, options.near_pairs, options.seed, workers);
+  result.no_miss = bench::check_no_misses(volume, options.proximity_pairs, options.seed, workers);
 
   const bench::VolumeList ours = bench::project_volumes();
   std::vector<const bench::TestedVolume*> volumes(ours.begin(), ours.end());
@@ -175,17 +177,17 @@ WorkbenchResult try_volume(const bench::TestedVolume& volume, const WorkbenchOpt
         [](const std::string&) {}));
   }
   result.figure_3 =
-      bench::place_in_figure_3(paper::load_objects(), volumes, options.frames, options.seed);
+      bench::measure_figure_3(paper::load_objects(), volumes, options.frames, options.seed);
   return result;
 }
 
 std::string to_text(const WorkbenchResult& result) {
   std::string out;
   append(out, "{}: {} of {} touching pairs missed, seed {}\n\n", result.name, result.missed(),
-         sum_of(result.law).touching + result.false_positives[0].touching +
+         sum_of(result.no_miss).touching + result.false_positives[0].touching +
              result.false_positives[1].touching,
          result.options.seed);
-  put_law(out, result.law);
+  put_no_miss(out, result.no_miss);
   put_false_positives(out, result.false_positives);
   put_costs(out, result);
   return out;
@@ -195,16 +197,16 @@ int workbench_main(const bench::TestedVolume& volume, int argc, char** argv) {
   try {
     const WorkbenchOptions options = options_of(argc, argv);
     const WorkbenchResult result = try_volume(volume, options);
-    show_text(to_text(result));
-    if (const auto miss = sum_of(result.law).first_miss; miss && options.out.empty())
-      show("\n{}", bench::to_text(*miss));
+    print_result_text(to_text(result));
+    if (const auto miss = sum_of(result.no_miss).first_miss; miss && options.out.empty())
+      print_result("\n{}", bench::to_text(*miss));
     if (!options.out.empty()) write_files(result);
-    return result.keeps_the_law() ? 0 : 1;
+    return result.has_no_misses() ? 0 : 1;
   } catch (const InputError& error) {
-    say("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 2;
   } catch (const EnvironmentError& error) {
-    say("{}\n", error.what());
+    print_message("{}\n", error.what());
     return 3;
   }
 }

@@ -1,6 +1,6 @@
 // The workbench for a bounding volume of your own: one call runs the law of no misses over odd
 // bodies and walking people, counts false positives by pair of parts, and measures fit, update and
-// test, beside the volumes of the project. examples/own_volume.cpp is all that it takes.
+// test, beside the volumes of the project. examples/custom_volume.cpp is all that it takes.
 // One rule: every volume goes through the same door, and gets the same pairs.
 #pragma once
 
@@ -13,7 +13,7 @@
 namespace throng {
 
 struct WorkbenchOptions {
-  uint64_t near_pairs = 1'000'000;  ///< that the law is tried on
+  uint64_t proximity_pairs = 1'000'000;  ///< that the law is tried on
   uint64_t seed = 1;
   int threads = 1;       ///< for the law; what is timed runs on one
   int walkers = 200;     ///< whose parts are counted for false positives, 1 and 4 per m2
@@ -25,13 +25,13 @@ struct WorkbenchOptions {
 struct WorkbenchResult {
   std::string name;
   WorkbenchOptions options;
-  std::vector<bench::LawRow> law;
+  std::vector<bench::NoMissResult> no_miss;
   std::vector<bench::FalsePositives> false_positives;  ///< at 1 and at 4 per m2
-  std::vector<bench::SimpleAndAccurate> figure_3;      ///< the project's volumes, then this one
+  std::vector<bench::CostAndAccuracy> figure_3;        ///< the project's volumes, then this one
 
   uint64_t missed() const;
   /// By the law and by the walking crowds; and its kernel, if it has one, agrees with its test.
-  bool keeps_the_law() const;
+  bool has_no_misses() const;
 };
 
 WorkbenchResult try_volume(const bench::TestedVolume& volume, const WorkbenchOptions& options);

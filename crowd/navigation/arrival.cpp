@@ -12,21 +12,22 @@ constexpr double kAhead = -0.5;
 constexpr double kFree_m = 1e-3;
 
 /// The point of an area that is nearest to an agent outside it.
-struct AreaAhead {
-  AreaAhead(const Rectangle& area, const Eigen::Vector2d& from)
+struct NearestPoint {
+  NearestPoint(const Rectangle& area, const Eigen::Vector2d& from)
       : nearest_m(area.nearest_m(from)), left_m((nearest_m - from).norm()) {
-    if (left_m > 0) way = (nearest_m - from) / left_m;
+    if (left_m > 0) direction = (nearest_m - from) / left_m;
   }
   Eigen::Vector2d nearest_m;
   double left_m;
-  Eigen::Vector2d way = Eigen::Vector2d::Zero();  ///< unit; zero inside
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< unit; zero inside
 };
 
 /// How far before a point the walls behind it stop a centre that they keep off by `gap_m`.
-double held_back_m(const Walkable& walkable, const AreaAhead& to, double gap_m) {
+double stopping_distance_m(const Walkable& walkable, const NearestPoint& to, double gap_m) {
   Eigen::Vector2d push = Eigen::Vector2d::Zero();
   const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {
-    if (distance_m < gap_m && normal.dot(to.way) < kAhead) push += (gap_m - distance_m) * normal;
+    if (distance_m < gap_m && normal.dot(to.direction) < kAhead)
+      push += (gap_m - distance_m) * normal;
   };
   const Eigen::Vector2d low = to.nearest_m - walkable.ground().min_m;
   const Eigen::Vector2d high = walkable.ground().max_m - to.nearest_m;
@@ -34,7 +35,7 @@ double held_back_m(const Walkable& walkable, const AreaAhead& to, double gap_m) 
   add(Eigen::Vector2d::UnitY(), low.y());
   add(-Eigen::Vector2d::UnitX(), high.x());
   add(-Eigen::Vector2d::UnitY(), high.y());
-  for (const uint32_t footprint : walkable.near(to.nearest_m)) {
+  for (const uint32_t footprint : walkable.nearby_footprints(to.nearest_m)) {
     const Walkable::Nearest wall = walkable.nearest(footprint, to.nearest_m);
     add(wall.normal, wall.distance_m);
   }
@@ -43,18 +44,20 @@ double held_back_m(const Walkable& walkable, const AreaAhead& to, double gap_m) 
 
 }  // namespace
 
-bool is_as_near_as_it_gets(const Walkable& walkable, const Rectangle& area,
-                           const Eigen::Vector2d& point, double radius_m, double keeps_off_m) {
-  const AreaAhead to(area, point);
-  const double gap_m = radius_m + keeps_off_m;
-  const bool is_shallow = !area.contains(to.nearest_m + kStep_m * to.way);
-  const bool is_near =
-      (is_shallow && to.left_m <= radius_m) || to.left_m <= held_back_m(walkable, to, gap_m) ||
+bool is_closest_possible(const Walkable& walkable, const Rectangle& area,
+                         const Eigen::Vector2d& point, double radius_m, double wall_offset_m) {
+  const NearestPoint to(area, point);
+  const double gap_m = radius_m + wall_offset_m;
+  const bool is_shallow = !area.contains(to.nearest_m + kStep_m * to.direction);
+  const bool is_closest =
+      (is_shallow && to.left_m <= radius_m) ||
+      to.left_m <= stopping_distance_m(walkable, to, gap_m) ||
       (to.left_m <= gap_m && walkable.gap_at(to.nearest_m, 2 * radius_m).width_m < 2 * radius_m);
-  return is_near && is_free_to(walkable, area, point);
+  return is_closest && is_freely_reachable(walkable, area, point);
 }
 
-bool is_free_to(const Walkable& walkable, const Rectangle& area, const Eigen::Vector2d& point) {
+bool is_freely_reachable(const Walkable& walkable, const Rectangle& area,
+                         const Eigen::Vector2d& point) {
   const Eigen::Vector2d rim = (0.25 * area.size_m()).cwiseMin(2 * kFree_m);
   const Rectangle inner{area.min_m + rim, area.max_m - rim};
   const Eigen::Vector2d nearest_m = inner.nearest_m(point);

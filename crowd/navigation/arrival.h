@@ -12,32 +12,33 @@ namespace throng {
 /// How much farther than the radius of its disc walls keep the centre of an agent that walks
 /// straight to them, at most: the model `speed` balances a wish with one wall at 0.16 m, with two
 /// side by side at 0.23 m and with four at 0.3 m.
-inline constexpr double kWallKeepsOff_m = 0.3;
+inline constexpr double kMaxWallOffset_m = 0.3;
 
 /// Returns whether the centre at `point`, outside `area`, is as near to it as it gets.
-bool is_as_near_as_it_gets(const Walkable& walkable, const Rectangle& area,
-                           const Eigen::Vector2d& point, double radius_m, double keeps_off_m);
+bool is_closest_possible(const Walkable& walkable, const Rectangle& area,
+                         const Eigen::Vector2d& point, double radius_m, double wall_offset_m);
 
 /// Returns whether the nearest point of `area` is free, and no obstacle between it and `point`.
-bool is_free_to(const Walkable& walkable, const Rectangle& area, const Eigen::Vector2d& point);
+bool is_freely_reachable(const Walkable& walkable, const Rectangle& area,
+                         const Eigen::Vector2d& point);
 
 /// Returns whether an agent whose centre is at `point` has reached `area`: the centre is inside, or
 /// as near to the nearest point of the area as it gets.
 ///
 /// - A wall or an edge of the ground behind that point keeps the centre off by `radius_m` and
-///   `keeps_off_m`; so do walls on both sides between which the disc does not fit.
+///   `wall_offset_m`; so do walls on both sides between which the disc does not fit.
 /// - An area that is less than 0.3 m deep from there is passed within a step: the disc touches it.
 ///
 /// A part of the area that lies in or behind an obstacle is out of reach.
 inline bool has_reached(const Walkable& walkable, const Rectangle& area,
                         const Eigen::Vector2d& point, double radius_m,
-                        double keeps_off_m = kWallKeepsOff_m) {
-  const double gap_m = radius_m + keeps_off_m;
+                        double wall_offset_m = kMaxWallOffset_m) {
+  const double gap_m = radius_m + wall_offset_m;
   const double square_m2 = (area.nearest_m(point) - point).squaredNorm();
   if (square_m2 == 0) return true;
   // In a corner two walls keep the centre off at once.
   return square_m2 <= 2 * gap_m * gap_m &&
-         is_as_near_as_it_gets(walkable, area, point, radius_m, keeps_off_m);
+         is_closest_possible(walkable, area, point, radius_m, wall_offset_m);
 }
 
 /// Returns whether the nearest point of `area` is free and at most `reach_m` from `point`, with no
@@ -45,7 +46,7 @@ inline bool has_reached(const Walkable& walkable, const Rectangle& area,
 inline bool is_beside(const Walkable& walkable, const Rectangle& area, const Eigen::Vector2d& point,
                       double reach_m) {
   return (area.nearest_m(point) - point).squaredNorm() <= reach_m * reach_m &&
-         is_free_to(walkable, area, point);
+         is_freely_reachable(walkable, area, point);
 }
 
 }  // namespace throng

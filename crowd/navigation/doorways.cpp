@@ -14,19 +14,19 @@ constexpr double kReach_m = 10;
 constexpr double kApart_m = 3;
 constexpr double kNarrow_m = 4;
 /// So much wider is the ground kApart_m behind a door.
-constexpr double kWidens = 1.5;
+constexpr double kMinWidening = 1.5;
 /// Ground behind doorways that is so many times smaller than other such ground does not count: it
 /// is outside, between the doors of a hall.
-constexpr uint32_t kSmall = 5;
+constexpr uint32_t kMaxAreaRatio = 5;
 /// From level to level: less than a wall and the body's distance from it.
 constexpr double kLevel_m = 0.25;
 constexpr int kLevels = static_cast<int>(kReach_m / kLevel_m);
 constexpr int kApartLevels = static_cast<int>(kApart_m / kLevel_m);
 
 /// Which cells belong together (Galler and Fischer 1964), and how many.
-class Pieces {
+class DisjointSets {
  public:
-  explicit Pieces(size_t cells) : parent_(cells), sizes_(cells, 1) {
+  explicit DisjointSets(size_t cells) : parent_(cells), sizes_(cells, 1) {
     std::iota(parent_.begin(), parent_.end(), uint32_t{0});
   }
   uint32_t of(size_t cell) {
@@ -53,7 +53,7 @@ class Pieces {
 };
 
 /// What lies between a level and another kApart_m behind it, and reaches from one to the other.
-struct Arm {
+struct Branch {
   std::vector<size_t> mouth;  ///< its cells next to those before the level
   size_t end = 0;             ///< how many are next to those behind
 };
@@ -67,18 +67,18 @@ class DoorwaySearch {
     for (size_t cell = 0; cell < grid.cell_count(); ++cell) {
       const auto away_m = static_cast<double>(field.cell_distance_m(cell));
       if (!(away_m < std::numeric_limits<double>::infinity())) continue;
-      const double level = std::min(std::floor(away_m / kLevel_m), double{kFarthest});
+      const double level = std::min(std::floor(away_m / kLevel_m), double{kLastLevel});
       levels_[cell] = static_cast<int>(level);
-      if (levels_[cell] < kFarthest) by_level_[static_cast<size_t>(levels_[cell])].push_back(cell);
+      if (levels_[cell] < kLastLevel) by_level_[static_cast<size_t>(levels_[cell])].push_back(cell);
     }
   }
 
-  std::vector<Doorway> best() {
+  std::vector<Doorway> find() {
     for (size_t cell = 0; cell < levels_.size(); ++cell)
-      if (levels_[cell] == kFarthest) join_behind(cell);
-    for (int level = kFarthest - 1; level > 0; --level) {
+      if (levels_[cell] == kLastLevel) join_behind(cell);
+    for (int level = kLastLevel - 1; level > 0; --level) {
       for (const size_t cell : by_level_[static_cast<size_t>(level)]) join_behind(cell);
-      if (level <= kLevels) look_at(level);
+      if (level <= kLevels) find_doorways_at(level);
     }
     for (Doorway& doorway : best_) std::sort(doorway.cells.begin(), doorway.cells.end());
     std::sort(best_.begin(), best_.end(),
@@ -88,11 +88,11 @@ class DoorwaySearch {
 
  private:
   static constexpr int kNone = -1;
-  static constexpr int kFarthest = kLevels + kApartLevels;
+  static constexpr int kLastLevel = kLevels + kApartLevels;
 
   template <typename Body>
   void for_ways(size_t cell, const Body& body) const {
-    for (const ptrdiff_t next : grid_.ways_from(cell))
+    for (const ptrdiff_t next : grid_.free_neighbours(cell))
       if (next >= 0) body(static_cast<size_t>(next));
   }
 
@@ -102,7 +102,7 @@ class DoorwaySearch {
     });
   }
 
-  std::map<size_t, Arm> arms_at(int level) {
+  std::map<size_t, Branch> branches_at(int level) {
     const int end = level + kApartLevels;
     const auto each = [&](const auto& body) {
       for (int at = level; at < end; ++at)
@@ -114,7 +114,7 @@ class DoorwaySearch {
         if (levels_[next] >= level && levels_[next] < end) slab_.join(cell, next);
       });
     });
-    std::map<size_t, Arm> arms;
+    std::map<size_t, Branch> branches;
     each([&](size_t cell) {
       bool is_mouth = false, is_end = false;
       for_ways(cell, [&](size_t next) {
@@ -122,47 +122,48 @@ class DoorwaySearch {
         is_end |= levels_[next] >= end;
       });
       if (!is_mouth && !is_end) return;
-      Arm& arm = arms[slab_.of(cell)];
-      if (is_mouth) arm.mouth.push_back(cell);
-      arm.end += is_end;
+      Branch& branch = branches[slab_.of(cell)];
+      if (is_mouth) branch.mouth.push_back(cell);
+      branch.end += is_end;
     });
-    std::erase_if(arms, [](const auto& each_arm) {
-      return each_arm.second.mouth.empty() || each_arm.second.end == 0;
+    std::erase_if(branches, [](const auto& found) {
+      return found.second.mouth.empty() || found.second.end == 0;
     });
-    return arms;
+    return branches;
   }
 
   double width_m(size_t cells) const {
     return static_cast<double>(cells) * grid_.cell_m() + 2 * FlowGrid::margin_m(grid_.cell_m());
   }
-  double width_m(const Arm& arm) const { return width_m(arm.mouth.size()); }
+  double width_m(const Branch& branch) const { return width_m(branch.mouth.size()); }
 
   /// Narrow, and there is room for a crowd before it: not just a piece of a corridor.
-  bool is_door(const Arm& arm) const {
-    return width_m(arm) <= kNarrow_m && width_m(arm.end) >= kWidens * width_m(arm);
+  bool is_door(const Branch& branch) const {
+    return width_m(branch) <= kNarrow_m && width_m(branch.end) >= kMinWidening * width_m(branch);
   }
 
   /// The best level leaves the most ground the most to choose between, by the narrowest doorways;
   /// of equals, the nearest to the goal.
-  void look_at(int level) {
-    std::map<size_t, Arm> arms = arms_at(level);
-    if (arms.size() < 2) return;
-    std::map<uint32_t, std::vector<Arm*>> by_piece;
-    for (auto& [cell, arm] : arms) by_piece[behind_.of(cell)].push_back(&arm);
+  void find_doorways_at(int level) {
+    std::map<size_t, Branch> branches = branches_at(level);
+    if (branches.size() < 2) return;
+    std::map<uint32_t, std::vector<Branch*>> by_piece;
+    for (auto& [cell, branch] : branches) by_piece[behind_.of(cell)].push_back(&branch);
     std::erase_if(by_piece, [&](const auto& piece) {
-      return piece.second.size() < 2 || std::none_of(piece.second.begin(), piece.second.end(),
-                                                     [&](const Arm* arm) { return is_door(*arm); });
+      return piece.second.size() < 2 ||
+             std::none_of(piece.second.begin(), piece.second.end(),
+                          [&](const Branch* branch) { return is_door(*branch); });
     });
     uint32_t largest = 0;
     for (const auto& [piece, its_arms] : by_piece) largest = std::max(largest, behind_.size(piece));
     std::vector<Doorway> found;
     double choice = 0, all_m = 0;
     for (auto& [piece, its_arms] : by_piece) {
-      if (kSmall * behind_.size(piece) < largest) continue;
+      if (kMaxAreaRatio * behind_.size(piece) < largest) continue;
       choice += static_cast<double>(behind_.size(piece)) * static_cast<double>(its_arms.size() - 1);
-      for (Arm* arm : its_arms) {
-        const double its_m = width_m(*arm);
-        found.push_back({std::move(arm->mouth), its_m});
+      for (Branch* branch : its_arms) {
+        const double its_m = width_m(*branch);
+        found.push_back({std::move(branch->mouth), its_m});
         all_m += its_m;
       }
     }
@@ -174,8 +175,8 @@ class DoorwaySearch {
   const FlowGrid& grid_;
   std::vector<int> levels_;                    ///< by cell
   std::vector<std::vector<size_t>> by_level_;  ///< cells, ascending
-  Pieces behind_;                              ///< of all cells from a level on
-  Pieces slab_;
+  DisjointSets behind_;                        ///< of all cells from a level on
+  DisjointSets slab_;
   std::vector<Doorway> best_;
   double best_score_ = 0;  ///< cells a metre of doorway
 };
@@ -183,7 +184,7 @@ class DoorwaySearch {
 }  // namespace
 
 std::vector<Doorway> doorways_before(const FlowGrid& grid, const FlowField& field) {
-  return DoorwaySearch(grid, field).best();
+  return DoorwaySearch(grid, field).find();
 }
 
 }  // namespace throng

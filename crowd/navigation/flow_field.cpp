@@ -11,7 +11,7 @@ namespace throng {
 namespace {
 
 /// Two cells fit between the margins of a doorway of 0.8 m; finer ones only cost memory.
-constexpr double kFinestCell_m = 0.2;
+constexpr double kMinFlowCell_m = 0.2;
 /// A field of a million cells takes 12 MB and half a second to march.
 constexpr double kMaxCells = 1 << 20;
 /// A centre passes this near to a wall, in a doorway.
@@ -19,13 +19,13 @@ constexpr double kBodyMargin_m = 0.2;
 /// People would rather keep so far from walls: half the shoulders and a hand's breadth.
 constexpr double kComfort_m = 0.5;
 /// What a metre at a wall counts, in the open.
-constexpr double kSlowest = 2.5;
+constexpr double kMaxSlowness = 2.5;
 /// Discs of 0.44 m (a person of 1.70 m) pass gaps so wide, with a centimetre to spare for where the
 /// walls stand to the cells.
-constexpr double kNarrowest_m = 0.43;
+constexpr double kMinGap_m = 0.43;
 /// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to
 /// them.
-constexpr double kTight_m = 0.35;
+constexpr double kNarrow_m = 0.35;
 /// The radius of the disc of a person of 1.70 m.
 constexpr double kPerson_m = 0.22;
 /// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
@@ -79,7 +79,7 @@ Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const W
 
 float slowness_at(double clearance_m) {
   const double tightness = std::clamp((kComfort_m - clearance_m) / kComfort_m, 0.0, 1.0);
-  return static_cast<float>(1 + (kSlowest - 1) * tightness);
+  return static_cast<float>(1 + (kMaxSlowness - 1) * tightness);
 }
 
 /// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
@@ -96,7 +96,7 @@ double eikonal(double x, double y, double step_m) {
 FlowGrid::FlowGrid(const Walkable& walkable)
     : walkable_(&walkable), origin_m_(walkable.ground().min_m) {
   const Eigen::Vector2d size = walkable.ground().size_m();
-  cell_m_ = std::max(kFinestCell_m, std::sqrt(size.prod() / kMaxCells));
+  cell_m_ = std::max(kMinFlowCell_m, std::sqrt(size.prod() / kMaxCells));
   cells_per_m_ = 1 / cell_m_;
   columns_ = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m_)));
   rows_ = std::max(1, static_cast<int>(std::ceil(size.y() / cell_m_)));
@@ -116,43 +116,42 @@ FlowGrid::FlowGrid(const Walkable& walkable)
 
 /// Gaps that nobody's cell centre lies in: whoever fits between the walls passes all the same.
 void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
-  const double widest_m = widest_gap_m(cell_m_);
+  const double gap_limit_m = max_gap_m(cell_m_);
   // As far from walls as one can be between them: before a thin wall there is more room.
-  const auto room = [&](const Eigen::Vector2d& point) {
-    return walkable.gap_at(point, widest_m).width_m < widest_m
+  const auto clearance_in_gap = [&](const Eigen::Vector2d& point) {
+    return walkable.gap_at(point, gap_limit_m).width_m < gap_limit_m
                ? walkable.obstacle_clearance_m(point)
                : -1.0;
   };
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
     const Eigen::Vector2d centre = centre_m(cell);
-    if (is_free(cell) ||
-        static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2)
+    if (is_free(cell) || static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kMinGap_m / 2)
       continue;
     // In the gap, walls stand on both sides; seen from inside one of them, too.
-    const auto walls = walkable.near(centre);
+    const auto walls = walkable.nearby_footprints(centre);
     const auto is_beside = [&](uint32_t wall) {
-      return walkable.nearest(wall, centre).distance_m < widest_m;
+      return walkable.nearest(wall, centre).distance_m < gap_limit_m;
     };
     if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_beside) < 2) continue;
-    const Eigen::Vector2d place = best_place(centre, cell_m_, room);
-    if (room(place) >= kNarrowest_m / 2 && walkable.ground().contains(place))
+    const Eigen::Vector2d place = best_place(centre, cell_m_, clearance_in_gap);
+    if (clearance_in_gap(place) >= kMinGap_m / 2 && walkable.ground().contains(place))
       narrow_.emplace_back(cell, place);
   }
   if (narrow_.empty()) return;
-  for (int round = 0; round < kApproach; ++round) add_mouths(walkable, clearances_m);
+  for (int round = 0; round < kApproach; ++round) add_approaches(walkable, clearances_m);
   for (const auto& [cell, place] : narrow_)
     slowness_[cell] = slowness_at(walkable.obstacle_clearance_m(place));
 }
 
 /// Before a gap a cell's centre may be too near one of its corners: there the way leads through
 /// whatever place of the cell is best to come to the gap from.
-void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clearances_m) {
-  std::vector<std::pair<size_t, Eigen::Vector2d>> mouths;
+void FlowGrid::add_approaches(const Walkable& walkable, std::span<const float> clearances_m) {
+  std::vector<std::pair<size_t, Eigen::Vector2d>> approaches;
   for (const auto& [narrow, gap] : narrow_)
     for (const ptrdiff_t next : neighbours_of(*this, narrow)) {
       const auto cell = static_cast<size_t>(next);
       if (next < 0 || is_free(cell) || is_narrow(cell)) continue;
-      if (static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kNarrowest_m / 2) continue;
+      if (static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kMinGap_m / 2) continue;
       const Eigen::Vector2d place =
           best_place(centre_m(cell), cell_m_, [&, &middle = gap](const Eigen::Vector2d& point) {
             return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
@@ -160,14 +159,14 @@ void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clear
           });
       if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m &&
           walkable.ground().contains(place))
-        mouths.emplace_back(cell, place);
+        approaches.emplace_back(cell, place);
     }
   const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
-  std::stable_sort(mouths.begin(), mouths.end(), by_cell);
-  mouths.erase(std::unique(mouths.begin(), mouths.end(),
-                           [](const auto& a, const auto& b) { return a.first == b.first; }),
-               mouths.end());
-  narrow_.insert(narrow_.end(), mouths.begin(), mouths.end());
+  std::stable_sort(approaches.begin(), approaches.end(), by_cell);
+  approaches.erase(std::unique(approaches.begin(), approaches.end(),
+                               [](const auto& a, const auto& b) { return a.first == b.first; }),
+                   approaches.end());
+  narrow_.insert(narrow_.end(), approaches.begin(), approaches.end());
   std::sort(narrow_.begin(), narrow_.end(), by_cell);
 }
 
@@ -175,40 +174,40 @@ void FlowGrid::add_mouths(const Walkable& walkable, std::span<const float> clear
 void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
   const Eigen::Vector2d start = place_m(from), end = place_m(to);
   const bool is_new = is_narrow(from) || is_narrow(to);
-  const double widest_m = widest_gap_m(cell_m_);
+  const double gap_limit_m = max_gap_m(cell_m_);
   const int steps = std::max(1, static_cast<int>(std::ceil((end - start).norm() / 0.04)));
   bool is_gap = is_new;
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * (end - start);
     // Round a single corner a shoulder may brush it; between two walls there has to be room.
     if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return;
-    const Gap gap = walkable.gap_at(point, widest_m);
-    if (gap.width_m < kNarrowest_m) {
+    const Gap gap = walkable.gap_at(point, gap_limit_m);
+    if (gap.width_m < kMinGap_m) {
       closures_.push_back(gap.across);
       return;
     }
-    is_gap = is_gap || gap.width_m < widest_m;
+    is_gap = is_gap || gap.width_m < gap_limit_m;
   }
   if (is_gap) passages_.push_back({start, end});
   const unsigned side = to == from + 1 ? 1 : 3;
-  ways_[from] = static_cast<uint8_t>(ways_[from] | (1u << side));
-  ways_[to] = static_cast<uint8_t>(ways_[to] | (1u << (side - 1)));
+  links_[from] = static_cast<uint8_t>(links_[from] | (1u << side));
+  links_[to] = static_cast<uint8_t>(links_[to] | (1u << (side - 1)));
 }
 
 void FlowGrid::link(const Walkable& walkable, std::span<const float> clearances_m) {
-  ways_.resize(slowness_.size());
+  links_.resize(slowness_.size());
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
     if (!is_free(cell)) continue;
     const Neighbours around = neighbours_of(*this, cell);
     for (const unsigned side : {1u, 3u}) {
       const auto next = static_cast<size_t>(around[side]);
       if (around[side] < 0 || !is_free(next)) continue;
-      if (std::min(clearances_m[cell], clearances_m[next]) < static_cast<float>(kTight_m)) {
+      if (std::min(clearances_m[cell], clearances_m[next]) < static_cast<float>(kNarrow_m)) {
         join(walkable, cell, next);
         continue;
       }
-      ways_[cell] = static_cast<uint8_t>(ways_[cell] | (1u << side));
-      ways_[next] = static_cast<uint8_t>(ways_[next] | (1u << (side - 1)));
+      links_[cell] = static_cast<uint8_t>(links_[cell] | (1u << side));
+      links_[next] = static_cast<uint8_t>(links_[next] | (1u << (side - 1)));
     }
   }
 }
@@ -222,16 +221,16 @@ Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
 
 bool FlowGrid::reaches(size_t cell, const Rectangle& area) const {
   // The first free cell before a wall lies within its margin and a cell.
-  const double off_m = std::max(kPerson_m + kWallKeepsOff_m, margin_m(cell_m_) + cell_m_);
+  const double off_m = std::max(kPerson_m + kMaxWallOffset_m, margin_m(cell_m_) + cell_m_);
   return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
 }
 
-std::array<ptrdiff_t, 4> FlowGrid::ways_from(size_t cell) const {
+std::array<ptrdiff_t, 4> FlowGrid::free_neighbours(size_t cell) const {
   const auto at = static_cast<ptrdiff_t>(cell);
   const auto columns = static_cast<ptrdiff_t>(columns_);
-  const unsigned ways = ways_[cell];
-  return {(ways & 1u) != 0 ? at - 1 : -1, (ways & 2u) != 0 ? at + 1 : -1,
-          (ways & 4u) != 0 ? at - columns : -1, (ways & 8u) != 0 ? at + columns : -1};
+  const unsigned links = links_[cell];
+  return {(links & 1u) != 0 ? at - 1 : -1, (links & 2u) != 0 ? at + 1 : -1,
+          (links & 4u) != 0 ? at - columns : -1, (links & 8u) != 0 ? at + columns : -1};
 }
 
 bool FlowGrid::is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
@@ -251,16 +250,16 @@ Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
 }
 
 FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-                     std::span<const uint8_t> closed, std::span<const KeepOff> keep_off)
+                     std::span<const uint8_t> closed, std::span<const CellPolicy> cell_policies)
     : grid_(&grid), cells_(grid.cell_count()), is_closed_(closed.begin(), closed.end()) {
-  march(areas, closed, keep_off);
-  point_downhill();
-  lead_out_of_walls();
+  march(areas, closed, cell_policies);
+  compute_directions();
+  fill_blocked_cells();
   aim_through_gaps();
 }
 
 void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
-                      std::span<const KeepOff> keep_off) {
+                      std::span<const CellPolicy> cell_policies) {
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -272,8 +271,8 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
       away = std::min(away, (centre - area.nearest_m(centre)).norm());
     const bool is_free = grid_->is_free(cell), is_far = away > 0.71 * grid_->cell_m();
     if (is_far || (!is_free && away > 0)) {
-      const auto is_reached = [&](const Rectangle& area) { return grid_->reaches(cell, area); };
-      const auto area = std::find_if(areas.begin(), areas.end(), is_reached);
+      const auto reaches_area = [&](const Rectangle& area) { return grid_->reaches(cell, area); };
+      const auto area = std::find_if(areas.begin(), areas.end(), reaches_area);
       if (area != areas.end())
         aims_.emplace_back(cell, area->nearest_m(centre));
       else if (is_far)
@@ -290,15 +289,16 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
     const auto [distance, cell] = queue.top();
     queue.pop();
     if (distance > cells_[cell].distance_m) continue;
-    for (const ptrdiff_t next : grid_->ways_from(cell)) {
+    for (const ptrdiff_t next : grid_->free_neighbours(cell)) {
       if (next < 0) continue;
-      const KeepOff off = keep_off.empty() ? KeepOff::kNo : keep_off[static_cast<size_t>(next)];
-      if (off == KeepOff::kBar) continue;
-      const Neighbours around = grid_->ways_from(static_cast<size_t>(next));
+      const CellPolicy off =
+          cell_policies.empty() ? CellPolicy::kFree : cell_policies[static_cast<size_t>(next)];
+      if (off == CellPolicy::kBlocked) continue;
+      const Neighbours around = grid_->free_neighbours(static_cast<size_t>(next));
       const auto x = static_cast<double>(std::min(value(around[0]), value(around[1])));
       const auto y = static_cast<double>(std::min(value(around[2]), value(around[3])));
       double step_m = grid_->cell_m() * grid_->slowness(static_cast<size_t>(next));
-      if (off == KeepOff::kShun) step_m *= kShun;
+      if (off == CellPolicy::kPenalised) step_m *= kPenalty;
       if (!closed.empty() && closed[static_cast<size_t>(next)] != 0) step_m += kClosed_m;
       const auto found = static_cast<float>(eikonal(x, y, step_m));
       if (!(found < cells_[static_cast<size_t>(next)].distance_m)) continue;
@@ -311,7 +311,7 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
   }
 }
 
-void FlowField::point_downhill() {
+void FlowField::compute_directions() {
   const auto fall = [&](float here, ptrdiff_t back, ptrdiff_t ahead) {
     const float behind = back < 0 ? kFar : cells_[static_cast<size_t>(back)].distance_m;
     const float before = ahead < 0 ? kFar : cells_[static_cast<size_t>(ahead)].distance_m;
@@ -321,14 +321,14 @@ void FlowField::point_downhill() {
   };
   for (size_t cell = 0; cell < cells_.size(); ++cell) {
     if (!(cells_[cell].distance_m < kFar)) continue;
-    const Neighbours around = grid_->ways_from(cell);
+    const Neighbours around = grid_->free_neighbours(cell);
     const Eigen::Vector2f down(fall(cells_[cell].distance_m, around[0], around[1]),
                                fall(cells_[cell].distance_m, around[2], around[3]));
     if (down.squaredNorm() > 0) cells_[cell].direction = down.normalized();
   }
 }
 
-void FlowField::lead_out_of_walls() {
+void FlowField::fill_blocked_cells() {
   // Whoever was pushed too near an obstacle goes to the nearest cell with a way: breadth first.
   std::vector<size_t> front;
   std::vector<uint8_t> known(cells_.size());
@@ -344,9 +344,9 @@ void FlowField::lead_out_of_walls() {
       known[cell] = 1;
       const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
       // Mostly along the way of the cell outside: straight out would be turned back at once.
-      const Eigen::Vector2f way =
+      const Eigen::Vector2f heading =
           cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
-      cells_[cell].direction = way.normalized();
+      cells_[cell].direction = heading.normalized();
       front.push_back(cell);
     }
   }
@@ -360,7 +360,7 @@ void FlowField::aim_through_gaps() {
   for (const auto& [cell, place] : grid_->narrow()) cells.push_back(cell);
   for (int round = 0; round < kApproach; ++round)
     for (size_t i = 0, known = cells.size(); i < known; ++i)
-      for (const ptrdiff_t next : grid_->ways_from(cells[i]))
+      for (const ptrdiff_t next : grid_->free_neighbours(cells[i]))
         if (next >= 0) cells.push_back(static_cast<size_t>(next));
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
@@ -381,7 +381,7 @@ void FlowField::aim_through_gaps() {
 /// The nearest to the goal of a cell and those that one can walk to from it.
 size_t FlowField::downhill_of(size_t cell) const {
   size_t best = cell;
-  for (const ptrdiff_t next : grid_->ways_from(cell))
+  for (const ptrdiff_t next : grid_->free_neighbours(cell))
     if (next >= 0 && cells_[static_cast<size_t>(next)].distance_m < cells_[best].distance_m)
       best = static_cast<size_t>(next);
   return best;
@@ -406,17 +406,17 @@ void FlowField::prefetch(const Eigen::Vector2d& point) const {
 
 Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
   if (const Eigen::Vector2d* aim = aim_at(point)) {
-    const Eigen::Vector2d way = *aim - point;
-    const double length = way.norm();
-    if (length > 1e-3) return way / length;
+    const Eigen::Vector2d heading = *aim - point;
+    const double length = heading.norm();
+    if (length > 1e-3) return heading / length;
   }
   const auto at = [&](size_t cell) -> const Eigen::Vector2f& { return cells_[cell].direction; };
   Eigen::Vector2f blend = patch_at(point).blend(at);
   // Where ways part, directions cancel: take the cell's own then.
   if (!(blend.squaredNorm() > 0.01f)) blend = at(grid_->cell_at(point));
-  const Eigen::Vector2d way = blend.cast<double>();
-  const double square = way.squaredNorm();
-  return square > 0 ? Eigen::Vector2d(way / std::sqrt(square)) : Eigen::Vector2d::Zero();
+  const Eigen::Vector2d heading = blend.cast<double>();
+  const double square = heading.squaredNorm();
+  return square > 0 ? Eigen::Vector2d(heading / std::sqrt(square)) : Eigen::Vector2d::Zero();
 }
 
 double FlowField::distance_m(const Eigen::Vector2d& point) const {

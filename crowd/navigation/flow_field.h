@@ -64,7 +64,7 @@ class FlowGrid {
   /// has_reached().
   bool reaches(size_t cell, const Rectangle& area) const;
   /// The cells left, right, below and above that one can walk to; -1 where none is.
-  std::array<ptrdiff_t, 4> ways_from(size_t cell) const;
+  std::array<ptrdiff_t, 4> free_neighbours(size_t cell) const;
   /// True if the straight way from point to point leads through free cells alone (to a tenth of
   /// one).
   bool is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
@@ -92,11 +92,11 @@ class FlowGrid {
   /// so far that no wall slips between two cell centres.
   static double margin_m(double cell_m);
   /// Wider gaps hold centres of cells that are neighbours, whichever way they run.
-  static double widest_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
+  static double max_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
 
  private:
   void find_narrow(const Walkable& walkable, std::span<const float> clearances_m);
-  void add_mouths(const Walkable& walkable, std::span<const float> clearances_m);
+  void add_approaches(const Walkable& walkable, std::span<const float> clearances_m);
   void link(const Walkable& walkable, std::span<const float> clearances_m);
   void join(const Walkable& walkable, size_t from, size_t to);
   bool is_narrow(size_t cell) const;
@@ -107,17 +107,17 @@ class FlowGrid {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<float> slowness_;
-  std::vector<uint8_t> ways_;  ///< by cell, a bit for each of left, right, below, above
+  std::vector<uint8_t> links_;  ///< by cell, a bit for each of left, right, below, above
   std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
   std::vector<Passage> passages_;
   std::vector<Passage> closures_;
 };
 
 /// Of a cell.
-enum class KeepOff : uint8_t {
-  kNo,
-  kShun,  ///< a metre counts FlowField::kShun times
-  kBar,   ///< no way leads through
+enum class CellPolicy : uint8_t {
+  kFree,
+  kPenalised,  ///< a metre counts FlowField::kPenalty times
+  kBlocked,    ///< no way leads through
 };
 
 class FlowField {
@@ -128,7 +128,7 @@ class FlowField {
   /// longer by kClosed_m for each such cell. `keep_off` says by cell where ways should not lead, or
   /// nothing.
   FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-            std::span<const uint8_t> closed = {}, std::span<const KeepOff> keep_off = {});
+            std::span<const uint8_t> closed = {}, std::span<const CellPolicy> cell_policies = {});
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
@@ -151,7 +151,7 @@ class FlowField {
   /// leaf is one to three cells thick.
   static constexpr double kClosed_m = 20;
   /// Nobody leads others past where they would rather stay away, unless the way round is long.
-  static constexpr double kShun = 4;
+  static constexpr double kPenalty = 4;
 
  private:
   /// Side by side, as both are asked for of one place.
@@ -162,9 +162,9 @@ class FlowField {
 
   CellPatch patch_at(const Eigen::Vector2d& point) const;
   void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
-             std::span<const KeepOff> keep_off);
-  void point_downhill();
-  void lead_out_of_walls();
+             std::span<const CellPolicy> cell_policies);
+  void compute_directions();
+  void fill_blocked_cells();
   void aim_through_gaps();
   size_t downhill_of(size_t cell) const;
   const Eigen::Vector2d* aim_at(const Eigen::Vector2d& point) const;

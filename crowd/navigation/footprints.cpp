@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {

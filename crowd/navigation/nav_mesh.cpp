@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "crowd/navigation/flow_field.h"
 #include "crowd/navigation/footprints.h"
 
@@ -18,19 +18,19 @@ namespace throng {
 namespace {
 
 /// A doorway of 0.8 m leaves four such voxels between the bodies' margins.
-constexpr double kFinestVoxel_m = 0.1;
+constexpr double kMinVoxel_m = 0.1;
 /// A million voxels build in about a second.
 constexpr double kMaxVoxels = 1 << 20;
 /// Recast walks 40 000 sides of voxels round a region, and leaves out the rest of a longer contour.
-constexpr double kMaxVoxelsARow = 15'000;
+constexpr double kMaxVoxelsPerRow = 15'000;
 /// In fewer rows than this Recast finds no region.
-constexpr double kFewestVoxels = 4;
+constexpr double kMinVoxelRows = 4;
 /// A mesh has at most 65 534 corners, and a footprint three of them at least.
 constexpr size_t kMaxFootprints = 65'534;
 constexpr float kVoxelHeight_m = 0.1f;
 /// Corners of a contour may leave it by so many voxels, so that straight walls are one edge.
 constexpr float kContourError = 1.3f;
-constexpr int kCornersAPolygon = 6;
+constexpr int kCornersPerPolygon = 6;
 constexpr int kMergeVoxels = 400;
 constexpr unsigned short kWalk = 1;
 /// How far beside the mesh a point may lie: against a wall, in the margin that bodies keep.
@@ -102,9 +102,9 @@ struct NavMesh::State {
 NavMesh::State::State(const Rectangle& ground,
                       std::span<const std::vector<Eigen::Vector2d>> footprints,
                       std::span<const Passage> passages, std::span<const Passage> closures)
-    : voxel_m(std::max({kFinestVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
-                        ground.size_m().maxCoeff() / kMaxVoxelsARow})),
-      size_m(ground.size_m().cwiseMax(kFewestVoxels * voxel_m)),
+    : voxel_m(std::max({kMinVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
+                        ground.size_m().maxCoeff() / kMaxVoxelsPerRow})),
+      size_m(ground.size_m().cwiseMax(kMinVoxelRows * voxel_m)),
       origin_m(ground.min_m - 0.5 * (size_m - ground.size_m())) {
   if (build(ground, footprints, passages, closures))
     name_pieces();
@@ -162,7 +162,7 @@ bool NavMesh::State::build(const Rectangle& ground,
   return rcBuildDistanceField(&context, *open) &&
          rcBuildRegions(&context, *open, 0, 0, kMergeVoxels) &&
          rcBuildContours(&context, *open, kContourError, 0, *contours) &&
-         rcBuildPolyMesh(&context, *contours, kCornersAPolygon, *polygons) &&
+         rcBuildPolyMesh(&context, *contours, kCornersPerPolygon, *polygons) &&
          polygons->npolys > 0 && take(*polygons);
 }
 
@@ -170,20 +170,21 @@ void NavMesh::State::mark(const Passage& passage, unsigned char area,
                           rcCompactHeightfield& open) const {
   const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is left out
   const Eigen::Vector2d from = passage.from_m - origin_m;
-  const Eigen::Vector2d way = passage.to_m - passage.from_m;
+  const Eigen::Vector2d extent = passage.to_m - passage.from_m;
   const auto voxel_at = [&](double offset_m, int count) {
     return std::clamp(static_cast<int>(std::floor(offset_m / voxel_m)), 0, count - 1);
   };
-  const Eigen::Vector2d low = from.cwiseMin(from + way).array() - reach_m;
-  const Eigen::Vector2d high = from.cwiseMax(from + way).array() + reach_m;
+  const Eigen::Vector2d low = from.cwiseMin(from + extent).array() - reach_m;
+  const Eigen::Vector2d high = from.cwiseMax(from + extent).array() + reach_m;
   for (int row = voxel_at(low.y(), open.height); row <= voxel_at(high.y(), open.height); ++row)
     for (int column = voxel_at(low.x(), open.width); column <= voxel_at(high.x(), open.width);
          ++column) {
       const Eigen::Vector2d centre = voxel_m * Eigen::Vector2d(column + 0.5, row + 0.5);
-      const double along = way.squaredNorm() > 0
-                               ? std::clamp(way.dot(centre - from) / way.squaredNorm(), 0.0, 1.0)
-                               : 0.0;
-      if ((centre - from - along * way).norm() > reach_m) continue;
+      const double along =
+          extent.squaredNorm() > 0
+              ? std::clamp(extent.dot(centre - from) / extent.squaredNorm(), 0.0, 1.0)
+              : 0.0;
+      if ((centre - from - along * extent).norm() > reach_m) continue;
       const rcCompactCell& cell = open.cells[column + row * open.width];
       const unsigned end = unsigned{cell.index} + unsigned{cell.count};
       for (unsigned span = cell.index; span < end; ++span) open.areas[span] = area;

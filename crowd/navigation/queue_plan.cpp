@@ -15,7 +15,7 @@ constexpr double kBefore_m = 0.6;
 /// Walls farther from the middle of a goal say nothing of where its front is.
 constexpr double kFar_m = 20;
 /// A direction that has less room is not that of a queue.
-constexpr double kLeastRoom_m = 2;
+constexpr double kMinLength_m = 2;
 constexpr double kSample_m = 0.05;
 
 const std::array<Eigen::Vector2d, 4> kSides = {Eigen::Vector2d(0, -1), Eigen::Vector2d(-1, 0),
@@ -23,16 +23,16 @@ const std::array<Eigen::Vector2d, 4> kSides = {Eigen::Vector2d(0, -1), Eigen::Ve
 
 /// How far one can go straight on before a wall, an edge of the ground or a door is nearer than
 /// `gap_m`.
-double free_m(const Walkable& walkable, const Eigen::Vector2d& from_m, const Eigen::Vector2d& way,
-              double gap_m, double most_m) {
+double free_m(const Walkable& walkable, const Eigen::Vector2d& from_m,
+              const Eigen::Vector2d& direction, double gap_m, double max_m) {
   double free_m = 0;
-  while (free_m < most_m && walkable.clearance_m(from_m + free_m * way) >= gap_m)
+  while (free_m < max_m && walkable.clearance_m(from_m + free_m * direction) >= gap_m)
     free_m += kSample_m;
-  return std::min(free_m, most_m);
+  return std::min(free_m, max_m);
 }
 
 /// The side of an area that is nearest to a wall.
-Eigen::Vector2d front_of(const Walkable& walkable, const Rectangle& area) {
+Eigen::Vector2d front_direction(const Walkable& walkable, const Rectangle& area) {
   double nearest_m = kFar_m;
   Eigen::Vector2d front = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& side : kSides) {
@@ -56,18 +56,19 @@ Rectangle around(const std::vector<Rectangle>& areas) {
 }
 
 /// Straight back from what the goal is at, or where there is room instead.
-std::vector<Eigen::Vector2d> line_back(const Walkable& walkable, const Rectangle& all) {
+std::vector<Eigen::Vector2d> line_from(const Walkable& walkable, const Rectangle& all) {
   const auto first_m = [&](const Eigen::Vector2d& back) {
     return Eigen::Vector2d(all.middle_m() + 0.5 * back.cwiseProduct(all.size_m()) +
                            kBefore_m * back);
   };
-  const auto room_m = [&](const Eigen::Vector2d& back) {
+  const auto length_m = [&](const Eigen::Vector2d& back) {
     return free_m(walkable, first_m(back), back, kWall_m, kFar_m);
   };
-  Eigen::Vector2d back = -front_of(walkable, all);
-  if (back.isZero() || room_m(back) < kLeastRoom_m)
-    back = *std::max_element(kSides.begin(), kSides.end(),
-                             [&](const auto& a, const auto& b) { return room_m(a) < room_m(b); });
+  Eigen::Vector2d back = -front_direction(walkable, all);
+  if (back.isZero() || length_m(back) < kMinLength_m)
+    back = *std::max_element(kSides.begin(), kSides.end(), [&](const auto& a, const auto& b) {
+      return length_m(a) < length_m(b);
+    });
   return {first_m(back), first_m(back) + 0.1 * back};
 }
 
@@ -89,60 +90,59 @@ Eigen::Vector2d QueueLine::at(double along_m) const {
 
 double QueueLine::nearest_m(const Eigen::Vector2d& point, double from_m, double to_m) const {
   double nearest_m = std::clamp(from_m, 0.0, length_m());
-  double least_m2 = (at(nearest_m) - point).squaredNorm();
+  double min_m2 = (at(nearest_m) - point).squaredNorm();
   for (size_t i = 1; i < corners_m_.size(); ++i) {
     const double low_m = std::max(ends_m_[i - 1], from_m), high_m = std::min(ends_m_[i], to_m);
     if (low_m > high_m) continue;
-    const Eigen::Vector2d way = (corners_m_[i] - corners_m_[i - 1]) / (ends_m_[i] - ends_m_[i - 1]);
+    const Eigen::Vector2d direction =
+        (corners_m_[i] - corners_m_[i - 1]) / (ends_m_[i] - ends_m_[i - 1]);
     const double along_m =
-        std::clamp(ends_m_[i - 1] + way.dot(point - corners_m_[i - 1]), low_m, high_m);
+        std::clamp(ends_m_[i - 1] + direction.dot(point - corners_m_[i - 1]), low_m, high_m);
     const double square_m2 =
-        (corners_m_[i - 1] + (along_m - ends_m_[i - 1]) * way - point).squaredNorm();
-    if (square_m2 >= least_m2) continue;
-    least_m2 = square_m2;
+        (corners_m_[i - 1] + (along_m - ends_m_[i - 1]) * direction - point).squaredNorm();
+    if (square_m2 >= min_m2) continue;
+    min_m2 = square_m2;
     nearest_m = along_m;
   }
   return nearest_m;
 }
 
-size_t QueueLine::corner_near(double along_m) const {
+size_t QueueLine::nearest_corner(double along_m) const {
   size_t i = 1;
   while (i + 1 < corners_m_.size() && ends_m_[i] < along_m) ++i;
   return along_m - ends_m_[i - 1] < ends_m_[i] - along_m ? i - 1 : i;
 }
 
-QueuePlan::QueuePlan(const Goal& goal, const Walkable& walkable, int64_t people_in_all)
-    : areas(goal.areas),
-      most_inside(static_cast<uint32_t>(goal.most_inside())),
-      people(people_in_all) {
+QueuePlan::QueuePlan(const Goal& goal, const Walkable& walkable, int64_t max_people)
+    : areas(goal.areas), max_inside(static_cast<uint32_t>(goal.max_inside())), people(max_people) {
   spacing_m = goal.queue.spacing_m;
   std::vector<Eigen::Vector2d> corners_m = goal.queue.line_m;
-  if (corners_m.empty()) corners_m = line_back(walkable, around(areas));
+  if (corners_m.empty()) corners_m = line_from(walkable, around(areas));
   const Eigen::Vector2d end = corners_m.back();
-  const Eigen::Vector2d way = (end - corners_m[corners_m.size() - 2]).normalized();
+  const Eigen::Vector2d direction = (end - corners_m[corners_m.size() - 2]).normalized();
   const double beyond_m =
-      free_m(walkable, end, way, kWall_m, spacing_m * static_cast<double>(people));
-  if (beyond_m > kSample_m) corners_m.push_back(end + (beyond_m - kSample_m) * way);
+      free_m(walkable, end, direction, kWall_m, spacing_m * static_cast<double>(people));
+  if (beyond_m > kSample_m) corners_m.push_back(end + (beyond_m - kSample_m) * direction);
   line = QueueLine(std::move(corners_m));
   places = static_cast<size_t>(std::floor(line.length_m() / spacing_m + 1e-9)) + 1;
   for (const Rectangle& area : areas)
-    fronts.push_back(goal.has_queue ? front_of(walkable, area)
+    fronts.push_back(goal.has_queue ? front_direction(walkable, area)
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero()));
 }
 
 /// On a grid around the end of the line, as far as the last of them needs.
-void QueuePlan::gather(const Walkable& walkable, const FlowField& to_end) {
+void QueuePlan::find_overflow_positions(const Walkable& walkable, const FlowField& to_end) {
   const int64_t needed = std::max<int64_t>(0, people - static_cast<int64_t>(places));
   const Eigen::Vector2d end = line.corners_m().back();
-  const int most_rings = static_cast<int>(std::ceil(walkable.ground().size_m().norm() / spacing_m));
+  const int max_rings = static_cast<int>(std::ceil(walkable.ground().size_m().norm() / spacing_m));
   std::vector<std::pair<double, Eigen::Vector2d>> found;
   // A ring is as far as its sides; who is at its corners may be behind others of the next.
-  for (int ring = 1, enough = 0; ring <= most_rings && enough < 2; ++ring) {
+  for (int ring = 1, enough = 0; ring <= max_rings && enough < 2; ++ring) {
     for (int i = -ring; i <= ring; ++i)
       for (int k = -ring; k <= ring; ++k) {
         if (std::max(std::abs(i), std::abs(k)) != ring) continue;
         const Eigen::Vector2d point = end + spacing_m * Eigen::Vector2d(i, k);
-        if (!has_room(walkable, point) || !to_end.reaches(point)) continue;
+        if (!is_clear(walkable, point) || !to_end.reaches(point)) continue;
         found.emplace_back(to_end.distance_m(point), point);
       }
     if (static_cast<int64_t>(found.size()) >= needed) ++enough;
@@ -150,11 +150,11 @@ void QueuePlan::gather(const Walkable& walkable, const FlowField& to_end) {
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   if (static_cast<int64_t>(found.size()) > needed) found.resize(static_cast<size_t>(needed));
-  for (const auto& [way_m, point] : found) spots_m.push_back(point);
+  for (const auto& [way_m, point] : found) overflow_positions_m.push_back(point);
 }
 
 /// Off the walls, the line and the goal.
-bool QueuePlan::has_room(const Walkable& walkable, const Eigen::Vector2d& point) const {
+bool QueuePlan::is_clear(const Walkable& walkable, const Eigen::Vector2d& point) const {
   if (walkable.clearance_m(point) < kWall_m) return false;
   for (const Rectangle& area : areas)
     if ((point - area.nearest_m(point)).norm() < kBefore_m) return false;

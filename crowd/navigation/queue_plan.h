@@ -27,7 +27,7 @@ class QueueLine {
   /// How far along the nearest point is, of those from `from_m` to `to_m`.
   double nearest_m(const Eigen::Vector2d& point, double from_m, double to_m) const;
   /// The corner that is nearest to a point of the line, and in sight of it.
-  size_t corner_near(double along_m) const;
+  size_t nearest_corner(double along_m) const;
 
  private:
   std::vector<Eigen::Vector2d> corners_m_;
@@ -39,7 +39,7 @@ struct QueuePlan {
   QueuePlan(const Goal& goal, const Walkable& walkable, int64_t people);
 
   std::vector<Rectangle> areas;
-  uint32_t most_inside = 1;  ///< of each area
+  uint32_t max_inside = 1;  ///< of each area
   double spacing_m = 0;
   QueueLine line;  ///< with what lies beyond its end
   /// So many stand on the line, at most; those after them elsewhere.
@@ -47,16 +47,17 @@ struct QueuePlan {
   int64_t people = 0;  ///< who may queue here, in all
   /// By area: a unit vector to what people face who are served there; none: as they like.
   std::vector<Eigen::Vector2d> fronts;
-  /// Elsewhere: the nearest to the end first, by the way on foot. Found by gather().
-  std::vector<Eigen::Vector2d> spots_m;
+  /// Elsewhere: the nearest to the end first, by the way on foot. Found by
+  /// find_overflow_positions().
+  std::vector<Eigen::Vector2d> overflow_positions_m;
 
-  /// Finds `spots_m`; `to_end` leads to the end of the line.
-  void gather(const Walkable& walkable, const FlowField& to_end);
+  /// Finds `overflow_positions_m`; `to_end` leads to the end of the line.
+  void find_overflow_positions(const Walkable& walkable, const FlowField& to_end);
 
   double along_m(size_t place) const { return spacing_m * static_cast<double>(place); }
 
  private:
-  bool has_room(const Walkable& walkable, const Eigen::Vector2d& point) const;
+  bool is_clear(const Walkable& walkable, const Eigen::Vector2d& point) const;
 };
 
 }  // namespace throng

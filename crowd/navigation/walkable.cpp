@@ -116,7 +116,7 @@ void Walkable::build_cells() {
   for_each_cell([&](size_t cell, uint32_t f) { cell_footprints_[next[cell]++] = f; });
 }
 
-std::span<const uint32_t> Walkable::near(const Eigen::Vector2d& point) const {
+std::span<const uint32_t> Walkable::nearby_footprints(const Eigen::Vector2d& point) const {
   const Eigen::Vector2d offset = point - ground_.min_m;
   const int row = cell_of(offset.y(), rows_), column = cell_of(offset.x(), columns_);
   const auto cell =
@@ -165,7 +165,7 @@ bool Walkable::is_clear_between(const Eigen::Vector2d& from, const Eigen::Vector
 
 double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   double clearance = kReach_m;
-  for (const uint32_t footprint : near(point))
+  for (const uint32_t footprint : nearby_footprints(point))
     clearance = std::min(clearance, nearest(footprint, point).distance_m);
   return clearance;
 }
@@ -179,7 +179,7 @@ Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
     double distance_m = std::numeric_limits<double>::infinity();
   };
   std::array<Wall, kSectors + 4> walls;
-  for (const uint32_t footprint : near(point)) {
+  for (const uint32_t footprint : nearby_footprints(point)) {
     const Nearest wall = nearest(footprint, point);
     if (!(wall.distance_m < reach_m)) continue;
     const Eigen::Vector2d& n = wall.normal;
@@ -212,10 +212,10 @@ bool Walkable::crosses(uint32_t footprint, const Eigen::Vector2d& from,
   // Clip the way by every edge's inner side (Cyrus and Beck 1978); what is left runs inside.
   double enter = 0;
   double leave = 1;
-  const Eigen::Vector2d way = to - from;
+  const Eigen::Vector2d segment = to - from;
   for (const Edge& edge : edges_of(footprint)) {
     const double height = edge.normal.dot(from - edge.start);
-    const double climb = edge.normal.dot(way);
+    const double climb = edge.normal.dot(segment);
     if (climb == 0) {
       if (height >= 0) return false;
     } else if (climb < 0) {
@@ -229,19 +229,19 @@ bool Walkable::crosses(uint32_t footprint, const Eigen::Vector2d& from,
 }
 
 bool Walkable::crosses(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const {
-  for (const uint32_t footprint : near(from))
+  for (const uint32_t footprint : nearby_footprints(from))
     if (crosses(footprint, from, to)) return true;
   return false;
 }
 
 Eigen::Vector2d Walkable::slide(const Eigen::Vector2d& from, Eigen::Vector2d to,
                                 double gap_m) const {
-  const std::span<const uint32_t> around = near(from);
+  const std::span<const uint32_t> around = nearby_footprints(from);
   const double edge_gap_m = std::min(gap_m, 0.5 * ground_.size_m().minCoeff());
   const Eigen::Vector2d low = ground_.min_m.array() + edge_gap_m;
   const Eigen::Vector2d high = ground_.max_m.array() - edge_gap_m;
   // Twice: leaving one wall of a corner may enter the other.
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int iteration = 0; iteration < 2; ++iteration) {
     to = to.cwiseMax(low).cwiseMin(high);
     for (const uint32_t footprint : around) {
       const Nearest wall = nearest(footprint, to);

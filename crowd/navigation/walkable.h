@@ -55,7 +55,7 @@ class Walkable {
   /// Corners of every footprint, doors left out.
   std::vector<std::vector<Eigen::Vector2d>> footprints() const;
   /// Indices of all footprints within kReach_m of the point, perhaps some others; ascending.
-  std::span<const uint32_t> near(const Eigen::Vector2d& point) const;
+  std::span<const uint32_t> nearby_footprints(const Eigen::Vector2d& point) const;
   Nearest nearest(uint32_t footprint, const Eigen::Vector2d& point) const;
   /// Distance to the nearest footprint or edge of the ground, at most kReach_m; negative inside a
   /// footprint or off the ground.

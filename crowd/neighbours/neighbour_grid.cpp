@@ -9,9 +9,9 @@ namespace throng {
 namespace {
 
 /// Nine cells then hold some thirty people: the ten nearest of somebody are mostly among them.
-constexpr double kCellsASpacing = 1.8;
-constexpr double kSmallestCell_m = 1.0;
-constexpr double kLargestCell_m = 5.0;
+constexpr double kCellsPerSpacing = 1.8;
+constexpr double kMinCell_m = 1.0;
+constexpr double kMaxCell_m = 5.0;
 constexpr double kMaxCells = 1 << 20;
 
 }  // namespace
@@ -21,9 +21,8 @@ NeighbourGrid::NeighbourGrid(const Rectangle& ground, size_t people, SimdTarget 
   const Eigen::Vector2d size = ground.size_m();
   const double spacing_m =
       std::sqrt(size.prod() / static_cast<double>(std::max<size_t>(people, 1)));
-  const double cell_m =
-      std::max(std::clamp(kCellsASpacing * spacing_m, kSmallestCell_m, kLargestCell_m),
-               std::sqrt(size.prod() / kMaxCells));
+  const double cell_m = std::max(std::clamp(kCellsPerSpacing * spacing_m, kMinCell_m, kMaxCell_m),
+                                 std::sqrt(size.prod() / kMaxCells));
   shape_.cell_m = static_cast<float>(cell_m);
   shape_.cells_per_m = 1 / shape_.cell_m;
   shape_.columns = std::max(1, static_cast<int>(std::ceil(size.x() / cell_m)));
@@ -104,10 +103,10 @@ void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float
     float square_m2;
     uint32_t slot;
   };
-  constexpr size_t kMost = NeighbourGrid::kMost;
+  constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
   for (const uint32_t own : slots) {
     const Rings rings(grid, own);
-    Candidate best[kMost];
+    Candidate best[kMaxNeighbours];
     size_t count = 0;
     for (int ring = 1;; ++ring) {
       const float covered_m = rings.covered_m(ring, reach_m);
@@ -119,17 +118,18 @@ void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float
           const float square_m2 = dx * dx + dy * dy;
           if (slot == own || square_m2 > covered_m * covered_m) continue;
           // Slots come in ascending order: an equal one that came before stays before.
-          if (count == kMost && !(square_m2 < best[kMost - 1].square_m2)) continue;
-          size_t place = count < kMost ? count++ : kMost - 1;
+          if (count == kMaxNeighbours && !(square_m2 < best[kMaxNeighbours - 1].square_m2))
+            continue;
+          size_t place = count < kMaxNeighbours ? count++ : kMaxNeighbours - 1;
           for (; place > 0 && square_m2 < best[place - 1].square_m2; --place)
             best[place] = best[place - 1];
           best[place] = {square_m2, slot};
         }
       });
-      if (count == kMost || !(covered_m < reach_m)) break;
+      if (count == kMaxNeighbours || !(covered_m < reach_m)) break;
     }
     counts[own] = static_cast<uint8_t>(count);
-    for (size_t k = 0; k < count; ++k) found[kMost * size_t{own} + k] = best[k].slot;
+    for (size_t k = 0; k < count; ++k) found[kMaxNeighbours * size_t{own} + k] = best[k].slot;
   }
 }
 

@@ -32,7 +32,7 @@ struct GridView {
 class NeighbourGrid {
  public:
   /// How many others are looked up, at most.
-  static constexpr size_t kMost = 10;
+  static constexpr size_t kMaxNeighbours = 10;
   /// Vectors may read this far beyond the last slot.
   static constexpr size_t kPadding = 16;
 
@@ -52,7 +52,7 @@ class NeighbourGrid {
   }
   /// Nobody has moved farther than this since the latest call, or rebuild(). Whoever searches next
   /// looks into so much more of the cells around.
-  void add_slack_m(double most_m) { slack_m_ += most_m; }
+  void add_slack_m(double max_m) { slack_m_ += max_m; }
 
   /// Cells and slack; the points are found again by rebuild_as_read().
   void archive(Archive& a);

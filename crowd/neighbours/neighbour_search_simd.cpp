@@ -19,7 +19,7 @@ namespace {
 
 using D = Lanes;
 using DU = LaneBits;
-constexpr size_t kMost = NeighbourGrid::kMost;
+constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
 
 /// Those found so far, in ascending order of slots.
 class Candidates {
@@ -45,7 +45,7 @@ class Candidates {
     size_t kept = 0;
     float farthest = 0;
     for (size_t i = 0; i < count_; ++i) {
-      if (ranks_[i] >= kMost) continue;
+      if (ranks_[i] >= kMaxNeighbours) continue;
       squares_[kept] = squares_[i];
       slots_[kept++] = slots_[i];
       if (squares_[i] > farthest) farthest = squares_[i];
@@ -59,7 +59,7 @@ class Candidates {
     rank();
     uint32_t sorted[kCapacity];
     for (size_t i = 0; i < count_; ++i) sorted[ranks_[i]] = slots_[i];
-    const size_t most = count_ < kMost ? count_ : kMost;
+    const size_t most = count_ < kMaxNeighbours ? count_ : kMaxNeighbours;
     for (size_t i = 0; i < most; ++i) found[i] = sorted[i];
     return most;
   }
@@ -123,9 +123,9 @@ void search(const GridView& grid, std::span<const uint32_t> slots, float reach_m
           if (near.is_full()) limit = hn::Set(d, near.keep_nearest());
         }
       });
-      if (near.count() >= kMost || !(covered_m < reach_m)) break;
+      if (near.count() >= kMaxNeighbours || !(covered_m < reach_m)) break;
     }
-    counts[own] = static_cast<uint8_t>(near.sort_into(found + kMost * size_t{own}));
+    counts[own] = static_cast<uint8_t>(near.sort_into(found + kMaxNeighbours * size_t{own}));
   }
 }
 

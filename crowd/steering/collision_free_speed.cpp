@@ -16,7 +16,7 @@ constexpr float kTimeGap_s = 1;
 
 /// Whoever is stuck is pushed away by nobody, and others within the gap walk out of the way so fast
 /// (ours: whoever stands has no speed in the paper, and a crowd that waits would let nobody out).
-constexpr float kMakesWay_mps = 0.5f, kMakesWayWithin_m = 0.3f;
+constexpr float kClearing_mps = 0.5f, kClearingGap_m = 0.3f;
 
 /// Density is looked up within this, less where it is so dense that neighbours end sooner.
 constexpr float kDensityReach_m = 1.5f;
@@ -26,14 +26,15 @@ struct Direction {
 };
 
 /// What others make of a wish.
-struct TurnedAway {
-  Direction way;
-  float makes_way_mps;  ///< for those nearby who are stuck
+struct SteeredDirection {
+  Direction direction;
+  float clearing_mps;  ///< for those nearby who are stuck
 };
 
-TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction wish) {
-  Direction sum = wish;
-  float most_urge = 0;
+SteeredDirection steer_direction(const SteeringView& p, size_t i, uint32_t slot,
+                                 Direction preferred) {
+  Direction sum = preferred;
+  float max_impatience = 0;
   const auto push = [&](float away_x, float away_y, float gap_m, float share) {
     // Deeper than a disc's radius the exponential would drown everything else.
     const float strength =
@@ -42,16 +43,17 @@ TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction
     sum.x += strength * away_x;
     sum.y += strength * away_y;
   };
-  const Seen& own = p.seen[slot];
+  const NeighbourState& own = p.published[slot];
   for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
-    const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-    const Seen& seen = p.seen[other];
-    const float dx = own.x_m - seen.x_m;
-    const float dy = own.y_m - seen.y_m;
+    const uint32_t other = p.neighbours[NeighbourGrid::kMaxNeighbours * slot + k];
+    const NeighbourState& published = p.published[other];
+    const float dx = own.x_m - published.x_m;
+    const float dy = own.y_m - published.y_m;
     const float distance_m = std::sqrt(dx * dx + dy * dy);
-    const float gap_m = distance_m - (own.radius_m + seen.radius_m);
-    const float share = 2 * share_of(own.urge, seen.urge);
-    if (gap_m < kMakesWayWithin_m) most_urge = std::max(most_urge, seen.urge - own.urge);
+    const float gap_m = distance_m - (own.radius_m + published.radius_m);
+    const float share = 2 * avoidance_share(own.impatience, published.impatience);
+    if (gap_m < kClearingGap_m)
+      max_impatience = std::max(max_impatience, published.impatience - own.impatience);
     if (distance_m > 0)
       push(dx / distance_m, dy / distance_m, gap_m, share);
     else
@@ -61,21 +63,22 @@ TurnedAway turned_away(const SteeringView& p, size_t i, uint32_t slot, Direction
   const Direction among_people = sum;
   for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
     push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w], 1);
-  const float back =
-      std::min(0.0f, (sum.x - among_people.x) * wish.x + (sum.y - among_people.y) * wish.y);
-  sum.x -= back * wish.x;
-  sum.y -= back * wish.y;
+  const float back = std::min(
+      0.0f, (sum.x - among_people.x) * preferred.x + (sum.y - among_people.y) * preferred.y);
+  sum.x -= back * preferred.x;
+  sum.y -= back * preferred.y;
   const float length = std::sqrt(sum.x * sum.x + sum.y * sum.y);
-  if (length > kTiny_mps) wish = {sum.x / length, sum.y / length};
-  return {wish, most_urge * kMakesWay_mps};
+  if (length > kTiny_mps) preferred = {sum.x / length, sum.y / length};
+  return {preferred, max_impatience * kClearing_mps};
 }
 
 /// Between the discs of a person and of the nearest in the way along `direction`.
 float gap_ahead_m(const SteeringView& p, size_t slot, Direction direction) {
-  const Seen& own = p.seen[slot];
+  const NeighbourState& own = p.published[slot];
   float gap_m = 1e9f;
   for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
-    const Seen& other = p.seen[p.neighbours[NeighbourGrid::kMost * slot + k]];
+    const NeighbourState& other =
+        p.published[p.neighbours[NeighbourGrid::kMaxNeighbours * slot + k]];
     const float dx = other.x_m - own.x_m;
     const float dy = other.y_m - own.y_m;
     const float radius_m = own.radius_m + other.radius_m;
@@ -100,26 +103,27 @@ float decaying_exp(float x) {
 float weidmann_share(float people_per_m2) {
   constexpr float kSteepness = 1.913f, kJam_per_m2 = 5.4f;
   if (people_per_m2 >= kJam_per_m2) return 0;
-  const float room_m2 = 1 / std::max(people_per_m2, 0.01f) - 1 / kJam_per_m2;
-  return 1 - decaying_exp(kSteepness * room_m2);
+  const float free_area_m2 = 1 / std::max(people_per_m2, 0.01f) - 1 / kJam_per_m2;
+  return 1 - decaying_exp(kSteepness * free_area_m2);
 }
 
 float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direction_x,
                     float direction_y) {
-  const Seen& own = p.seen[slot];
+  const NeighbourState& own = p.published[slot];
   const size_t count = p.neighbour_counts[slot];
-  const uint32_t* near = p.neighbours + NeighbourGrid::kMost * slot;
+  const uint32_t* near = p.neighbours + NeighbourGrid::kMaxNeighbours * slot;
   const auto square = [&](uint32_t other) {
-    const float dx = p.seen[other].x_m - own.x_m;
-    const float dy = p.seen[other].y_m - own.y_m;
+    const float dx = p.published[other].x_m - own.x_m;
+    const float dy = p.published[other].y_m - own.y_m;
     return dx * dx + dy * dy;
   };
   float reach_square = kDensityReach_m * kDensityReach_m;
-  if (count == NeighbourGrid::kMost) reach_square = std::min(reach_square, square(near[count - 1]));
+  if (count == NeighbourGrid::kMaxNeighbours)
+    reach_square = std::min(reach_square, square(near[count - 1]));
   float people = 0.5f;  // a person ahead of whom half of the person stands
   for (size_t k = 0; k < count; ++k) {
-    const float dx = p.seen[near[k]].x_m - own.x_m;
-    const float dy = p.seen[near[k]].y_m - own.y_m;
+    const float dx = p.published[near[k]].x_m - own.x_m;
+    const float dy = p.published[near[k]].y_m - own.y_m;
     if (dx * direction_x + dy * direction_y <= 0) continue;
     const float at = square(near[k]);
     // Of the farthest, whose distance is the reach, half lies within.
@@ -156,20 +160,22 @@ float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direct
 
 void decide_collision_free_speed(const SteeringView& p, std::span<const uint32_t> slots,
                                  float* next_x_mps, float* next_y_mps) {
-  std::array<HalfPlane, kMostWalls> planes;
+  std::array<HalfPlane, kMaxWalls> planes;
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    const Seen& own = p.seen[slot];
-    const float wx = own.wanted_x_mps, wy = own.wanted_y_mps;
-    const float wanted = std::sqrt(wx * wx + wy * wy);
-    Direction wish{0, 0};
-    if (wanted > kTiny_mps) wish = {wx / wanted, wy / wanted};
-    const auto [way, makes_way_mps] = turned_away(p, i, slot, wish);
-    const float most_mps = std::max(wanted, makes_way_mps);
-    const float speed = std::min(most_mps, std::max(0.0f, gap_ahead_m(p, slot, way) / kTimeGap_s));
+    const NeighbourState& own = p.published[slot];
+    const float wx = own.preferred_x_mps, wy = own.preferred_y_mps;
+    const float preferred_speed = std::sqrt(wx * wx + wy * wy);
+    Direction preferred{0, 0};
+    if (preferred_speed > kTiny_mps) preferred = {wx / preferred_speed, wy / preferred_speed};
+    const auto [direction, clearing_mps] = steer_direction(p, i, slot, preferred);
+    const float max_mps = std::max(preferred_speed, clearing_mps);
+    const float speed =
+        std::min(max_mps, std::max(0.0f, gap_ahead_m(p, slot, direction) / kTimeGap_s));
     const size_t walls = add_walls(p, i, 0, planes.data());
-    const Eigen::Vector2f v = choose_velocity({planes.data(), walls}, static_cast<int>(walls),
-                                              {speed * way.x, speed * way.y}, own.max_speed_mps);
+    const Eigen::Vector2f v =
+        choose_velocity({planes.data(), walls}, static_cast<int>(walls),
+                        {speed * direction.x, speed * direction.y}, own.max_speed_mps);
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

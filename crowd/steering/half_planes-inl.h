@@ -1,11 +1,11 @@
 // Half-planes of velocities with people as lanes: orca.cpp, operation for operation. Where somebody
 // has fewer planes than others, planes that every velocity meets fill up. Whose planes contradict
 // each other goes on alone, with planes as lanes.
-#if defined(THRONG_SCENES_HALF_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef THRONG_SCENES_HALF_PLANES_INL_H_
-#undef THRONG_SCENES_HALF_PLANES_INL_H_
+#if defined(THRONG_CROWD_HALF_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef THRONG_CROWD_HALF_PLANES_INL_H_
+#undef THRONG_CROWD_HALF_PLANES_INL_H_
 #else
-#define THRONG_SCENES_HALF_PLANES_INL_H_
+#define THRONG_CROWD_HALF_PLANES_INL_H_
 #endif
 
 #include <algorithm>
@@ -25,13 +25,13 @@ using D = Lanes;
 using DU = LaneBits;
 using DI = hn::RebindToSigned<D>;
 constexpr float kNever_mps = -1e30f;
-constexpr size_t kRoom = kMostPlanes + 16;
+constexpr size_t kCapacity = kMaxPlanes + 16;
 
 /// One person's.
 struct Planes {
-  HWY_ALIGN float x[kRoom];
-  HWY_ALIGN float y[kRoom];
-  HWY_ALIGN float offset[kRoom];
+  HWY_ALIGN float x[kCapacity];
+  HWY_ALIGN float y[kCapacity];
+  HWY_ALIGN float offset[kCapacity];
   size_t count = 0;
 
   void add(float nx, float ny, float offset_mps) {
@@ -63,11 +63,11 @@ HWY_INLINE bool solve_on_border(const Planes& planes, size_t index, const Point&
                                 float max_speed, Point& v) {
   const D d;
   const float nx = planes.x[index], ny = planes.y[index], offset = planes.offset[index];
-  const float room = max_speed * max_speed - offset * offset;
-  if (room < 0) return false;
+  const float discriminant = max_speed * max_speed - offset * offset;
+  if (discriminant < 0) return false;
   const Point foot{offset * nx, offset * ny};
   const Point along{-ny, nx};
-  float high = std::sqrt(room);
+  float high = std::sqrt(discriminant);
   float low = -high;
   if (index > 0) {
     V lows = hn::Set(d, low), highs = hn::Set(d, high);
@@ -118,7 +118,8 @@ size_t solve(const Planes& planes, const Point& direction, float max_speed, Poin
   return planes.count;
 }
 
-void relax(const Planes& planes, size_t hard, size_t failed, float max_speed, Point& v) {
+void minimise_violation(const Planes& planes, size_t hard, size_t failed, float max_speed,
+                        Point& v) {
   const D d;
   Planes others;
   for (size_t i = 0; i < hard; ++i) others.add(planes.x[i], planes.y[i], planes.offset[i]);
@@ -152,42 +153,44 @@ void relax(const Planes& planes, size_t hard, size_t failed, float max_speed, Po
   }
 }
 
-/// Seen, of a person a lane.
-struct LanesOfSeen {
-  V x_m, y_m, vx_mps, vy_mps, wanted_x_mps, wanted_y_mps, way_x, way_y, radius_m, urge, eagerness,
-      max_speed_mps, horizon_s;
+/// NeighbourState, of a person a lane.
+struct NeighbourLanes {
+  V x_m, y_m, vx_mps, vy_mps, preferred_x_mps, preferred_y_mps, direction_x, direction_y, radius_m,
+      impatience, catch_up, max_speed_mps, horizon_s;
 
   /// `slots`: one a lane.
-  HWY_INLINE LanesOfSeen(const SteeringView& p, const int32_t* slots) {
+  HWY_INLINE NeighbourLanes(const SteeringView& p, const int32_t* slots) {
     const auto load = [&](size_t first, V(&fields)[4]) HWY_ATTR {
       load_rows(
-          [&](size_t lane)
-              HWY_ATTR { return reinterpret_cast<const float*>(p.seen + slots[lane]) + first; },
+          [&](size_t lane) HWY_ATTR {
+            return reinterpret_cast<const float*>(p.published + slots[lane]) + first;
+          },
           fields);
     };
     V fields[4];
     load(0, fields);
     x_m = fields[0], y_m = fields[1], vx_mps = fields[2], vy_mps = fields[3];
     load(4, fields);
-    wanted_x_mps = fields[0], wanted_y_mps = fields[1], way_x = fields[2], way_y = fields[3];
+    preferred_x_mps = fields[0], preferred_y_mps = fields[1], direction_x = fields[2],
+    direction_y = fields[3];
     load(8, fields);
-    radius_m = fields[0], urge = fields[1], eagerness = fields[2], max_speed_mps = fields[3];
+    radius_m = fields[0], impatience = fields[1], catch_up = fields[2], max_speed_mps = fields[3];
     load(12, fields);
     horizon_s = fields[0];
   }
-  static_assert(offsetof(Seen, wanted_x_mps) == 4 * sizeof(float) &&
-                offsetof(Seen, radius_m) == 8 * sizeof(float) &&
-                offsetof(Seen, horizon_s) == 12 * sizeof(float) &&
-                sizeof(Seen) == 16 * sizeof(float));
+  static_assert(offsetof(NeighbourState, preferred_x_mps) == 4 * sizeof(float) &&
+                offsetof(NeighbourState, radius_m) == 8 * sizeof(float) &&
+                offsetof(NeighbourState, horizon_s) == 12 * sizeof(float) &&
+                sizeof(NeighbourState) == 16 * sizeof(float));
 };
 
 /// As many people as there are lanes: their slots, the first again in lanes beyond.
-struct LanesOfPeople {
+struct AgentLanes {
   HWY_ALIGN int32_t slots[kLanes];
   size_t first;  ///< of those who decide, which one the first of them is
   size_t count;
 
-  HWY_INLINE LanesOfPeople(std::span<const uint32_t> all, size_t from)
+  HWY_INLINE AgentLanes(std::span<const uint32_t> all, size_t from)
       : first(from), count(std::min(kLanes, all.size() - from)) {
     for (size_t i = 0; i < kLanes; ++i)
       slots[i] = static_cast<int32_t>(all[from + (i < count ? i : 0)]);
@@ -201,21 +204,21 @@ struct LanesOfPeople {
 
 /// The neighbours of people, the k-th of each after one another: [k * kLanes + lane]. In lanes with
 /// fewer the rest are one's own slot.
-struct LanesOfNeighbours {
-  HWY_ALIGN int32_t slots[NeighbourGrid::kMost * kLanes];
+struct NeighbourSlots {
+  HWY_ALIGN int32_t slots[NeighbourGrid::kMaxNeighbours * kLanes];
   HWY_ALIGN uint32_t counts[kLanes] = {};
-  size_t most = 0;
+  size_t count = 0;
 
-  HWY_INLINE LanesOfNeighbours(const SteeringView& p, const LanesOfPeople& people) {
+  HWY_INLINE NeighbourSlots(const SteeringView& p, const AgentLanes& people) {
     for (size_t i = 0; i < people.count; ++i) {
       counts[i] = p.neighbour_counts[people.slots[i]];
-      most = std::max<size_t>(most, counts[i]);
+      count = std::max<size_t>(count, counts[i]);
     }
-    for (size_t k = 0; k < most; ++k)
+    for (size_t k = 0; k < count; ++k)
       for (size_t i = 0; i < kLanes; ++i) {
         const auto own = static_cast<size_t>(people.slots[i]);
         slots[k * kLanes + i] = static_cast<int32_t>(
-            k < counts[i] ? p.neighbours[NeighbourGrid::kMost * own + k] : own);
+            k < counts[i] ? p.neighbours[NeighbourGrid::kMaxNeighbours * own + k] : own);
       }
   }
   HWY_INLINE M has(size_t k) const {
@@ -224,7 +227,7 @@ struct LanesOfNeighbours {
   }
   HWY_INLINE const int32_t* of(size_t k) const { return slots + k * kLanes; }
   /// The lanes whose own slot comes before the k-th's.
-  HWY_INLINE M is_before(size_t k, const LanesOfPeople& people) const {
+  HWY_INLINE M is_before(size_t k, const AgentLanes& people) const {
     return hn::RebindMask(D(),
                           hn::Lt(hn::Load(DI(), people.slots), hn::Load(DI(), slots + k * kLanes)));
   }
@@ -232,13 +235,13 @@ struct LanesOfNeighbours {
 
 /// The walls of people, the w-th of each after one another. In lanes with fewer the rest face
 /// nowhere and are far away.
-struct LanesOfWalls {
-  HWY_ALIGN float x[kMostWalls * kLanes];
-  HWY_ALIGN float y[kMostWalls * kLanes];
-  HWY_ALIGN float clearance_m[kMostWalls * kLanes];
+struct WallLanes {
+  HWY_ALIGN float x[kMaxWalls * kLanes];
+  HWY_ALIGN float y[kMaxWalls * kLanes];
+  HWY_ALIGN float clearance_m[kMaxWalls * kLanes];
   size_t count = 0;
 
-  HWY_INLINE LanesOfWalls(const SteeringView& p, const LanesOfPeople& people) {
+  HWY_INLINE WallLanes(const SteeringView& p, const AgentLanes& people) {
     const D d;
     constexpr float kAway_m = 1e15f;
     const uint32_t* starts = p.wall_starts + people.first;
@@ -260,10 +263,10 @@ struct LanesOfWalls {
 };
 
 /// The planes of people: plane k of lane i stands at [k * kLanes + i]. The hard ones come first.
-struct LanesOfPlanes {
-  HWY_ALIGN float x[kMostPlanes * kLanes];
-  HWY_ALIGN float y[kMostPlanes * kLanes];
-  HWY_ALIGN float offset[kMostPlanes * kLanes];
+struct PlaneLanes {
+  HWY_ALIGN float x[kMaxPlanes * kLanes];
+  HWY_ALIGN float y[kMaxPlanes * kLanes];
+  HWY_ALIGN float offset[kMaxPlanes * kLanes];
   size_t hard = 0;
   size_t count = 0;
 
@@ -282,12 +285,11 @@ struct LanesOfPlanes {
 };
 
 /// keep_off() of walls, which discs may come `nearer_m` nearer to than they are wide.
-HWY_INLINE void add_walls(const LanesOfWalls& walls, V nearer_m, float horizon_s,
-                          LanesOfPlanes& planes) {
+HWY_INLINE void add_walls(const WallLanes& walls, V slack_m, float horizon_s, PlaneLanes& planes) {
   const D d;
   for (size_t w = 0; w < walls.count; ++w) {
     const V x = hn::Load(d, walls.x + w * kLanes), y = hn::Load(d, walls.y + w * kLanes);
-    const V clearance_m = hn::Load(d, walls.clearance_m + w * kLanes) + nearer_m;
+    const V clearance_m = hn::Load(d, walls.clearance_m + w * kLanes) + slack_m;
     const M is_there = hn::Not(hn::And(hn::Eq(x, hn::Zero(d)), hn::Eq(y, hn::Zero(d))));
     planes.add_hard(is_there, x, y,
                     hn::Neg(hn::Max(clearance_m, hn::Zero(d))) / hn::Set(d, horizon_s));
@@ -305,7 +307,7 @@ struct Encounters {
 };
 
 /// avoid(), for the lanes that are in.
-HWY_INLINE void add_avoiding(const Encounters& e, M in, LanesOfPlanes& planes) {
+HWY_INLINE void add_avoiding(const Encounters& e, M in, PlaneLanes& planes) {
   const D d;
   const V zero = hn::Zero(d), tiny = hn::Set(d, kTiny_mps), half = hn::Set(d, 0.5f);
   const V ox = e.offset_x, oy = e.offset_y, r = e.radius_m;
@@ -346,15 +348,16 @@ HWY_INLINE void add_avoiding(const Encounters& e, M in, LanesOfPlanes& planes) {
 
 /// solve() of the lanes that are in: `failed` tells the first plane of each lane that could not be
 /// met, or planes.count.
-HWY_INLINE void solve_lanes(const LanesOfPlanes& planes, M in, V wish_x, V wish_y, V max_speed,
-                            V& v_x, V& v_y, uint32_t* failed) {
+HWY_INLINE void solve_lanes(const PlaneLanes& planes, M in, V preferred_x, V preferred_y,
+                            V max_speed, V& v_x, V& v_y, uint32_t* failed) {
   const D d;
   const DU du;
   const V tiny = hn::Set(d, kTiny_mps), zero = hn::Zero(d);
-  const V length = hn::Sqrt(hn::Add(hn::Mul(wish_x, wish_x), hn::Mul(wish_y, wish_y)));
+  const V length =
+      hn::Sqrt(hn::Add(hn::Mul(preferred_x, preferred_x), hn::Mul(preferred_y, preferred_y)));
   const V scale =
       hn::IfThenElse(hn::Gt(length, max_speed), hn::Div(max_speed, length), hn::Set(d, 1));
-  V x = hn::Mul(wish_x, scale), y = hn::Mul(wish_y, scale);
+  V x = hn::Mul(preferred_x, scale), y = hn::Mul(preferred_y, scale);
   const V max_square = hn::Mul(max_speed, max_speed);
   auto first_failed = hn::Set(du, static_cast<uint32_t>(planes.count));
   for (size_t i = 0; i < planes.count; ++i) {
@@ -364,11 +367,11 @@ HWY_INLINE void solve_lanes(const LanesOfPlanes& planes, M in, V wish_x, V wish_
     const V violation = hn::Sub(offset, hn::Add(hn::Mul(nx, x), hn::Mul(ny, y)));
     const M bad = hn::And(in, hn::Gt(violation, tiny));
     if (hn::AllFalse(d, bad)) continue;
-    const V room = hn::Sub(max_square, hn::Mul(offset, offset));
+    const V discriminant = hn::Sub(max_square, hn::Mul(offset, offset));
     const V foot_x = hn::Mul(offset, nx), foot_y = hn::Mul(offset, ny);
     const V along_x = hn::Neg(ny), along_y = nx;
-    M none = hn::Lt(room, zero);
-    V high = hn::Sqrt(room);
+    M none = hn::Lt(discriminant, zero);
+    V high = hn::Sqrt(discriminant);
     V low = hn::Neg(high);
     for (size_t j = 0; j < i; ++j) {
       const V jx = hn::Load(d, planes.x + j * kLanes), jy = hn::Load(d, planes.y + j * kLanes);
@@ -383,9 +386,9 @@ HWY_INLINE void solve_lanes(const LanesOfPlanes& planes, M in, V wish_x, V wish_
       high = hn::IfThenElse(hn::Or(rising, parallel), high, hn::Min(high, t));
     }
     none = hn::And(bad, hn::Or(none, hn::Gt(low, high)));
-    const V wanted = hn::Add(hn::Mul(along_x, wish_x), hn::Mul(along_y, wish_y));
-    const V t = hn::IfThenElse(hn::Lt(wanted, low), low,
-                               hn::IfThenElse(hn::Lt(high, wanted), high, wanted));
+    const V preferred = hn::Add(hn::Mul(along_x, preferred_x), hn::Mul(along_y, preferred_y));
+    const V t = hn::IfThenElse(hn::Lt(preferred, low), low,
+                               hn::IfThenElse(hn::Lt(high, preferred), high, preferred));
     const M met = hn::AndNot(none, bad);
     x = hn::IfThenElse(met, hn::Add(foot_x, hn::Mul(t, along_x)), x);
     y = hn::IfThenElse(met, hn::Add(foot_y, hn::Mul(t, along_y)), y);
@@ -399,8 +402,8 @@ HWY_INLINE void solve_lanes(const LanesOfPlanes& planes, M in, V wish_x, V wish_
 }
 
 /// What is left for one lane whose plane `failed` cannot be met.
-inline void give_way(const LanesOfPlanes& lanes, size_t lane, size_t failed, float max_speed,
-                     Point& v) {
+inline void relax_lane(const PlaneLanes& lanes, size_t lane, size_t failed, float max_speed,
+                       Point& v) {
   if (failed < lanes.hard) {  // only rounding makes them fail: all allow standing still
     v = {0, 0};
     return;
@@ -413,26 +416,26 @@ inline void give_way(const LanesOfPlanes& lanes, size_t lane, size_t failed, flo
     const size_t at = plane * kLanes + lane;
     if (lanes.offset[at] != kNever_mps) own.add(lanes.x[at], lanes.y[at], lanes.offset[at]);
   }
-  relax(own, hard, own_failed, max_speed, v);
+  minimise_violation(own, hard, own_failed, max_speed, v);
 }
 
 /// choose_velocity() of the lanes that are in; of the others, nothing of use.
-HWY_INLINE void choose_velocities(const LanesOfPlanes& planes, M in, V wish_x, V wish_y,
+HWY_INLINE void choose_velocities(const PlaneLanes& planes, M in, V preferred_x, V preferred_y,
                                   V max_speed, V& v_x, V& v_y) {
   const D d;
   HWY_ALIGN uint32_t failed[kLanes];
-  solve_lanes(planes, in, wish_x, wish_y, max_speed, v_x, v_y, failed);
+  solve_lanes(planes, in, preferred_x, preferred_y, max_speed, v_x, v_y, failed);
   const M failing = hn::RebindMask(
       d, hn::Lt(hn::Load(DU(), failed), hn::Set(DU(), static_cast<uint32_t>(planes.count))));
   if (hn::AllFalse(d, failing)) return;
-  HWY_ALIGN float x[kLanes], y[kLanes], most[kLanes];
+  HWY_ALIGN float x[kLanes], y[kLanes], max_speeds[kLanes];
   hn::Store(v_x, d, x);
   hn::Store(v_y, d, y);
-  hn::Store(max_speed, d, most);
+  hn::Store(max_speed, d, max_speeds);
   for (size_t i = 0; i < kLanes; ++i) {
     if (failed[i] == planes.count) continue;
     Point v{x[i], y[i]};
-    give_way(planes, i, failed[i], most[i], v);
+    relax_lane(planes, i, failed[i], max_speeds[i], v);
     x[i] = v.x;
     y[i] = v.y;
   }

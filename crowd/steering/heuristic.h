@@ -11,8 +11,11 @@
 namespace throng {
 
 /// Bodies turn and give way: centres come nearer to each other than discs allow.
-inline constexpr SteeringTraits kHeuristicTraits{
-    .keeps_gap = true, .eases = true, .is_nudged = false, .keeps_sides = true, .core = 0.65f};
+inline constexpr SteeringTraits kHeuristicTraits{.has_time_gap = true,
+                                                 .smooths_velocity = true,
+                                                 .uses_random_sidesteps = false,
+                                                 .uses_lateral_offset = true,
+                                                 .core_radius_scale = 0.65f};
 
 /// The definition.
 void decide_heuristic_scalar(const SteeringView& people, std::span<const uint32_t> slots,

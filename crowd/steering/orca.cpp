@@ -15,21 +15,21 @@ float dot(const Vector2f& a, const Vector2f& b) { return a.x() * b.x() + a.y() *
 float cross(const Vector2f& a, const Vector2f& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// What to look for: the point nearest to a target, or the one farthest along a direction.
-struct Wish {
+struct Objective {
   Vector2f vector;
   bool is_direction = false;
 };
 
 /// The best point on the border of planes[index] that meets the planes before it and the speed
 /// limit. False if there is none.
-bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Wish& wish,
+bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Objective& objective,
                      float max_speed, Vector2f& v) {
   const HalfPlane& plane = planes[index];
-  const float room = max_speed * max_speed - plane.offset_mps * plane.offset_mps;
-  if (room < 0) return false;
+  const float discriminant = max_speed * max_speed - plane.offset_mps * plane.offset_mps;
+  if (discriminant < 0) return false;
   const Vector2f foot = plane.offset_mps * plane.normal;
   const Vector2f along = left_of(plane.normal);
-  float high = std::sqrt(room);
+  float high = std::sqrt(discriminant);
   float low = -high;
   for (size_t i = 0; i < index; ++i) {
     const float slope = dot(planes[i].normal, along);
@@ -43,25 +43,27 @@ bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Wish
     }
   }
   if (low > high) return false;
-  const float wanted = dot(along, wish.vector);
-  const float t = wish.is_direction ? (wanted > 0 ? high : low) : std::clamp(wanted, low, high);
+  const float target = dot(along, objective.vector);
+  const float t =
+      objective.is_direction ? (target > 0 ? high : low) : std::clamp(target, low, high);
   v = {foot.x() + t * along.x(), foot.y() + t * along.y()};
   return true;
 }
 
 /// Incremental linear program in the plane: returns the index of the first plane that cannot be met
 /// together with those before it (v then meets those), or planes.size().
-size_t solve(std::span<const HalfPlane> planes, const Wish& wish, float max_speed, Vector2f& v) {
-  if (wish.is_direction) {
-    v = max_speed * wish.vector;
+size_t solve(std::span<const HalfPlane> planes, const Objective& objective, float max_speed,
+             Vector2f& v) {
+  if (objective.is_direction) {
+    v = max_speed * objective.vector;
   } else {
-    const float length = std::sqrt(dot(wish.vector, wish.vector));
-    v = wish.vector;
+    const float length = std::sqrt(dot(objective.vector, objective.vector));
+    v = objective.vector;
     if (length > max_speed) v *= max_speed / length;
   }
   for (size_t i = 0; i < planes.size(); ++i) {
     if (planes[i].violation_mps(v) <= kTiny_mps) continue;
-    if (!solve_on_border(planes, i, wish, max_speed, v)) return i;
+    if (!solve_on_border(planes, i, objective, max_speed, v)) return i;
   }
   return planes.size();
 }
@@ -69,9 +71,9 @@ size_t solve(std::span<const HalfPlane> planes, const Wish& wish, float max_spee
 /// From planes[failed] on: lowers the worst violation of the soft planes. A third dimension, the
 /// violation, is eliminated plane by plane: where plane i is the worst, the others are no worse,
 /// which is again a half-plane of velocities for each.
-void relax(std::span<const HalfPlane> planes, size_t hard, size_t failed, float max_speed,
-           Vector2f& v) {
-  std::array<HalfPlane, kMostPlanes> others;
+void minimise_violation(std::span<const HalfPlane> planes, size_t hard, size_t failed,
+                        float max_speed, Vector2f& v) {
+  std::array<HalfPlane, kMaxPlanes> others;
   float worst = 0;
   for (size_t i = std::max(failed, hard); i < planes.size(); ++i) {
     if (planes[i].violation_mps(v) <= worst + kTiny_mps) continue;
@@ -94,7 +96,7 @@ void relax(std::span<const HalfPlane> planes, size_t hard, size_t failed, float 
 
 }  // namespace
 
-HalfPlane avoid(const Encounter& e) {
+HalfPlane avoidance_plane(const Encounter& e) {
   const Vector2f velocity = e.own_velocity_mps - e.other_velocity_mps;
   const float gap_square = dot(e.offset_m, e.offset_m);
   const float radius_square = e.radius_m * e.radius_m;
@@ -130,35 +132,36 @@ HalfPlane avoid(const Encounter& e) {
   return plane;
 }
 
-HalfPlane keep_off(const Vector2f& normal, float clearance_m, float horizon_s) {
+HalfPlane wall_plane(const Vector2f& normal, float clearance_m, float horizon_s) {
   return {normal, -std::max(0.0f, clearance_m) / horizon_s};
 }
 
-Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vector2f& wanted_mps,
+Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard, const Vector2f& preferred_mps,
                          float max_speed_mps) {
-  assert(planes.size() <= kMostPlanes);
+  assert(planes.size() <= kMaxPlanes);
   Vector2f v = Vector2f::Zero();
-  const size_t failed = solve(planes, {wanted_mps, false}, max_speed_mps, v);
+  const size_t failed = solve(planes, {preferred_mps, false}, max_speed_mps, v);
   // Hard planes all allow standing still; only rounding can make them fail.
   if (failed < static_cast<size_t>(hard)) return Vector2f::Zero();
-  if (failed < planes.size()) relax(planes, static_cast<size_t>(hard), failed, max_speed_mps, v);
+  if (failed < planes.size())
+    minimise_violation(planes, static_cast<size_t>(hard), failed, max_speed_mps, v);
   return v;
 }
 
-size_t add_walls(const SteeringView& people, size_t i, float nearer_m, HalfPlane* planes) {
+size_t add_walls(const SteeringView& people, size_t i, float slack_m, HalfPlane* planes) {
   const uint32_t first = people.wall_starts[i], end = people.wall_starts[i + 1];
   for (uint32_t w = first; w < end; ++w)
-    *planes++ = keep_off({people.wall_x[w], people.wall_y[w]},
-                         people.wall_clearance_m[w] + nearer_m, people.wall_horizon_s);
+    *planes++ = wall_plane({people.wall_x[w], people.wall_y[w]},
+                           people.wall_clearance_m[w] + slack_m, people.wall_horizon_s);
   return end - first;
 }
 
 void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, float* next_x_mps,
                         float* next_y_mps) {
-  std::array<HalfPlane, kMostPlanes> planes;
+  std::array<HalfPlane, kMaxPlanes> planes;
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
-    const Seen& own = p.seen[slot];
+    const NeighbourState& own = p.published[slot];
     const size_t walls = add_walls(p, i, 0, planes.data());
     size_t count = walls;
     Encounter e;
@@ -166,19 +169,20 @@ void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, 
     e.horizon_s = own.horizon_s;
     e.step_s = p.period_s;
     for (size_t k = 0; k < p.neighbour_counts[slot]; ++k) {
-      const uint32_t other = p.neighbours[NeighbourGrid::kMost * slot + k];
-      const Seen& seen = p.seen[other];
-      e.offset_m = {seen.x_m - own.x_m, seen.y_m - own.y_m};
+      const uint32_t other = p.neighbours[NeighbourGrid::kMaxNeighbours * slot + k];
+      const NeighbourState& published = p.published[other];
+      e.offset_m = {published.x_m - own.x_m, published.y_m - own.y_m};
       // Two in one place part along x, each to its own side.
       if (e.offset_m.x() == 0 && e.offset_m.y() == 0)
         e.offset_m.x() = slot < other ? 1e-6f : -1e-6f;
-      e.other_velocity_mps = {seen.vx_mps, seen.vy_mps};
-      e.radius_m = own.radius_m + seen.radius_m;
-      e.share = share_of(own.urge, seen.urge);
-      planes[count++] = avoid(e);
+      e.other_velocity_mps = {published.vx_mps, published.vy_mps};
+      e.radius_m = own.radius_m + published.radius_m;
+      e.share = avoidance_share(own.impatience, published.impatience);
+      planes[count++] = avoidance_plane(e);
     }
-    const Vector2f v = choose_velocity({planes.data(), count}, static_cast<int>(walls),
-                                       {own.wanted_x_mps, own.wanted_y_mps}, own.max_speed_mps);
+    const Vector2f v =
+        choose_velocity({planes.data(), count}, static_cast<int>(walls),
+                        {own.preferred_x_mps, own.preferred_y_mps}, own.max_speed_mps);
     next_x_mps[slot] = v.x();
     next_y_mps[slot] = v.y();
   }

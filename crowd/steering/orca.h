@@ -34,32 +34,32 @@ struct Encounter {
 };
 
 /// What the walker contributes to avoiding the collision.
-HalfPlane avoid(const Encounter& encounter);
+HalfPlane avoidance_plane(const Encounter& encounter);
 
 /// A wall that cannot move aside: never come nearer to it than the clearance left over the horizon.
 /// `normal` points from the wall to the walker. Standing still is always allowed, so that any
 /// number of walls agree.
-HalfPlane keep_off(const Eigen::Vector2f& normal, float clearance_m, float horizon_s);
+HalfPlane wall_plane(const Eigen::Vector2f& normal, float clearance_m, float horizon_s);
 
 /// The velocity of length at most max_speed_mps nearest to `wanted_mps` that satisfies all planes,
-/// at most kMostPlanes. The first `hard` planes must leave standing still possible. If not all can
+/// at most kMaxPlanes. The first `hard` planes must leave standing still possible. If not all can
 /// be met, the velocity that violates the worst of the others least.
 Eigen::Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard,
-                                const Eigen::Vector2f& wanted_mps, float max_speed_mps);
+                                const Eigen::Vector2f& preferred_mps, float max_speed_mps);
 
 /// Writes what the walls near the i-th of those who decide leave, hard planes, and returns how many
-/// they are: at most kMostWalls. Discs may come `nearer_m` nearer to them than they are wide.
-size_t add_walls(const SteeringView& people, size_t i, float nearer_m, HalfPlane* planes);
+/// they are: at most kMaxWalls. Discs may come `nearer_m` nearer to them than they are wide.
+size_t add_walls(const SteeringView& people, size_t i, float slack_m, HalfPlane* planes);
 
 /// Walls, people, and one more.
-inline constexpr size_t kMostPlanes = kMostWalls + NeighbourGrid::kMost + 1;
+inline constexpr size_t kMaxPlanes = kMaxWalls + NeighbourGrid::kMaxNeighbours + 1;
 
 /// Rounding of metres a second: below it a plane counts as met, and two directions as one.
 inline constexpr float kTiny_mps = 1e-5f;
 
 /// The share of somebody who meets another: who has been stuck makes less way.
-inline float share_of(float own_urge, float other_urge) {
-  return 0.5f + 0.5f * (other_urge - own_urge);
+inline float avoidance_share(float own_impatience, float other_impatience) {
+  return 0.5f + 0.5f * (other_impatience - own_impatience);
 }
 
 /// The same for all who decide: the definition.

@@ -17,18 +17,18 @@ namespace throng::HWY_NAMESPACE {
 namespace {
 
 /// avoid() of the neighbours of people, behind the walls.
-HWY_INLINE void add_people(const SteeringView& p, const LanesOfPeople& people,
-                           const LanesOfSeen& own, LanesOfPlanes& planes) {
+HWY_INLINE void add_people(const SteeringView& p, const AgentLanes& people,
+                           const NeighbourLanes& own, PlaneLanes& planes) {
   const D d;
-  const LanesOfNeighbours near(p, people);
+  const NeighbourSlots near(p, people);
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5f), side = hn::Set(d, 1e-6f);
   Encounters e;
   e.own_x = own.vx_mps;
   e.own_y = own.vy_mps;
   e.step_rate = hn::Set(d, 1 / p.period_s);
   e.horizon_rate = hn::Set(d, 1) / own.horizon_s;
-  for (size_t k = 0; k < near.most; ++k) {
-    const LanesOfSeen other(p, near.of(k));
+  for (size_t k = 0; k < near.count; ++k) {
+    const NeighbourLanes other(p, near.of(k));
     e.offset_x = other.x_m - own.x_m;
     e.offset_y = other.y_m - own.y_m;
     const M same = hn::And(e.offset_x == zero, e.offset_y == zero);
@@ -37,7 +37,7 @@ HWY_INLINE void add_people(const SteeringView& p, const LanesOfPeople& people,
     e.other_x = other.vx_mps;
     e.other_y = other.vy_mps;
     e.radius_m = own.radius_m + other.radius_m;
-    e.share = half + half * (other.urge - own.urge);
+    e.share = half + half * (other.impatience - own.impatience);
     add_avoiding(e, near.has(k), planes);
   }
 }
@@ -48,13 +48,13 @@ void decide_all(const SteeringView& p, std::span<const uint32_t> slots, float* n
                 float* next_y_mps) {
   const D d;
   for (size_t first = 0; first < slots.size(); first += kLanes) {
-    const LanesOfPeople people(slots, first);
-    const LanesOfSeen own(p, people.slots);
-    LanesOfPlanes planes;
-    add_walls(LanesOfWalls(p, people), hn::Zero(d), p.wall_horizon_s, planes);
+    const AgentLanes people(slots, first);
+    const NeighbourLanes own(p, people.slots);
+    PlaneLanes planes;
+    add_walls(WallLanes(p, people), hn::Zero(d), p.wall_horizon_s, planes);
     add_people(p, people, own, planes);
     V x, y;
-    choose_velocities(planes, hn::FirstN(d, people.count), own.wanted_x_mps, own.wanted_y_mps,
+    choose_velocities(planes, hn::FirstN(d, people.count), own.preferred_x_mps, own.preferred_y_mps,
                       own.max_speed_mps, x, y);
     people.store(x, next_x_mps);
     people.store(y, next_y_mps);

@@ -30,9 +30,9 @@ std::unique_ptr<const SteeringModel> make_orca(SimdTarget target) {
   return std::make_unique<FunctionModel>(orca_on(target), SteeringTraits{});
 }
 
-std::unique_ptr<const SteeringModel> make_speed(SimdTarget) {
+std::unique_ptr<const SteeringModel> make_collision_free_speed(SimdTarget) {
   return std::make_unique<FunctionModel>(decide_collision_free_speed,
-                                         SteeringTraits{.keeps_gap = true});
+                                         SteeringTraits{.has_time_gap = true});
 }
 
 std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget target) {
@@ -48,7 +48,7 @@ struct Entry {
 
 constexpr Entry kModels[] = {
     {SteeringKind::kOrca, "orca", make_orca},
-    {SteeringKind::kSpeed, "speed", make_speed},
+    {SteeringKind::kCollisionFreeSpeed, "speed", make_collision_free_speed},
     {SteeringKind::kHeuristic, "heuristic", make_heuristic},
 };
 

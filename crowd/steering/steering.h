@@ -18,13 +18,13 @@ namespace throng {
 /// What others see of somebody: one line of the cache, as whoever looks at a neighbour reads nearly
 /// all of it, in groups of four that fast paths load as one. Places count from the middle of the
 /// ground.
-struct alignas(kCacheLine) Seen {
+struct alignas(kCacheLine) NeighbourState {
   float x_m = 0, y_m = 0, vx_mps = 0, vy_mps = 0;
-  float wanted_x_mps = 0, wanted_y_mps = 0;
-  float way_x = 0, way_y = 0;  ///< where to: a unit vector, or zero
+  float preferred_x_mps = 0, preferred_y_mps = 0;
+  float direction_x = 0, direction_y = 0;  ///< where to: a unit vector, or zero
   float radius_m = 0;
-  float urge = 0;       ///< 0 to 1: others make way for who has more of it
-  float eagerness = 0;  ///< 0 to 1: how much one hurries after who walks off ahead
+  float impatience = 0;  ///< 0 to 1: others make way for who has more of it
+  float catch_up = 0;    ///< 0 to 1: how much one hurries after who walks off ahead
   float max_speed_mps = 0;
   float horizon_s = 0;                 ///< no collision for so long
   float ahead_x_m = 0, ahead_y_m = 0;  ///< the place after a period of going on like this
@@ -33,8 +33,8 @@ struct alignas(kCacheLine) Seen {
 /// The people of a decision, those included who do not decide now. Arrays are by slot (see
 /// NeighbourGrid) unless they say otherwise.
 struct SteeringView {
-  const Seen* seen = nullptr;
-  const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMost a slot, nearest first
+  const NeighbourState* published = nullptr;
+  const uint32_t* neighbours = nullptr;  ///< NeighbourGrid::kMaxNeighbours a slot, nearest first
   const uint8_t* neighbour_counts = nullptr;
 
   /// Walls near those who decide: normals point from the wall to the person, clearances are what is
@@ -52,18 +52,18 @@ struct SteeringView {
 struct SteeringTraits {
   /// The model itself keeps a gap in time behind others of the same way; otherwise wishes are
   /// limited to one before it decides.
-  bool keeps_gap = false;
+  bool has_time_gap = false;
   /// The model itself takes up little by little what people want; otherwise wishes change little by
   /// little. Both in a row make people swing round their way.
-  bool eases = false;
+  bool smooths_velocity = false;
   /// People who are stuck try ways past at random, and show others the velocity that they want
   /// instead of their own; otherwise the model gets them out by itself.
-  bool is_nudged = true;
+  bool uses_random_sidesteps = true;
   /// People walk on a side of their own of the shortest way, as far as walls leave room.
-  bool keeps_sides = false;
+  bool uses_lateral_offset = false;
   /// Discs that overlap by more than this share of their radii leaves room for are pushed apart: 1
   /// for people who keep all of them clear.
-  float core = 1;
+  float core_radius_scale = 1;
 };
 
 class SteeringModel {
@@ -79,6 +79,6 @@ class SteeringModel {
 std::unique_ptr<const SteeringModel> make_steering_model(SteeringKind kind, SimdTarget target);
 
 /// Walls that a person can have at once; beyond, the farthest are left out.
-inline constexpr size_t kMostWalls = 24;
+inline constexpr size_t kMaxWalls = 24;
 
 }  // namespace throng

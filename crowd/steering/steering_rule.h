@@ -11,9 +11,9 @@ namespace throng {
 
 /// One row each in the table of steering.cpp, in the same order.
 enum class SteeringKind {
-  kOrca,       ///< optimal reciprocal collision avoidance (van den Berg et al. 2011)
-  kSpeed,      ///< collision-free speed (Tordeux, Chraibi & Seyfried 2016)
-  kHeuristic,  ///< behavioural heuristics (after Moussaid, Helbing & Theraulaz 2011)
+  kOrca,                ///< optimal reciprocal collision avoidance (van den Berg et al. 2011)
+  kCollisionFreeSpeed,  ///< collision-free speed (Tordeux, Chraibi & Seyfried 2016)
+  kHeuristic,           ///< behavioural heuristics (after Moussaid, Helbing & Theraulaz 2011)
 };
 
 std::vector<SteeringKind> all_steering_kinds();
@@ -28,7 +28,7 @@ std::string steering_choices();
 struct SteeringRule {
   SteeringKind model = SteeringKind::kHeuristic;
   /// Slower where it is dense ahead, as observed (Weidmann 1993); without it people push on.
-  bool density_speed = false;
+  bool density_dependent_speed = false;
 };
 
 }  // namespace throng

@@ -45,21 +45,21 @@ void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners, doubl
   for (const Eigen::Vector3d& corner : corners) points_.push_back(on_grid(corner, grid_m_));
   faces_.clear();
   distances_.clear();
-  seen_for_.clear();
+  visible_for_.clear();
   free_.clear();
   begins_at_.assign(4, 0);
-  put(0, 1, 2);
+  add_face(0, 1, 2);
   if (side(0, points_[3]) > 0) {
     std::swap(points_[1], points_[2]);
     faces_.clear();
     distances_.clear();
-    seen_for_.clear();
-    put(0, 1, 2);
+    visible_for_.clear();
+    add_face(0, 1, 2);
   }
   assert(side(0, points_[3]) < 0 && "the four corners lie in a plane");
-  put(0, 2, 3);
-  put(0, 3, 1);
-  put(1, 3, 2);
+  add_face(0, 2, 3);
+  add_face(0, 3, 1);
+  add_face(1, 3, 2);
   faces_[0].neighbours = {2, 3, 1};
   faces_[1].neighbours = {0, 3, 2};
   faces_[2].neighbours = {1, 3, 0};
@@ -67,13 +67,13 @@ void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners, doubl
 }
 
 /// A face in a free slot, without its neighbours.
-uint32_t GrowingPolytope::put(uint32_t a, uint32_t b, uint32_t c) {
+uint32_t GrowingPolytope::add_face(uint32_t a, uint32_t b, uint32_t c) {
   uint32_t slot;
   if (free_.empty()) {
     slot = static_cast<uint32_t>(faces_.size());
     faces_.emplace_back();
     distances_.emplace_back();
-    seen_for_.emplace_back();
+    visible_for_.emplace_back();
   } else {
     slot = free_.back();
     free_.pop_back();
@@ -86,7 +86,7 @@ uint32_t GrowingPolytope::put(uint32_t a, uint32_t b, uint32_t c) {
                 static_cast<double>(cross.z)};
   face.normal = face.cross.normalized();
   distances_[slot] = std::max({face.normal.dot(p), face.normal.dot(q), face.normal.dot(r)});
-  seen_for_[slot] = 0;
+  visible_for_[slot] = 0;
   return slot;
 }
 
@@ -103,15 +103,15 @@ int GrowingPolytope::exact_side(const Face& face, const Eigen::Vector3d& on_grid
 void GrowingPolytope::find_horizon(const Eigen::Vector3d& point, uint32_t face) {
   const auto number = static_cast<uint32_t>(points_.size());
   removed_.assign(1, face);
-  seen_for_[face] = number;
+  visible_for_[face] = number;
   horizon_.clear();
   for (size_t next = 0; next < removed_.size(); ++next) {
     const Face& seen = faces_[removed_[next]];
     for (size_t i = 0; i < 3; ++i) {
       const uint32_t beyond = seen.neighbours[i];
-      if (seen_for_[beyond] == number) continue;
+      if (visible_for_[beyond] == number) continue;
       if (side(beyond, point) > 0) {
-        seen_for_[beyond] = number;
+        visible_for_[beyond] = number;
         removed_.push_back(beyond);
       } else {
         horizon_.push_back({seen.corners[i], seen.corners[(i + 1) % 3], beyond});
@@ -132,7 +132,7 @@ bool GrowingPolytope::add(const Eigen::Vector3d& point, uint32_t face) {
   for (const uint32_t each : removed_) distances_[each] = kFree;
   free_.insert(free_.end(), removed_.rbegin(), removed_.rend());
   for (const Edge& edge : horizon_) {
-    const uint32_t slot = put(edge.from, edge.to, number);
+    const uint32_t slot = add_face(edge.from, edge.to, number);
     added_.push_back(slot);
     begins_at_[edge.from] = slot;
     faces_[slot].neighbours[0] = edge.beyond;

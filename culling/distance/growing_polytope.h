@@ -68,14 +68,14 @@ class GrowingPolytope {
   };
 
   int exact_side(const Face& face, const Eigen::Vector3d& on_grid) const;
-  uint32_t put(uint32_t a, uint32_t b, uint32_t c);
+  uint32_t add_face(uint32_t a, uint32_t b, uint32_t c);
   void find_horizon(const Eigen::Vector3d& point, uint32_t face);
 
   double grid_m_ = 1;
   std::vector<Eigen::Vector3d> points_;
   std::vector<Face> faces_;  // by slot, as the next two
   std::vector<double> distances_;
-  std::vector<uint32_t> seen_for_;  // the number of points when a point was last in front of it
+  std::vector<uint32_t> visible_for_;  // the number of points when a point was last in front of it
   std::vector<uint32_t> free_;
   std::vector<Edge> horizon_;  // of the faces in front of which a point lies
   std::vector<uint32_t> removed_, added_;

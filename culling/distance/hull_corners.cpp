@@ -24,20 +24,20 @@ constexpr double kInside = 0.9, kFlat = 0.2;
 constexpr uint32_t kNone = 0xffffffff;
 
 /// Up to four points, each the farthest from what the ones before span, and the directions that
-/// they span; fewer where all points lie within `near_m` of it.
+/// they span; fewer where all points lie within `tolerance_m` of it.
 struct Spread {
   std::vector<Eigen::Index> corners = {0};
   std::array<Vector3d, 3> axes{};
 };
 
-Spread spread_of(const Points& points, double near_m) {
+Spread spread_of(const Points& points, double tolerance_m) {
   Spread out;
   const Vector3d origin = points.row(0);
   Points left = points.rowwise() - origin.transpose();  // less the parts along the axes found
   for (Vector3d& axis : out.axes) {
     Eigen::Index next = 0;
     const double far = std::sqrt(left.rowwise().squaredNorm().maxCoeff(&next));
-    if (far <= near_m) break;
+    if (far <= tolerance_m) break;
     out.corners.push_back(next);
     axis = left.row(next).transpose() / far;
     left -= (left * axis) * axis.transpose();
@@ -122,15 +122,15 @@ class CornerSearch {
       if (std::find(corner_of_.begin(), corner_of_.end(), point) == corner_of_.end())
         list(point, kFirst);
     HullCorners out;
-    for (size_t at = 0; at < pending_.size() && out.is_whole; ++at) {
+    for (size_t at = 0; at < pending_.size() && out.is_complete; ++at) {
       if (lists_[pending_[at]].first == kNone) continue;
       push_out(pending_[at]);
-      out.most_faces = std::max(out.most_faces, hull_.faces().size());
-      out.is_whole = tests_ <= max_tests;
+      out.max_faces = std::max(out.max_faces, hull_.faces().size());
+      out.is_complete = tests_ <= max_tests;
     }
     out.tests = tests_;
     for (const uint32_t corner : corners_left()) out.indices.push_back(corner);
-    if (!out.is_whole)
+    if (!out.is_complete)
       for (const List& each : lists_)
         for (uint32_t point = each.first; point != kNone; point = next_[point])
           out.indices.push_back(point);

@@ -16,8 +16,8 @@ inline constexpr size_t kMaxHullTestsPerPoint = 2000;
 struct HullCorners {
   std::vector<Eigen::Index> indices;  ///< ascending, each once
   size_t tests = 0;                   ///< of a point against a plane
-  size_t most_faces = 0;              ///< at once: fewer than two per point
-  bool is_whole = true;               ///< false: the tests ran out
+  size_t max_faces = 0;               ///< at once: fewer than two per point
+  bool is_complete = true;            ///< false: the tests ran out
 };
 
 /// `points`: at least one, a column a coordinate, metres. `gap_m`: above 0, at least 1e-8 of the

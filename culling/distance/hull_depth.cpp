@@ -119,7 +119,7 @@ size_t SupportMap::cell_of(const Vector3d& direction) {
 
 SupportMap::SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
                        Eigen::Index corners) {
-  if (corners <= kFewCorners || corners > kMostCorners) return;
+  if (corners <= kFewCorners || corners > kMaxCorners) return;
   start_.reserve(kCells + 1);
   for (size_t cell = 0; cell < kCells; ++cell) add_cell(points, corners, cell);
   start_.push_back(static_cast<uint32_t>(corners_.size()));
@@ -176,7 +176,7 @@ namespace {
 
 /// Pairs of bodies need some tens, two balls in each other of 10 000 corners each some thousands; a
 /// pair that needs more gets the bounds that were found by then.
-constexpr size_t kMostCorners = 20'000;
+constexpr size_t kMaxCorners = 20'000;
 
 /// The corner of the cube that lies farthest along a direction.
 Eigen::Vector3d cube_corner(const Eigen::Vector3d& direction, double half_m) {
@@ -313,13 +313,13 @@ Depth DepthFinder::find(const PlacedPoints& a, const PlacedPoints& b, const Fine
     }
     const Eigen::Vector3d corner = far + cube(normal);
     const bool is_known = normal.dot(corner) - inner <= fineness.gap_m;
-    if (least > 0 && !is_known && inside_.points().size() < kMostCorners &&
+    if (least > 0 && !is_known && inside_.points().size() < kMaxCorners &&
         inside_.add(corner, lowest)) {
       on_a_.push_back(far_on_a);
       for (const uint32_t slot : inside_.added()) put(slot);
       continue;
     }
-    out.at_least_m = std::max(0.0, inner - std::sqrt(3.0) * (cube_m + grid_m));
+    out.min_depth_m = std::max(0.0, inner - std::sqrt(3.0) * (cube_m + grid_m));
     // The corners left out count, too.
     out.depth_m = std::max(0.0, a.extent(out.direction) + b.extent(-out.direction));
     out.points_m = points_of(inside_.faces()[lowest], inside_.points(), on_a_);
@@ -343,7 +343,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kMostSteps = 32;
+constexpr int kMaxSteps = 32;
 constexpr double kConverged_m = 1e-4;
 
 NearestPoints points_of(const Simplex& simplex) {
@@ -363,26 +363,26 @@ HullGap hull_gap(const PlacedHull& a, const PlacedHull& b, const Eigen::Vector3f
   const PlacedPoints there_a(a), there_b(b, a_to_b_m.cast<double>());
   HullGap out;
   out.direction = direction;
-  out.corners_m = out.about_m = std::numeric_limits<double>::max();
+  out.corner_distance_m = out.distance_m = std::numeric_limits<double>::max();
   Simplex simplex;
   Vector3d towards = direction;
   double most = -std::numeric_limits<double>::infinity();
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     simplex.add(there_a.support(towards), there_b.support(-towards));
     const Vector3d& between = simplex.corners[static_cast<size_t>(simplex.count - 1)].between;
-    out.corners_m = std::min(out.corners_m, between.norm());
+    out.corner_distance_m = std::min(out.corner_distance_m, between.norm());
     if (const double gap = towards.dot(between); gap > most) {
       most = gap;
       out.direction = towards;
     }
     const Vector3d nearest = simplex.reduce();
     if (simplex.count == 4) {  // the origin is inside
-      out.about_m = 0;
+      out.distance_m = 0;
       break;
     }
     const double distance = nearest.norm();
-    if (!(distance < out.about_m)) break;
-    out.about_m = distance;
+    if (!(distance < out.distance_m)) break;
+    out.distance_m = distance;
     out.points_m = points_of(simplex);
     if (distance - most < kConverged_m) break;
     towards = nearest / distance;

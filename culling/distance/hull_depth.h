@@ -12,7 +12,7 @@
 
 #include "base/pose.h"
 #include "culling/distance/growing_polytope.h"
-#include "culling/exact/triangle_test.h"
+#include "culling/triangles/triangle_test.h"
 
 namespace throng {
 
@@ -23,11 +23,11 @@ namespace throng {
 class SupportMap {
  public:
   SupportMap() = default;
-  /// Of the first `corners` rows of `points`; kMostCorners at most, others have no map.
+  /// Of the first `corners` rows of `points`; kMaxCorners at most, others have no map.
   SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points, Eigen::Index corners);
 
   static constexpr Eigen::Index kFewCorners = 8;  ///< looked at one by one as quickly
-  static constexpr Eigen::Index kMostCorners = 0x10000;
+  static constexpr Eigen::Index kMaxCorners = 0x10000;
 
   bool is_empty() const { return corners_.empty(); }
   /// Ascending. A direction of any length.
@@ -70,7 +70,7 @@ class ConvexHull {
   /// By how much at most a point reaches beyond the corners, along any unit direction.
   double beyond_corners_m() const { return beyond_corners_m_; }
   /// No point lies farther along a direction of any length; the farthest by less than a hair.
-  double ends(const Eigen::Vector3d& direction) const {
+  double support_bound(const Eigen::Vector3d& direction) const {
     return direction.dot(support(direction)) + direction.norm() * beyond_corners_m_;
   }
 
@@ -91,8 +91,8 @@ struct PlacedHull {
 };
 
 struct Depth {
-  double depth_m = 0;     ///< 0: apart (by 1 um or more), or touching
-  double at_least_m = 0;  ///< of the true value, proven; at most 0.5 mm below depth_m
+  double depth_m = 0;      ///< 0: apart (by 1 um or more), or touching
+  double min_depth_m = 0;  ///< of the true value, proven; at most 0.5 mm below depth_m
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit; B moved by depth_m along it
                                                          ///< is out of A
   /// About where A's hull and B's meet once B has moved: points of theirs, relative to A's root, in
@@ -135,12 +135,14 @@ class DepthFinder {
 // converged.
 
 struct HullGap {
-  double lo_m = 0;     ///< no two points of the parts are nearer; 0: perhaps they overlap
-  double about_m = 0;  ///< the distance of the hulls, found to 0.1 mm where it converged
+  double lo_m = 0;        ///< no two points of the parts are nearer; 0: perhaps they overlap
+  double distance_m = 0;  ///< the distance of the hulls, found to 0.1 mm where it converged
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< along which lo_m is proven: unit,
                                                          ///< world axes, from A to B
-  double corners_m = 0;  ///< the distance of two corners that were met: the parts are not farther
-  NearestPoints points_m = {};  ///< of the hulls, at about_m; relative to A's root, in world axes
+  double corner_distance_m =
+      0;  ///< the distance of two corners that were met: the parts are not farther
+  NearestPoints points_m =
+      {};  ///< of the hulls, at distance_m; relative to A's root, in world axes
 };
 
 /// `direction`: unit, from A to B, to begin with. a_to_b_m is B's root minus A's, as in

@@ -13,8 +13,8 @@
 
 #include "culling/distance/simplex.h"
 #include "culling/distance/triangle_distance.h"
-#include "culling/exact/touching_triangles.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/touching_triangles.h"
+#include "culling/triangles/triangle_bvh.h"
 
 namespace throng {
 
@@ -28,19 +28,19 @@ struct SurfacePoint {
 
 /// In the part's own frame. No allocation.
 SurfacePoint nearest_on_surface(const TriangleBvh& surface, const Eigen::Vector3d& to,
-                                ExactCounters& counters);
+                                TriangleCounters& counters);
 
 // The triangles of a surface that are foremost along a direction: all that can be near to what lies
 // beyond.
 // One rule: whoever is left out lies farther behind the foremost point than asked.
 
-struct SurfaceFront {
+struct FrontTriangles {
   struct Triangle {
     uint32_t index;
     double behind;  ///< its foremost corner, behind the foremost of all
   };
-  static constexpr size_t kMost = 256;
-  std::array<Triangle, kMost> triangles;  ///< the foremost first
+  static constexpr size_t kMaxTriangles = 256;
+  std::array<Triangle, kMaxTriangles> triangles;  ///< the foremost first
   size_t count = 0;
 
   /// Those at most `behind` behind `ends`, where the surface ends along the direction; false where
@@ -58,7 +58,7 @@ using Node = TriangleBvh::Node;
 /// frame to another; a bound in A's frame counts for this share of itself.
 constexpr double kOfFrames = 1 - 1e-6;
 
-constexpr int kMostWalks = 8;
+constexpr int kMaxWalks = 8;
 /// A walk that comes no nearer than by this share of what an interval may be wide is the last.
 constexpr double kWorthwhile = 0.25;
 
@@ -79,9 +79,9 @@ struct Ball {
 
 /// The triangles of a front and balls around them, a column a coordinate.
 struct FrontBalls {
-  std::array<Triangle, SurfaceFront::kMost> triangles;
-  std::array<double, SurfaceFront::kMost> x, y, z, radius;
-  std::array<double, SurfaceFront::kMost> overlap;  ///< below 0: none
+  std::array<Triangle, FrontTriangles::kMaxTriangles> triangles;
+  std::array<double, FrontTriangles::kMaxTriangles> x, y, z, radius;
+  std::array<double, FrontTriangles::kMaxTriangles> overlap;  ///< below 0: none
 
   void set(size_t i, const Triangle& triangle) {
     const Ball ball(triangle);
@@ -103,8 +103,8 @@ struct FrontBalls {
 
 class Search {
  public:
-  Search(const PlacedSurface& a, const PlacedSurface& b, const Relative& a_from_b, double within_m,
-         const KnownGap& known, ExactCounters& counters)
+  Search(const PlacedSurface& a, const PlacedSurface& b, const RelativeFrame& a_from_b,
+         double within_m, const KnownGap& known, TriangleCounters& counters)
       : a_(*a.surface),
         b_(*b.surface),
         hull_a_(*a.hull),
@@ -113,23 +113,23 @@ class Search {
         ratio_(static_cast<double>(b.scale) / static_cast<double>(a.scale)),
         along_((scaled_rotation(*a.pose, 1).transpose() * known.direction).normalized()),
         along_in_b_(a_from_b.linear.transpose() * along_),
-        slack_(kEnough_m / static_cast<double>(a.scale)),
+        slack_(kDistanceTolerance_m / static_cast<double>(a.scale)),
         enough_(known.lo_m / static_cast<double>(a.scale) + slack_),
-        most_(within_m / static_cast<double>(a.scale)),
+        max_(within_m / static_cast<double>(a.scale)),
         counters_(counters) {}
 
   /// From a point near A, to the nearest on B, from there to the nearest on A, and so on: where the
   /// parts bulge towards each other, that is most of the way, and no pair of boxes is looked at.
   void walk_from(const Vector3d& near_a) {
     Vector3d on_a = near_a;
-    for (int walk = 0; walk < kMostWalks && !found_enough(); ++walk) {
+    for (int walk = 0; walk < kMaxWalks && !has_converged(); ++walk) {
       const Vector3d in_b = a_from_b_.inverse * (on_a - a_from_b_.offset);
       const Vector3d on_b =
           a_from_b_.linear * nearest_on_surface(b_, in_b, counters_).point + a_from_b_.offset;
       on_a = nearest_on_surface(a_, on_b, counters_).point;
       const double apart = (on_b - on_a).norm();
-      const bool is_far = apart > most_ - kWorthwhile * slack_;
-      if (apart <= most_) take({on_a, on_b}, apart);
+      const bool is_far = apart > max_ - kWorthwhile * slack_;
+      if (apart <= max_) take({on_a, on_b}, apart);
       if (is_far) break;
     }
   }
@@ -138,18 +138,19 @@ class Search {
   /// front and at B's: a few triangles each, each of A's against each of B's. False where they are
   /// too many.
   bool sweep() {
-    if (found_enough()) return true;
-    const double a_ends = hull_a_.ends(along_), b_ends = hull_b_.ends(-along_in_b_);
+    if (has_converged()) return true;
+    const double a_ends = hull_a_.support_bound(along_),
+                 b_ends = hull_b_.support_bound(-along_in_b_);
     const double between = (along_.dot(a_from_b_.offset) - b_ends - a_ends) * kOfFrames;
     const double behind = matters() - between;
-    SurfaceFront front_a, front_b;
+    FrontTriangles front_a, front_b;
     if (!front_a.gather(a_, along_, a_ends, behind) ||
         !front_b.gather(b_, -along_in_b_, b_ends, behind))
       return false;
     FrontBalls balls_b;
     for (size_t j = 0; j < front_b.count; ++j) balls_b.set(j, placed_b(front_b.triangles[j].index));
     size_t count_b = front_b.count;
-    for (size_t i = 0; i < front_a.count && !found_enough(); ++i) {
+    for (size_t i = 0; i < front_a.count && !has_converged(); ++i) {
       const Triangle of_a = in_own_frame(a_.triangles()[front_a.triangles[i].index]);
       const Ball ball(of_a);
       // Those of A lie ever farther behind, and so fewer of B's are near enough.
@@ -168,7 +169,7 @@ class Search {
     Pair stack[2 * TriangleBvh::kMaxDepth + 2];
     int top = 0;
     stack[top++] = pair(0, 0);
-    while (top > 0 && !found_enough()) {
+    while (top > 0 && !has_converged()) {
       const Pair at = stack[--top];
       if (at.bound * kOfFrames > matters()) continue;
       const Node& node_a = a_.nodes()[at.a];
@@ -188,7 +189,7 @@ class Search {
 
   bool found() const { return found_; }
   /// In A's unit of length; nothing where the search ended early.
-  double lo() const { return found_enough() ? 0 : std::min(lo_, matters()) * kOfFrames; }
+  double lo() const { return has_converged() ? 0 : std::min(lo_, matters()) * kOfFrames; }
   const NearestPoints& points() const { return points_; }  ///< in A's frame
 
  private:
@@ -198,9 +199,9 @@ class Search {
     double between2;  ///< squared, from middle to middle
   };
 
-  bool found_enough() const { return found_ && most_ <= enough_; }
+  bool has_converged() const { return found_ && max_ <= enough_; }
   /// What is farther apart need not be looked at: the interval may be as wide as slack_.
-  double matters() const { return found_ ? most_ - slack_ : most_; }
+  double matters() const { return found_ ? max_ - slack_ : max_; }
 
   Pair pair(uint32_t a, uint32_t b) {
     ++counters_.node_tests;
@@ -229,11 +230,11 @@ class Search {
     for (uint32_t i = 0; i < node_a.count; ++i) {
       for (size_t c = 0; c < 3; ++c)
         own[i].corner[c] = a_.triangles()[node_a.first + i][c].cast<double>();
-      reach[i] = most_along(along_, own[i]);
+      reach[i] = max_along(along_, own[i]);
     }
     for (uint32_t j = node_b.first; j < node_b.first + node_b.count; ++j) {
       const Triangle tb = placed_b(j);
-      const double from = least_along(along_, tb);
+      const double from = min_along(along_, tb);
       for (uint32_t i = 0; i < node_a.count; ++i) {
         // Farther apart than matters, along the known direction or from middle to middle: most are.
         if ((from - reach[i]) * kOfFrames <= matters()) compare(own[i], tb);
@@ -259,12 +260,12 @@ class Search {
 
   void take(const TriangleGap& gap) {
     lo_ = std::min(lo_, gap.lo);
-    if (gap.hi > most_) return;
+    if (gap.hi > max_) return;
     take(gap.points, gap.hi);
   }
   void take(const NearestPoints& points, double apart) {
     found_ = true;
-    most_ = apart;
+    max_ = apart;
     points_ = points;
     if (apart > 0) found_along_ = (points.on_b - points.on_a) / apart;
   }
@@ -272,31 +273,31 @@ class Search {
   const TriangleBvh& a_;
   const TriangleBvh& b_;
   const ConvexHull &hull_a_, &hull_b_;
-  const Relative& a_from_b_;
+  const RelativeFrame& a_from_b_;
   double ratio_;                 ///< B's unit of length in A's
   Vector3d along_, along_in_b_;  ///< the known direction, in A's frame and pulled back to B's
   double slack_;                 ///< in A's unit of length, as the next
   double enough_;                ///< what is found may stay
-  double most_;                  ///< nothing farther apart than this matters
+  double max_;                   ///< nothing farther apart than this matters
   double lo_ = std::numeric_limits<double>::infinity();
   bool found_ = false;
   NearestPoints points_;
   Vector3d found_along_ = Vector3d::UnitX();  ///< unit, from one to the other
-  ExactCounters& counters_;
+  TriangleCounters& counters_;
 };
 
 }  // namespace
 
 std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurface& b,
                                       const Eigen::Vector3f& a_to_b_m, double within_m,
-                                      const KnownGap& known, ExactCounters& counters) {
+                                      const KnownGap& known, TriangleCounters& counters) {
   assert(a.scale > 0 && b.scale > 0);
-  const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
+  const RelativeFrame a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
   // What is within the margin by a hair is found.
   Search search(a, b, a_from_b, within_m / kOfFrames, known, counters);
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
   const Vector3d shift = translation(*a.pose);
-  search.walk_from(linear.inverse() * (known.near_m - shift));
+  search.walk_from(linear.inverse() * (known.guess_m - shift));
   if (!search.sweep()) search.run();
   if (!search.found()) return std::nullopt;
   SurfaceGap out;
@@ -367,13 +368,13 @@ struct NearestFirst {
 }  // namespace
 
 std::optional<Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
-                                      const Eigen::Vector3f& a_to_b_m, const Vector3d& near_m,
-                                      ExactCounters& counters) {
-  const Relative a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
+                                      const Eigen::Vector3f& a_to_b_m, const Vector3d& guess_m,
+                                      TriangleCounters& counters) {
+  const RelativeFrame a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
   const double ratio = static_cast<double>(b.scale) / static_cast<double>(a.scale);
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
-  const Vector3d target = linear.inverse() * (near_m - translation(*a.pose));
-  const double worth = kNearer_m / static_cast<double>(a.scale);
+  const Vector3d target = linear.inverse() * (guess_m - translation(*a.pose));
+  const double worth = kContactPointTolerance_m / static_cast<double>(a.scale);
   std::optional<Vector3d> best;
   double best_far = std::numeric_limits<double>::infinity(), nearer2 = best_far;
   const TouchingTriangles triangles(*a.surface, *b.surface, a_from_b, ratio, counters);
@@ -445,23 +446,23 @@ void for_foremost(const TriangleBvh& surface, const Vector3d& direction, const L
 
 }  // namespace
 
-bool SurfaceFront::gather(const TriangleBvh& surface, const Vector3d& direction, double ends,
-                          double behind) {
+bool FrontTriangles::gather(const TriangleBvh& surface, const Vector3d& direction, double ends,
+                            double behind) {
   count = 0;
-  bool has_room = true;
+  bool fits = true;
   for_foremost(
       surface, direction,
-      [&] { return has_room ? ends - behind : std::numeric_limits<double>::infinity(); },
+      [&] { return fits ? ends - behind : std::numeric_limits<double>::infinity(); },
       [&](uint32_t index, double reach) {
         if (ends - reach > behind) return;
-        has_room &= count < kMost;
-        if (has_room) triangles[count++] = {index, ends - reach};
+        fits &= count < kMaxTriangles;
+        if (fits) triangles[count++] = {index, ends - reach};
       });
   std::sort(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(count),
             [](const Triangle& p, const Triangle& q) {
               return p.behind < q.behind || (p.behind == q.behind && p.index < q.index);
             });
-  return has_room;
+  return fits;
 }
 
 namespace {
@@ -479,7 +480,7 @@ Vector3d nearest_on_triangle(const std::array<Eigen::Vector3f, 3>& corners, cons
 }  // namespace
 
 SurfacePoint nearest_on_surface(const TriangleBvh& surface, const Vector3d& to,
-                                ExactCounters& counters) {
+                                TriangleCounters& counters) {
   struct Waiting {
     uint32_t node;
     double squared;

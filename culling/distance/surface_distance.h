@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "culling/distance/hull_depth.h"
-#include "culling/exact/triangle_bvh.h"
-#include "culling/exact/triangle_test.h"
+#include "culling/triangles/triangle_bvh.h"
+#include "culling/triangles/triangle_test.h"
 
 namespace throng {
 
@@ -25,37 +25,38 @@ struct PlacedSurface {
 struct KnownGap {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();
   double lo_m = 0;
-  Eigen::Vector3d near_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d guess_m = Eigen::Vector3d::Zero();
 };
 
 /// The search ends with two points that are no farther apart than the surfaces by more than this.
 /// An interval may be 1 mm wide; at 100 m the rounding of frames takes the rest of it.
-inline constexpr double kEnough_m = 8.8e-4;
+inline constexpr double kDistanceTolerance_m = 8.8e-4;
 
 struct SurfaceGap {
-  double lo_m = 0, hi_m = 0;  ///< hold the distance; at most kEnough_m and 1 um apart on a body
-  NearestPoints points_m;     ///< at hi_m from each other; relative to A's root, in world axes
+  double lo_m = 0,
+         hi_m = 0;  ///< hold the distance; at most kDistanceTolerance_m and 1 um apart on a body
+  NearestPoints points_m;  ///< at hi_m from each other; relative to A's root, in world axes
 };
 
 /// Of surfaces that do not touch. Nothing if they are proven farther apart than `within_m`.
 /// a_to_b_m is B's root minus A's. No allocation.
 std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurface& b,
                                       const Eigen::Vector3f& a_to_b_m, double within_m,
-                                      const KnownGap& known, ExactCounters& counters);
+                                      const KnownGap& known, TriangleCounters& counters);
 
 // Where two parts touch: one point that both share.
-// One rule: it lies where triangles cross, and no crossing is nearer by more than kNearer_m to a
-// place that is given (where the hulls are deepest in each other); or inside a solid, where one
-// part holds the other.
+// One rule: it lies where triangles cross, and no crossing is nearer by more than
+// kContactPointTolerance_m to a place that is given (where the hulls are deepest in each other); or
+// inside a solid, where one part holds the other.
 
 /// Half of the time went into the last centimetre.
-inline constexpr double kNearer_m = 0.01;
+inline constexpr double kContactPointTolerance_m = 0.01;
 
-/// Relative to A's root, in world axes, as near_m; nothing for parts that do not touch. No
+/// Relative to A's root, in world axes, as guess_m; nothing for parts that do not touch. No
 /// allocation.
 std::optional<Eigen::Vector3d> contact_point(const PlacedSurface& a, const PlacedSurface& b,
                                              const Eigen::Vector3f& a_to_b_m,
-                                             const Eigen::Vector3d& near_m,
-                                             ExactCounters& counters);
+                                             const Eigen::Vector3d& guess_m,
+                                             TriangleCounters& counters);
 
 }  // namespace throng

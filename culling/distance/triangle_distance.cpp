@@ -42,16 +42,16 @@ void for_corners_over(const Triangle& from, const Triangle& to, const Visit& vis
 
 }  // namespace
 
-double least_along(const Vector3d& axis, const Triangle& t) {
+double min_along(const Vector3d& axis, const Triangle& t) {
   return std::min({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
 }
 
-double most_along(const Vector3d& axis, const Triangle& t) {
+double max_along(const Vector3d& axis, const Triangle& t) {
   return std::max({axis.dot(t.corner[0]), axis.dot(t.corner[1]), axis.dot(t.corner[2])});
 }
 
 double gap_along(const Vector3d& unit, const Triangle& a, const Triangle& b) {
-  return std::max(0.0, least_along(unit, b) - most_along(unit, a));
+  return std::max(0.0, min_along(unit, b) - max_along(unit, a));
 }
 
 /// Two triangles apart are nearest at two edges, or at a corner and a face.

@@ -3,7 +3,7 @@
 // lie apart.
 #pragma once
 
-#include "culling/exact/triangle_test.h"
+#include "culling/triangles/triangle_test.h"
 
 namespace throng {
 
@@ -14,8 +14,8 @@ struct TriangleGap {
 };
 
 /// How far a triangle lies along a direction.
-double least_along(const Eigen::Vector3d& axis, const Triangle& t);
-double most_along(const Eigen::Vector3d& axis, const Triangle& t);
+double min_along(const Eigen::Vector3d& axis, const Triangle& t);
+double max_along(const Eigen::Vector3d& axis, const Triangle& t);
 
 /// Along any direction the gap proves a distance: 0 where the triangles overlap along it.
 double gap_along(const Eigen::Vector3d& unit, const Triangle& a, const Triangle& b);

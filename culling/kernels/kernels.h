@@ -80,12 +80,12 @@ struct alignas(16) BodyPair {
 struct Candidate {
   uint32_t pair;  ///< index into the task's BodyPairs
   uint8_t part_a, part_b;
-  uint16_t bucket_and_turn;
+  uint16_t bucket_and_swap;
 
-  static constexpr uint16_t kTurned = 0x8000;
-  uint16_t bucket() const { return bucket_and_turn & (kTurned - 1); }
+  static constexpr uint16_t kSwapped = 0x8000;
+  uint16_t bucket() const { return bucket_and_swap & (kSwapped - 1); }
   /// The part of body b has the lower shape number.
-  bool is_turned() const { return (bucket_and_turn & kTurned) != 0; }
+  bool is_swapped() const { return (bucket_and_swap & kSwapped) != 0; }
 };
 
 /// What the box kernel reads of the frame besides the pairs.
@@ -94,7 +94,7 @@ struct BoxFrame {
   const uint16_t* type_parts;        ///< part count by type
   const uint16_t* type_first_shape;  ///< first shape number by type
   uint32_t shapes;                   ///< shapes with a number below this have buckets of their own
-  float near_m = 0;                  ///< boxes so near each other along every axis are candidates
+  float margin_m = 0;                ///< boxes so near each other along every axis are candidates
 };
 
 /// Candidates of shapes a <= b go to bucket a * shapes + b; the rest share the last one, as they
@@ -102,7 +102,7 @@ struct BoxFrame {
 constexpr uint32_t bucket_count(uint32_t shapes) { return shapes * shapes + 1; }
 /// Keeps every bucket number within 15 bits and the histogram of a task in the cache.
 inline constexpr uint32_t kMaxBucketShapes = 180;
-static_assert(bucket_count(kMaxBucketShapes) <= Candidate::kTurned);
+static_assert(bucket_count(kMaxBucketShapes) <= Candidate::kSwapped);
 
 /// Sorts the candidates of one pair of bodies.
 class BucketRule {
@@ -115,7 +115,7 @@ class BucketRule {
     const uint32_t a = first_a_ + part_a, b = first_b_ + part_b;
     const uint32_t low = a < b ? a : b, high = a < b ? b : a;
     if (high >= shapes_) return static_cast<uint16_t>(bucket_count(shapes_) - 1);
-    return static_cast<uint16_t>((low * shapes_ + high) | (b < a ? Candidate::kTurned : 0u));
+    return static_cast<uint16_t>((low * shapes_ + high) | (b < a ? Candidate::kSwapped : 0u));
   }
   uint32_t shapes() const { return shapes_; }
   uint32_t first_a() const { return first_a_; }  ///< shape number of body a's first part
@@ -126,7 +126,7 @@ class BucketRule {
 };
 
 /// The room that box_pairs wants for a pair: kernels write sixteen candidates at once.
-inline size_t worst_candidates(const BoxFrame& frame, const BodyPair& pair) {
+inline size_t max_candidates(const BoxFrame& frame, const BodyPair& pair) {
   return size_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b] + kBoxLanes;
 }
 
@@ -140,7 +140,7 @@ struct GapBounds {
 inline constexpr float kGapDown = 1 - 0x1p-19f, kGapUp = 1 + 0x1p-19f;
 /// Or-DOPs proven to be this far apart do not overlap: more than rounding can tell one from the
 /// other.
-inline constexpr float kLeastGap_m = 1e-3f;
+inline constexpr float kMinGap_m = 1e-3f;
 
 struct OrdopLanes;
 
@@ -169,7 +169,7 @@ struct Kernels {
   /// pair's worst case of room is left; returns the first pair not done and sets *found. Candidates
   /// of a pair come in the order (part_a, part_b).
   size_t (*box_pairs)(const BoxFrame& frame, const BodyPair* pairs, size_t first, size_t count,
-                      Candidate* out, size_t room, size_t* found);
+                      Candidate* out, size_t capacity, size_t* found);
 
   /// or-DOP against or-DOP for candidates of one bucket, order[0 .. count): sets
   /// overlaps[order[i]]. `a` is the table of part a, or of part b where a candidate is turned.
@@ -179,12 +179,12 @@ struct Kernels {
   OrdopPairs ordop_pairs_14, ordop_pairs_18, ordop_pairs_26;
 
   /// How far apart candidates of one bucket are, as ordop_pairs_26: sets bounds[order[i]] and
-  /// overlaps[order[i]] of those that are not proven farther apart than near_m; no others overlap
-  /// if that is kLeastGap_m or more. `on_a` is of the part that `a` is of.
+  /// overlaps[order[i]] of those that are not proven farther apart than margin_m; no others overlap
+  /// if that is kMinGap_m or more. `on_a` is of the part that `a` is of.
   void (*ordop_gaps)(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
                      const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
-                     const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
-                     GapBounds* bounds, uint8_t* overlaps);
+                     const Candidate* candidates, const uint32_t* order, size_t count,
+                     float margin_m, GapBounds* bounds, uint8_t* overlaps);
 
   /// One or-DOP of the paper's against one other; see OrdopLanes. shift_m: root of b minus
   /// root of a, then the margin that bounds all float rounding.

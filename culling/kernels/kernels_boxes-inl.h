@@ -144,12 +144,12 @@ class SixteenBoxes {
 struct Overlap {
   float low[3], high[3];
 };
-HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, float near_m,
+HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift, float margin_m,
                              Overlap& out) {
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
     const float b_low = b[axis] + shift[axis], b_high = b[4 + axis] + shift[axis];
-    const float a_low = a[axis] - near_m, a_high = a[4 + axis] + near_m;
+    const float a_low = a[axis] - margin_m, a_high = a[4 + axis] + margin_m;
     out.low[axis] = a_low > b_low ? a_low : b_low;
     out.high[axis] = a_high < b_high ? a_high : b_high;
     apart |= out.low[axis] > out.high[axis];
@@ -158,12 +158,12 @@ HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift,
 }
 
 /// The box of one part, widened, in every lane.
-HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, float near_m) {
+HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, float margin_m) {
   const Lanes d;
   Box b;
   for (size_t axis = 0; axis < 3; ++axis) {
-    b.low[axis] = hn::Set(d, rows[axis * padded + part] - near_m);
-    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part] + near_m);
+    b.low[axis] = hn::Set(d, rows[axis * padded + part] - margin_m);
+    b.high[axis] = hn::Set(d, rows[(axis + 3) * padded + part] + margin_m);
   }
   return b;
 }
@@ -202,7 +202,7 @@ class CandidateWriter {
     // BucketRule: the lower shape times their number plus the higher.
     const auto bucket =
         hn::Add(hn::Min(hn::Set(d, shape_a * shapes), b * hn::Set(d, shapes)), hn::Max(a, b));
-    const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kTurned}));
+    const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kSwapped}));
     const auto parts = hn::Or(hn::Set(d, part_a), hn::ShiftLeft<8>(part_b));
     const auto upper_half = hn::Or3(parts, hn::ShiftLeft<16>(bucket), hn::ShiftLeft<16>(turn));
     const auto hit = hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&hits));
@@ -211,7 +211,7 @@ class CandidateWriter {
       return hn::Or(hn::ShiftLeft<32>(hn::PromoteTo(wide, half)), hn::Set(wide, uint64_t{index_}));
     };
     static_assert(sizeof(Candidate) == sizeof(uint64_t) && offsetof(Candidate, pair) == 0 &&
-                  offsetof(Candidate, part_b) == 5 && offsetof(Candidate, bucket_and_turn) == 6);
+                  offsetof(Candidate, part_b) == 5 && offsetof(Candidate, bucket_and_swap) == 6);
     const hn::Half<LaneBits> half;
     hn::StoreU(with_index(hn::LowerHalf(half, packed)), wide, reinterpret_cast<uint64_t*>(out));
     hn::StoreU(with_index(hn::UpperHalf(half, packed)), wide,
@@ -230,7 +230,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const float* block_a = frame.blocks + size_t{pair.box_a} * kBoxLanes;
   const float* block_b = frame.blocks + size_t{pair.box_b} * kBoxLanes;
   Overlap both;
-  if (!body_overlap(block_a, block_b, pair.shift_m, frame.near_m, both)) return out;
+  if (!body_overlap(block_a, block_b, pair.shift_m, frame.margin_m, both)) return out;
   const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
   const float* rows_a = block_a + kBoxLanes;
@@ -240,7 +240,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const V shift[3] = {hn::Set(d, pair.shift_m[0]), hn::Set(d, pair.shift_m[1]),
                       hn::Set(d, pair.shift_m[2])};
   const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  const V none = hn::Zero(d), wider = hn::Set(d, frame.near_m);
+  const V none = hn::Zero(d), wider = hn::Set(d, frame.margin_m);
   const CandidateWriter writer(frame, pair, index);
   if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all in registers
     const SixteenBoxes boxes_a(rows_a, padded_a, still, wider),
@@ -249,7 +249,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
     uint32_t inside_a = inside_b == 0 ? 0 : boxes_a.overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
       const uint32_t part_a = static_cast<uint32_t>(std::countr_zero(inside_a));
-      const Box box = part_box(rows_a, kBoxLanes, part_a, frame.near_m);
+      const Box box = part_box(rows_a, kBoxLanes, part_a, frame.margin_m);
       out = writer.add(part_a, 0, inside_b & boxes_b.overlapping(box), out);
     }
     return out;
@@ -258,7 +258,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
     uint32_t inside_a = SixteenBoxes(rows_a + group_a, padded_a, still, wider).overlapping(overlap);
     for (; inside_a != 0; inside_a &= inside_a - 1) {
       const uint32_t part_a = group_a + static_cast<uint32_t>(std::countr_zero(inside_a));
-      const Box box = part_box(rows_a, padded_a, part_a, frame.near_m);
+      const Box box = part_box(rows_a, padded_a, part_a, frame.margin_m);
       for (uint32_t group_b = 0; group_b < padded_b; group_b += kBoxLanes)
         out =
             writer.add(part_a, group_b,
@@ -269,12 +269,12 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
 }
 
 HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first,
-                              size_t count, Candidate* out, size_t room, size_t* found) {
+                              size_t count, Candidate* out, size_t capacity, size_t* found) {
   Candidate* const start = out;
   size_t i = first;
   for (; i < count; ++i) {
-    const size_t worst = worst_candidates(frame, pairs[i]);
-    if (room - static_cast<size_t>(out - start) < worst) break;
+    const size_t worst = max_candidates(frame, pairs[i]);
+    if (capacity - static_cast<size_t>(out - start) < worst) break;
     out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
   }
   *found = static_cast<size_t>(out - start);
@@ -413,7 +413,7 @@ class RunsInLanes {
   /// Whether they fit. A run is loaded from before its begin, which must be memory of the row's.
   HWY_INLINE static bool fit(const SlotRun* runs, size_t count) {
     uint32_t lanes = 0;
-    bool fits = count <= kMostRuns;
+    bool fits = count <= kMaxRuns;
     for (size_t run = 0; run < count; ++run) {
       fits &= runs[run].begin >= lanes;
       lanes += runs[run].end - runs[run].begin;
@@ -444,11 +444,11 @@ class RunsInLanes {
   HWY_INLINE M lanes() const { return first_lanes(lanes_); }
 
  private:
-  static constexpr size_t kMostRuns = 4;
+  static constexpr size_t kMaxRuns = 4;
   uint32_t first_;
   size_t behind_;
-  uint32_t begin_[kMostRuns - 1];
-  M from_[kMostRuns - 1];
+  uint32_t begin_[kMaxRuns - 1];
+  M from_[kMaxRuns - 1];
   uint32_t lanes_;
 };
 

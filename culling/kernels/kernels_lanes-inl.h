@@ -52,7 +52,7 @@ HWY_INLINE Poses load_poses(const PoseOf& pose_of) {
 }
 
 /// Rotation times vector, rows summed x, y, z.
-HWY_INLINE V3 turned(const Poses& p, const V3& v) {
+HWY_INLINE V3 rotated(const Poses& p, const V3& v) {
   const V3 row_x = {p.column[0].x, p.column[1].x, p.column[2].x};
   const V3 row_y = {p.column[0].y, p.column[1].y, p.column[2].y};
   const V3 row_z = {p.column[0].z, p.column[1].z, p.column[2].z};
@@ -250,7 +250,7 @@ HWY_INLINE V3 centre_of(const OrdopTable& t, const Poses& pose, V scale) {
   const V3 origin = {hn::Mul(scale, hn::Set(d, t.origin[0])),
                      hn::Mul(scale, hn::Set(d, t.origin[1])),
                      hn::Mul(scale, hn::Set(d, t.origin[2]))};
-  return pose.translation + turned(pose, origin);
+  return pose.translation + rotated(pose, origin);
 }
 
 }  // namespace throng::HWY_NAMESPACE

@@ -158,7 +158,7 @@ struct ChunkInput {
     const Candidate& c = candidates[index];
     const BodyPair& bodies = pairs[c.pair];
     const uint32_t a = bodies.pose_a + c.part_a, b = bodies.pose_b + c.part_b;
-    const uint32_t turn = c.is_turned(), exchange = (a ^ b) & (0 - turn);
+    const uint32_t turn = c.is_swapped(), exchange = (a ^ b) & (0 - turn);
     order[i] = index;
     pair[i] = &bodies;
     turned[i] = turn;
@@ -514,14 +514,14 @@ HWY_INLINE V point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b,
 }
 
 /// The box directions first, then the others, then points: each for those that the ones before
-/// leave within near_m, packed into full registers.
+/// leave within margin_m, packed into full registers.
 HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
                              const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                              const Candidate* candidates, const uint32_t* order, size_t count,
-                             float near_m, GapBounds* bounds, uint8_t* overlaps) {
+                             float margin_m, GapBounds* bounds, uint8_t* overlaps) {
   const Lanes d;
   const LaneBits bits;
-  const V within = hn::Set(d, near_m);
+  const V within = hn::Set(d, margin_m);
   HWY_ALIGN float los[kLanes], his[kLanes], beyond_margin[kLanes];
   const auto near = [&](V lo, size_t in_use) HWY_ATTR {
     return hn::And(hn::Le(lo, within), hn::RebindMask(d, hn::FirstN(bits, in_use)));

@@ -58,7 +58,7 @@ size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotRun own, const
 Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
   const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
                                scale * table.origin[2]);
-  return translation_m(pose) + turned(pose, origin);
+  return translation_m(pose) + rotated(pose, origin);
 }
 
 void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, const float* scales,
@@ -105,8 +105,8 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
       for (size_t axis = 0; axis < 3; ++axis) {
         const float low = rows_b[axis * padded_b + b] + pair.shift_m[axis];
         const float high = rows_b[(axis + 3) * padded_b + b] + pair.shift_m[axis];
-        overlap &= low <= rows_a[(axis + 3) * padded_a + a] + frame.near_m &&
-                   high >= rows_a[axis * padded_a + a] - frame.near_m;
+        overlap &= low <= rows_a[(axis + 3) * padded_a + a] + frame.margin_m &&
+                   high >= rows_a[axis * padded_a + a] - frame.margin_m;
       }
       if (!overlap) continue;
       *out++ = {index, static_cast<uint8_t>(a), static_cast<uint8_t>(b),
@@ -117,12 +117,12 @@ Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index,
 }
 
 size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, size_t count,
-                 Candidate* out, size_t room, size_t* found) {
+                 Candidate* out, size_t capacity, size_t* found) {
   Candidate* const start = out;
   size_t i = first;
   for (; i < count; ++i) {
-    const size_t worst = worst_candidates(frame, pairs[i]);
-    if (room - static_cast<size_t>(out - start) < worst) break;
+    const size_t worst = max_candidates(frame, pairs[i]);
+    if (capacity - static_cast<size_t>(out - start) < worst) break;
     out = box_pair(frame, pairs[i], static_cast<uint32_t>(i), out);
   }
   *found = static_cast<size_t>(out - start);
@@ -199,15 +199,15 @@ struct Halves {
         a_to_b + centre_m(b.table, b.pose, b.scale) - centre_m(a.table, a.pose, a.scale);
     const Eigen::Matrix3f axes = b_from_a(a.pose, b.pose);
     const float per_a = 1.0f / a.scale, per_b = 1.0f / b.scale;
-    return {{a.table, b.table, axes, b.scale * per_a, turned_back(a.pose, delta), per_a, margin},
-            {b.table, a.table, axes.transpose(), a.scale * per_b, -turned_back(b.pose, delta),
+    return {{a.table, b.table, axes, b.scale * per_a, rotated_back(a.pose, delta), per_a, margin},
+            {b.table, a.table, axes.transpose(), a.scale * per_b, -rotated_back(b.pose, delta),
              per_b, margin}};
   }
   /// Row i: axis i of b, in a's frame.
   static Eigen::Matrix3f b_from_a(const PartPose& a, const PartPose& b) {
     Eigen::Matrix3f out;
     for (int column = 0; column < 3; ++column)
-      out.col(column) = turned_back(b, {a.rows[0][column], a.rows[1][column], a.rows[2][column]});
+      out.col(column) = rotated_back(b, {a.rows[0][column], a.rows[1][column], a.rows[2][column]});
     return out;
   }
 };
@@ -223,7 +223,7 @@ void for_sides(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
     const Eigen::Vector3f shift(pair.shift_m[0], pair.shift_m[1], pair.shift_m[2]);
     const PartPose& pose_a = poses[pair.pose_a + c.part_a];
     const PartPose& pose_b = poses[pair.pose_b + c.part_b];
-    if (c.is_turned())
+    if (c.is_swapped())
       visit(index, Side{a, pose_b, pair.scale_b}, Side{b, pose_a, pair.scale_a}, -shift,
             pair.shift_m[3]);
     else
@@ -249,7 +249,7 @@ float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const S
                      const Side& side_b, const Eigen::Vector3f& a_to_b) {
   const float per_a = 1.0f / side_a.scale, per_b = 1.0f / side_b.scale;
   const Eigen::Vector3f root =
-      turned_back(side_a.pose, (a_to_b + translation_m(side_b.pose)) - translation_m(side_a.pose));
+      rotated_back(side_a.pose, (a_to_b + translation_m(side_b.pose)) - translation_m(side_a.pose));
   const Eigen::Matrix3f axes = Halves::b_from_a(side_a.pose, side_b.pose);
   const auto from_a = [&](const Eigen::Vector3f& b) -> Eigen::Vector3f {
     const Eigen::Vector3f scaled_b = b * side_b.scale;
@@ -263,16 +263,16 @@ float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const S
            per_b;
   };
   Eigen::Vector3f b(side_b.table.origin[0], side_b.table.origin[1], side_b.table.origin[2]);
-  Eigen::Vector3f a = on_a.near(from_a(b) * per_a);
-  b = on_b.near(from_b(a));
-  a = on_a.near(from_a(b) * per_a);
+  Eigen::Vector3f a = on_a.lookup(from_a(b) * per_a);
+  b = on_b.lookup(from_b(a));
+  a = on_a.lookup(from_a(b) * per_a);
   const Eigen::Vector3f apart = a * side_a.scale - from_a(b);
   return std::sqrt(along(apart, apart));
 }
 
 void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
                 const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
-                const Candidate* candidates, const uint32_t* order, size_t count, float near_m,
+                const Candidate* candidates, const uint32_t* order, size_t count, float margin_m,
                 GapBounds* bounds, uint8_t* overlaps) {
   for_sides(a, b, pairs, poses, candidates, {order, count},
             [&](uint32_t index, const Side& side_a, const Side& side_b,
@@ -281,7 +281,7 @@ void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on
               const float gap = std::max(halves.from_a.widest_gap() * side_a.scale,
                                          halves.from_b.widest_gap() * side_b.scale);
               const float lo_m = std::max(gap * kGapDown - margin, 0.0f);
-              if (lo_m > near_m) return;
+              if (lo_m > margin_m) return;
               bounds[index] = {
                   lo_m, point_to_point(on_a, on_b, side_a, side_b, a_to_b) * kGapUp + margin};
               overlaps[index] = !halves.from_a.separates<26>() && !halves.from_b.separates<26>();

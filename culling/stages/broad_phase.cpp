@@ -13,8 +13,8 @@ namespace throng {
 namespace {
 
 constexpr size_t kTaskBodies = 1024;
-constexpr size_t kMostLarge = 1024;  // large bodies are asked one by one
-constexpr float kLargeRatio = 2;     // times the mean sphere of what moves
+constexpr size_t kMaxLarge = 1024;  // large bodies are asked one by one
+constexpr float kLargeRatio = 2;    // times the mean sphere of what moves
 
 float half_of(float margin_m) { return 0.5f * margin_m * (1 + 0x1p-20f); }
 
@@ -36,7 +36,7 @@ BroadPhase::BroadPhase(std::span<const std::shared_ptr<const BodyType>> types,
       workers_(workers),
       kind_(kind),
       filter_(filter),
-      half_near_m_(half_of(margins.reach_m)),
+      half_margin_m_(half_of(margins.reach_m)),
       has_inner_(margins.inner_m > 0),
       half_inner_m_(half_of(margins.inner_m)) {
   counters_.volume = "sphere";
@@ -96,11 +96,11 @@ void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
       for (size_t i = 0; i < count; ++i) {
         const size_t body = batch + i;
         const TypeSize& type = sizes_of_type_[bodies.types[body]];
-        place_one(bodies.roots[body], bodies.scales[body], type, bounds[i], half_near_m_,
-                  placed_[body]);
+        place_body(bodies.roots[body], bodies.scales[body], type, bounds[i], half_margin_m_,
+                   placed_[body]);
         if (has_inner_)
-          place_one(bodies.roots[body], bodies.scales[body], type, bounds[i], half_inner_m_,
-                    placed_inner_[body]);
+          place_body(bodies.roots[body], bodies.scales[body], type, bounds[i], half_inner_m_,
+                     placed_inner_[body]);
         const float radius = own_radius(body, bodies);
         sizes.widest_m = std::max(sizes.widest_m, radius);
         sizes.radii += type.is_static ? 0 : static_cast<double>(radius);
@@ -111,8 +111,8 @@ void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
   });
 }
 
-void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& type,
-                           const RootBox& bounds, float half_near_m, PlacedBody& out) const {
+void BroadPhase::place_body(const RootPose& root, float scale, const TypeSize& type,
+                            const RootBox& bounds, float half_margin_m, PlacedBody& out) const {
   const Eigen::Quaternionf& q = root.world_from_root;
   const Eigen::Matrix3f turn = q.toRotationMatrix();
   const Eigen::Vector3d from_origin = root.position_m - origin_m_;
@@ -123,7 +123,7 @@ void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& ty
   out.z = centre.z();
   // Coordinates are rounded when stored and when the search adds and subtracts them.
   const float margin =
-      scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff() + half_near_m;
+      scale * type.margin_m + 0x1p-22f * centre.cwiseAbs().maxCoeff() + half_margin_m;
   out.radius = scale * type.radius_m + margin;
   const bool upright = q.x() == 0 && q.y() == 0;
   out.upright = upright ? std::min(out.radius, scale * type.upright_m + margin) : out.radius;
@@ -154,7 +154,7 @@ void BroadPhase::place_one(const RootPose& root, float scale, const TypeSize& ty
 /// The radius of a placed body without a margin.
 float BroadPhase::own_radius(size_t body, const BodiesView& bodies) const {
   const PlacedBody& placed = placed_[body];
-  if (half_near_m_ == 0) return placed.radius;
+  if (half_margin_m_ == 0) return placed.radius;
   const TypeSize& type = sizes_of_type_[bodies.types[body]];
   const float scale = bodies.scales[body];
   const float far = std::max({std::fabs(placed.x), std::fabs(placed.y), std::fabs(placed.z)});
@@ -179,11 +179,12 @@ void BroadPhase::split_by_size(const BodiesView& bodies) {
   if (all.widest_m <= limit) {  // the usual crowd
     std::iota(small_.data(), small_.data() + body_count_, 0u);
     small_count_ = body_count_;
-    widest_m_ = half_near_m_ == 0 ? all.widest_m : (all.widest_m + half_near_m_) * (1 + 0x1p-20f);
+    widest_m_ =
+        half_margin_m_ == 0 ? all.widest_m : (all.widest_m + half_margin_m_) * (1 + 0x1p-20f);
     return;
   }
   for (size_t i = 0; i < body_count_; ++i) {
-    if (own_radius(i, bodies) > limit && large_count_ < kMostLarge) {
+    if (own_radius(i, bodies) > limit && large_count_ < kMaxLarge) {
       large_[large_count_++] = static_cast<uint32_t>(i);
     } else {
       small_[small_count_++] = static_cast<uint32_t>(i);
@@ -197,8 +198,10 @@ void BroadPhase::search_small(const Slots& slots) {
     Block& block = blocks_[static_cast<size_t>(index)];
     block.found = searcher_.search_block(kernels_, static_cast<size_t>(index), block.pairs);
     block.count = block.found.pairs;
-    if (!any_static_ && filter_.of_body.empty()) return;
-    const auto nobody_asks = [&](const SlotPair& pair) { return !is_asked(pair.a, pair.b, slots); };
+    if (!any_static_ && filter_.sides_of_body.empty()) return;
+    const auto nobody_asks = [&](const SlotPair& pair) {
+      return !passes_filter(pair.a, pair.b, slots);
+    };
     SlotPair* const pairs = block.pairs.data();
     block.count =
         static_cast<size_t>(std::remove_if(pairs, pairs + block.found.pairs, nobody_asks) - pairs);
@@ -210,9 +213,9 @@ void BroadPhase::search_small(const Slots& slots) {
 }
 
 /// Not of two that never move, nor what a filter leaves out.
-bool BroadPhase::is_asked(size_t slot_a, size_t slot_b, const Slots& slots) const {
+bool BroadPhase::passes_filter(size_t slot_a, size_t slot_b, const Slots& slots) const {
   return !(slots.is_static(slot_a) && slots.is_static(slot_b)) &&
-         filter_.asks_bodies(slots.id(slot_a), slots.id(slot_b));
+         filter_.includes_bodies(slots.id(slot_a), slots.id(slot_b));
 }
 
 void BroadPhase::add(Block& block, size_t a, size_t b) {
@@ -226,14 +229,14 @@ void BroadPhase::search_large(const PoseSource& source, const Slots& slots) {
   posed_large_.prepare(slots.count());
   posed_large_.clear();
   for (size_t slot = small_count_; slot < slots.count(); ++slot)
-    posed_large_.need(static_cast<uint32_t>(slot));
+    posed_large_.request(static_cast<uint32_t>(slot));
   posed_large_.pose({types_, kernels_, slots, source}, workers_);
   for (size_t slot = small_count_; slot < slots.count(); ++slot) {
     Eigen::Vector3f low, high;
-    box_of(slot, slots, half_near_m_, low, high);
-    meet_crowd(slot, low, high, slots);
+    box_of(slot, slots, half_margin_m_, low, high);
+    test_against_small(slot, low, high, slots);
     for (size_t other = slot + 1; other < slots.count(); ++other) {
-      if (!is_asked(slot, other, slots)) continue;
+      if (!passes_filter(slot, other, slots)) continue;
       ++last.found.tests;
       add(last, slot, other);  // both boxes are known: the next stage decides at once
     }
@@ -274,7 +277,7 @@ bool BroadPhase::is_inner(const SlotPair& pair, const Slots& slots) const {
 }
 
 /// The box of a large body, as the spheres are placed.
-void BroadPhase::box_of(size_t slot, const Slots& slots, float half_near_m, Eigen::Vector3f& low,
+void BroadPhase::box_of(size_t slot, const Slots& slots, float half_margin_m, Eigen::Vector3f& low,
                         Eigen::Vector3f& high) const {
   const float* box = posed_large_.box_of(posed_large_.of_slot(static_cast<uint32_t>(slot)));
   const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
@@ -282,7 +285,7 @@ void BroadPhase::box_of(size_t slot, const Slots& slots, float half_near_m, Eige
   high = root + Eigen::Vector3f(box[4], box[5], box[6]);
   // Rounding of the three sums; the crowd's radii hold their own.
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(
-      0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_near_m);
+      0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_margin_m);
   low -= slack;
   high += slack;
 }
@@ -293,10 +296,10 @@ float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
   const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
   if (!large_a && !large_b) return a.radius + b.radius - (centre_a - centre_b).norm();
   Eigen::Vector3f low, high;
-  box_of(large_a ? pair.a : pair.b, slots, half_near_m_, low, high);
+  box_of(large_a ? pair.a : pair.b, slots, half_margin_m_, low, high);
   if (large_a && large_b) {
     Eigen::Vector3f other_low, other_high;
-    box_of(pair.b, slots, half_near_m_, other_low, other_high);
+    box_of(pair.b, slots, half_margin_m_, other_low, other_high);
     return (high.cwiseMin(other_high) - low.cwiseMax(other_low)).minCoeff();
   }
   const Eigen::Vector3f& centre = large_a ? centre_b : centre_a;
@@ -304,15 +307,15 @@ float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
 }
 
 /// The box of a large body against the spheres around it.
-void BroadPhase::meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                            const Slots& slots) {
+void BroadPhase::test_against_small(size_t slot, const Eigen::Vector3f& low,
+                                    const Eigen::Vector3f& high, const Slots& slots) {
   const auto visit = [&](uint32_t first, uint32_t end) {
     for (uint32_t other = first; other < end; ++other) {
       Block& block = blocks_[other / PairSearcher::kBlockSlots];
       ++block.found.tests;
       const PlacedBody& p = placed_[slots.body(other)];
       if (!reaches_box(p, low, high)) continue;
-      if (!is_asked(slot, other, slots)) continue;
+      if (!passes_filter(slot, other, slots)) continue;
       add(block, slot, other);
     }
   };

@@ -63,7 +63,7 @@ class BroadPhase {
     GrowBuffer<SlotPair> pairs;
     GrowBuffer<uint8_t> inner;
     size_t count = 0;
-    PairSearcher::Found found;
+    PairSearcher::BlockCounts found;
   };
   /// What placing reads of a type.
   struct TypeSize {
@@ -79,27 +79,27 @@ class BroadPhase {
   };
 
   void place(const BodiesView& bodies, const PoseSource& source);
-  void place_one(const RootPose& root, float scale, const TypeSize& type, const RootBox& bounds,
-                 float half_near_m, PlacedBody& out) const;
+  void place_body(const RootPose& root, float scale, const TypeSize& type, const RootBox& bounds,
+                  float half_margin_m, PlacedBody& out) const;
   float own_radius(size_t body, const BodiesView& bodies) const;
   void split_by_size(const BodiesView& bodies);
   void search_small(const Slots& slots);
   void search_large(const PoseSource& source, const Slots& slots);
   void find_inner(const Slots& slots);
   bool is_inner(const SlotPair& pair, const Slots& slots) const;
-  void box_of(size_t slot, const Slots& slots, float half_near_m, Eigen::Vector3f& low,
+  void box_of(size_t slot, const Slots& slots, float half_margin_m, Eigen::Vector3f& low,
               Eigen::Vector3f& high) const;
-  void meet_crowd(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
-                  const Slots& slots);
+  void test_against_small(size_t slot, const Eigen::Vector3f& low, const Eigen::Vector3f& high,
+                          const Slots& slots);
   void add(Block& block, size_t a, size_t b);
-  bool is_asked(size_t slot_a, size_t slot_b, const Slots& slots) const;
+  bool passes_filter(size_t slot_a, size_t slot_b, const Slots& slots) const;
 
   std::span<const std::shared_ptr<const BodyType>> types_;
   const Kernels& kernels_;
   Workers& workers_;
   PairSearch kind_;
   const PairFilter& filter_;
-  float half_near_m_;  // by how much every body is widened
+  float half_margin_m_;  // by how much every body is widened
   bool has_inner_;
   float half_inner_m_;  // by how much for the inner margin
   std::vector<TypeSize> sizes_of_type_;

@@ -110,23 +110,23 @@ void PairSearcher::choose_cells(std::span<const PlacedBody> bodies, std::span<co
   // Two bodies that may touch lie at most one cell apart; the slack covers the rounding of
   // column_of().
   float side = std::max(2 * extent.upright * 1.004f, 1e-6f);
-  const double most_cells = 4.0 * static_cast<double>(small.size()) + 1024;
+  const double max_cells = 4.0 * static_cast<double>(small.size()) + 1024;
   const auto cells = [&](const Range& range) {
     return std::floor(static_cast<double>(range.length() / side)) + 1;
   };
   Range rx = {extent.low_x, extent.high_x}, ry = {extent.low_y, extent.high_y};
-  if (cells(rx) * cells(ry) > most_cells) {
+  if (cells(rx) * cells(ry) > max_cells) {
     rx = bulk(rx, small, [&](uint32_t body) { return bodies[body].x; });
     ry = bulk(ry, small, [&](uint32_t body) { return bodies[body].y; });
   }
-  while (cells(rx) * cells(ry) > most_cells || std::max(cells(rx), cells(ry)) > kMaxCellsPerAxis)
+  while (cells(rx) * cells(ry) > max_cells || std::max(cells(rx), cells(ry)) > kMaxCellsPerAxis)
     side *= 1.5f;
   origin_x_ = rx.low;
   origin_y_ = ry.low;
   per_metre_ = 1 / side;
   columns_ = static_cast<int>(cells(rx));
   rows_ = static_cast<int>(cells(ry));
-  strip_shift_ = std::min(kMostStripShift,
+  strip_shift_ = std::min(kMaxStripShift,
                           static_cast<int>(std::bit_width(static_cast<unsigned>(columns_ - 1))));
 }
 
@@ -157,8 +157,8 @@ void PairSearcher::sort_by_low_x(std::span<const PlacedBody> bodies,
   for (size_t slot = 0; slot < slot_count_; ++slot) low_x_[slot] = low(body_[slot]);
 }
 
-PairSearcher::Found PairSearcher::search_block(const Kernels& kernels, size_t block,
-                                               GrowBuffer<SlotPair>& out) const {
+PairSearcher::BlockCounts PairSearcher::search_block(const Kernels& kernels, size_t block,
+                                                     GrowBuffer<SlotPair>& out) const {
   const auto& c = columns_of_slots_;
   const SphereRows spheres{c[0].data(), c[1].data(), c[2].data(), c[3].data(), c[4].data()};
   const RectangleRows rectangles{c[5].data(), c[6].data(), c[7].data(),
@@ -166,7 +166,7 @@ PairSearcher::Found PairSearcher::search_block(const Kernels& kernels, size_t bl
   const uint32_t end_slot = static_cast<uint32_t>(slot_count_);
   const uint32_t first = static_cast<uint32_t>(block * kBlockSlots);
   const uint32_t last = std::min(end_slot, first + static_cast<uint32_t>(kBlockSlots));
-  Found found;
+  BlockCounts found;
   const auto test = [&](SlotRun own, std::span<const SlotRun> runs) {
     uint64_t tests = 0;
     for (uint32_t slot = own.begin; slot < own.end; ++slot)
@@ -191,8 +191,8 @@ PairSearcher::Found PairSearcher::search_block(const Kernels& kernels, size_t bl
       // A whole cell at a time, unless so many stand in it that their pairs would need much room.
       own.end = std::min(last, runs.end_of_cell);
       const uint32_t others = runs.slots();
-      if (uint64_t{own.end - slot} * others > kMostTests)
-        own.end = slot + std::max(1u, kMostTests / others);
+      if (uint64_t{own.end - slot} * others > kMaxTests)
+        own.end = slot + std::max(1u, kMaxTests / others);
       test(own, {runs.run.data(), runs.count});
     }
     slot = own.end;

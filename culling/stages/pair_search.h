@@ -38,12 +38,12 @@ class PairSearcher {
   static constexpr size_t kBlockSlots = 256;
   size_t block_count() const { return (slot_count_ + kBlockSlots - 1) / kBlockSlots; }
   /// Writes the pairs whose first slot lies in `block`.
-  struct Found {
+  struct BlockCounts {
     uint64_t tests = 0;
     uint64_t spheres = 0;  ///< pairs whose spheres overlap
     size_t pairs = 0;      ///< of these, whose rectangles overlap: written to `out`
   };
-  Found search_block(const Kernels& kernels, size_t block, GrowBuffer<SlotPair>& out) const;
+  BlockCounts search_block(const Kernels& kernels, size_t block, GrowBuffer<SlotPair>& out) const;
 
   /// Calls visit(first_slot, end_slot) for runs of slots that hold every body whose centre lies
   /// within the rectangle.
@@ -60,7 +60,7 @@ class PairSearcher {
   static constexpr size_t kTaskBodies = 4096;
   /// Two to this power columns of cells lie together in memory: a block of slots is then a patch of
   /// the ground about as wide as long, and shares few bodies with other blocks.
-  static constexpr int kMostStripShift = 5;
+  static constexpr int kMaxStripShift = 5;
   /// Beyond this many columns a float cell coordinate could be off by more than the cell's slack.
   static constexpr int kMaxCellsPerAxis = 8192;
 
@@ -117,7 +117,7 @@ class PairSearcher {
   };
   CellRuns later_neighbours(int column, int row) const;
   /// Pairs that a call of the kernel may test, unless one slot alone has more.
-  static constexpr uint32_t kMostTests = 4096;
+  static constexpr uint32_t kMaxTests = 4096;
 
   PairSearch kind_ = PairSearch::kGrid;
   size_t slot_count_ = 0;

@@ -9,32 +9,32 @@
 namespace throng {
 namespace {
 
-/// The two body boxes are within `near_m` of each other along every axis, b's shifted into a's
+/// The two body boxes are within `margin_m` of each other along every axis, b's shifted into a's
 /// coordinates.
-bool bodies_are_near(const float* a, const float* b, const float* shift, float near_m) {
+bool bodies_are_within(const float* a, const float* b, const float* shift, float margin_m) {
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
-    apart |= a[axis] - near_m > b[4 + axis] + shift[axis];
-    apart |= b[axis] + shift[axis] > a[4 + axis] + near_m;
+    apart |= a[axis] - margin_m > b[4 + axis] + shift[axis];
+    apart |= b[axis] + shift[axis] > a[4 + axis] + margin_m;
   }
   return !apart;
 }
 
 }  // namespace
 
-uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair) {
+uint64_t box_tests(const MidPhaseFrame& frame, const BodyPair& pair) {
   return uint64_t{frame.type_parts[pair.type_a]} * frame.type_parts[pair.type_b];
 }
 
-void PartCandidates::begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m) {
+void PartCandidates::begin(const MidPhaseFrame& frame, const PosedBodies& bodies, float margin_m) {
   bodies_ = &bodies;
   boxes_ = {bodies.boxes(), frame.type_parts.data(), frame.type_first_shape.data(),
-            static_cast<uint32_t>(frame.shape_type.size()), near_m};
+            static_cast<uint32_t>(frame.shape_type.size()), margin_m};
   pair_count_ = 0;
 }
 
 /// Keeps the pairs whose boxes, in their poses, are near.
-void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> pairs,
+void PartCandidates::add(const MidPhaseFrame& frame, std::span<const SlotPair> pairs,
                          std::span<const uint8_t> inner) {
   Stopwatch watch;
   pairs_.grow(pair_count_ + pairs.size(), pair_count_);
@@ -46,7 +46,7 @@ void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> 
     const PosedBody* b = &bodies_->of_slot(slots.b);
     if (a->slot.body > b->slot.body) std::swap(a, b);
     const Eigen::Vector3f shift = (b->slot.root() - a->slot.root()).cast<float>();
-    if (!bodies_are_near(bodies_->box_of(*a), bodies_->box_of(*b), shift.data(), boxes_.near_m))
+    if (!bodies_are_within(bodies_->box_of(*a), bodies_->box_of(*b), shift.data(), boxes_.margin_m))
       continue;
     if (!inner.empty()) inner_[pair_count_] = inner[static_cast<size_t>(&slots - pairs.data())];
     pairs_[pair_count_] = {{shift.x(), shift.y(), shift.z(), a->slot.margin_m + b->slot.margin_m},
@@ -65,10 +65,10 @@ void PartCandidates::add(const PartStageFrame& frame, std::span<const SlotPair> 
   counters_.body_box.tests += pairs.size();
   counters_.body_box.passed += pair_count_ - pairs_before;
   counters_.body_box.test_ns += watch.lap_ns();
-  counters_.box.tests += parts;
+  counters_.part_box.tests += parts;
 }
 
-void PartCandidates::find(const PartStageFrame& frame) {
+void PartCandidates::find(const MidPhaseFrame& frame) {
   Stopwatch watch;
   candidate_count_ = 0;
   constexpr size_t kWorstPair = size_t{BodyType::kMaxParts} * BodyType::kMaxParts + kBoxLanes;
@@ -82,14 +82,14 @@ void PartCandidates::find(const PartStageFrame& frame) {
     if (next < pair_count_)
       candidates_.grow(2 * candidates_.capacity() + kWorstPair, candidate_count_);
   }
-  if (!frame.filter->of_part.empty()) leave_out_unasked(*frame.filter);
-  counters_.box.passed += candidate_count_;
-  counters_.box.test_ns += watch.lap_ns();
+  if (!frame.filter->sides_of_part.empty()) drop_filtered(*frame.filter);
+  counters_.part_box.passed += candidate_count_;
+  counters_.part_box.test_ns += watch.lap_ns();
 }
 
 /// As box_pairs() of the kernels, to the bit.
-bool PartCandidates::boxes_are_near(const PartStageFrame& frame, const Candidate& candidate,
-                                    float near_m) const {
+bool PartCandidates::boxes_are_within(const MidPhaseFrame& frame, const Candidate& candidate,
+                                      float margin_m) const {
   const BodyPair& pair = pairs_[candidate.pair];
   const size_t padded_a = padded_parts(frame.type_parts[pair.type_a]);
   const size_t padded_b = padded_parts(frame.type_parts[pair.type_b]);
@@ -97,17 +97,17 @@ bool PartCandidates::boxes_are_near(const PartStageFrame& frame, const Candidate
   const float* b = boxes_.blocks + (size_t{pair.box_b} + 1) * kBoxLanes + candidate.part_b;
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
-    apart |= b[axis * padded_b] + pair.shift_m[axis] > a[(axis + 3) * padded_a] + near_m;
-    apart |= b[(axis + 3) * padded_b] + pair.shift_m[axis] < a[axis * padded_a] - near_m;
+    apart |= b[axis * padded_b] + pair.shift_m[axis] > a[(axis + 3) * padded_a] + margin_m;
+    apart |= b[(axis + 3) * padded_b] + pair.shift_m[axis] < a[axis * padded_a] - margin_m;
   }
   return !apart;
 }
 
-void PartCandidates::leave_out_unasked(const PairFilter& filter) {
+void PartCandidates::drop_filtered(const PairFilter& filter) {
   Candidate* const end = candidates_.data() + candidate_count_;
   const auto nobody_asks = [&](const Candidate& c) {
     const BodyPair& pair = pairs_[c.pair];
-    return !filter.asks_parts(pair.type_a, c.part_a, pair.type_b, c.part_b);
+    return !filter.includes_parts(pair.type_a, c.part_a, pair.type_b, c.part_b);
   };
   candidate_count_ = static_cast<size_t>(std::remove_if(candidates_.data(), end, nobody_asks) -
                                          candidates_.data());
@@ -118,8 +118,9 @@ PairKey PartCandidates::key_of(const Candidate& candidate) const {
   return {pair.body_a, pair.body_b, candidate.part_a, candidate.part_b};
 }
 
-void PartCandidates::keep_pairs(const PartStageFrame& frame, size_t count) {
-  for (size_t i = count; i < pair_count_; ++i) counters_.box.tests -= box_tests(frame, pairs_[i]);
+void PartCandidates::keep_pairs(const MidPhaseFrame& frame, size_t count) {
+  for (size_t i = count; i < pair_count_; ++i)
+    counters_.part_box.tests -= box_tests(frame, pairs_[i]);
   pair_count_ = count;
 }
 

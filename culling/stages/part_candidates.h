@@ -19,7 +19,7 @@
 namespace throng {
 
 /// What all tasks of a frame read.
-struct PartStageFrame {
+struct MidPhaseFrame {
   std::span<const std::shared_ptr<const BodyType>> types;
   std::span<const uint16_t> shape_type;  ///< type of each shape that has buckets
   std::span<const uint16_t> type_first_shape;
@@ -36,33 +36,33 @@ struct PartStageFrame {
 };
 
 /// Tests that the part boxes of two bodies take.
-uint64_t box_tests(const PartStageFrame& frame, const BodyPair& pair);
+uint64_t box_tests(const MidPhaseFrame& frame, const BodyPair& pair);
 
 class PartCandidates {
  public:
   /// A task: begin() with the posed bodies, add() pairs of their slots, find(). Boxes that are
-  /// within `near_m` of each other along every axis are candidates. `inner`: a flag a pair, or
+  /// within `margin_m` of each other along every axis are candidates. `inner`: a flag a pair, or
   /// none, see is_inner().
-  void begin(const PartStageFrame& frame, const PosedBodies& bodies, float near_m = 0);
-  void add(const PartStageFrame& frame, std::span<const SlotPair> pairs,
+  void begin(const MidPhaseFrame& frame, const PosedBodies& bodies, float margin_m = 0);
+  void add(const MidPhaseFrame& frame, std::span<const SlotPair> pairs,
            std::span<const uint8_t> inner = {});
-  void find(const PartStageFrame& frame);
+  void find(const MidPhaseFrame& frame);
 
   /// Pairs of bodies whose boxes are near, and pairs of parts whose boxes are, in the order of
   /// add().
   std::span<const BodyPair> pairs() const { return {pairs_.data(), pair_count_}; }
   std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
   PairKey key_of(const Candidate& candidate) const;
-  /// Whatever near_m is.
-  bool boxes_overlap(const PartStageFrame& frame, const Candidate& candidate) const {
-    return boxes_are_near(frame, candidate, 0);
+  /// Whatever margin_m is.
+  bool boxes_overlap(const MidPhaseFrame& frame, const Candidate& candidate) const {
+    return boxes_are_within(frame, candidate, 0);
   }
-  /// Whether a search with the inner margin for near_m would have the candidate.
-  bool is_inner(const PartStageFrame& frame, const Candidate& candidate, float inner_m) const {
-    return inner_[candidate.pair] != 0 && boxes_are_near(frame, candidate, inner_m);
+  /// Whether a search with the inner margin for margin_m would have the candidate.
+  bool is_inner(const MidPhaseFrame& frame, const Candidate& candidate, float inner_m) const {
+    return inner_[candidate.pair] != 0 && boxes_are_within(frame, candidate, inner_m);
   }
   /// Forgets all but the first.
-  void keep_pairs(const PartStageFrame& frame, size_t count);
+  void keep_pairs(const MidPhaseFrame& frame, size_t count);
   void keep_candidates(size_t count) { candidate_count_ = count; }
 
   /// Calls test(shape a, shape b, candidates of the bucket) for each bucket that is not empty, and
@@ -71,7 +71,7 @@ class PartCandidates {
   void for_each_bucket(const Test& test, const Rest& rest);
 
   struct Counters {
-    StageCounters body_box, box;
+    StageCounters body_box, part_box;
   };
   const Counters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
@@ -79,8 +79,9 @@ class PartCandidates {
   uint32_t times_grown() const;
 
  private:
-  bool boxes_are_near(const PartStageFrame& frame, const Candidate& candidate, float near_m) const;
-  void leave_out_unasked(const PairFilter& filter);
+  bool boxes_are_within(const MidPhaseFrame& frame, const Candidate& candidate,
+                        float margin_m) const;
+  void drop_filtered(const PairFilter& filter);
   void sort_into_buckets();
 
   const PosedBodies* bodies_ = nullptr;

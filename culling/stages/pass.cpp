@@ -15,11 +15,11 @@ namespace {
 
 /// Beyond, places and volumes over a scale leave what a float holds, and pairs would be lost.
 void require_scales(std::span<const float> scales) {
-  constexpr auto kMost = static_cast<float>(kMaxDescribed);
+  constexpr auto kMaxScale = static_cast<float>(kMaxDescribed);
   for (size_t i = 0; i < scales.size(); ++i)
-    if (!(scales[i] >= 1 / kMost && scales[i] <= kMost))
+    if (!(scales[i] >= 1 / kMaxScale && scales[i] <= kMaxScale))
       throw InputError(fmt::format("scales[{}]", i),
-                       fmt::format("a number from {:g} to {:g}", 1 / kMost, kMost),
+                       fmt::format("a number from {:g} to {:g}", 1 / kMaxScale, kMaxScale),
                        fmt::format("{:g}", scales[i]));
 }
 
@@ -39,7 +39,7 @@ void PassRun::step(const BodiesView& bodies, const PoseSource& source) {
   hash_events();
   counters_.events_ns += hashing.lap_ns();
   counters_.wall_ns = whole.lap_ns();
-  counters_.allocations_grown = times_grown() - grown_before;
+  counters_.buffers_grown = times_grown() - grown_before;
 }
 
 void PassRun::finish() {
@@ -88,10 +88,10 @@ void require_triangles(BodyTypes types) {
       throw InputError("exact contacts", "triangles in every part", "a point cloud");
 }
 
-void require_margins(const NearOptions& near) {
-  for (const float margin_m : {near.near_m, near.body_near_m})
-    if (!(margin_m >= 0 && margin_m <= kMostNear_m))
-      throw InputError("margin", fmt::format("0 to {} m", kMostNear_m),
+void require_margins(const ProximityOptions& proximity) {
+  for (const float margin_m : {proximity.margin_m, proximity.closest_margin_m})
+    if (!(margin_m >= 0 && margin_m <= kMaxProximity_m))
+      throw InputError("margin", fmt::format("0 to {} m", kMaxProximity_m),
                        fmt::format("{}", margin_m));
 }
 

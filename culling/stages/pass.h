@@ -21,7 +21,7 @@ using BodyTypes = std::span<const std::shared_ptr<const BodyType>>;
 
 /// How far a pass refines what it decides.
 inline PairLevel last_level(const CullerOptions& options) {
-  return options.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  return options.exact ? PairLevel::kTriangles : PairLevel::kPartVolume;
 }
 
 class Pass {
@@ -76,7 +76,7 @@ class PassRun {
 
 /// Throws InputError if a part of a type has none.
 void require_triangles(BodyTypes types);
-/// Throws InputError if one is negative or beyond kMostNear_m.
-void require_margins(const NearOptions& near);
+/// Throws InputError if one is negative or beyond kMaxProximity_m.
+void require_margins(const ProximityOptions& proximity);
 
 }  // namespace throng

@@ -1,7 +1,7 @@
 #include "culling/stages/pipeline.h"
 
 #include "base/stopwatch.h"
-#include "culling/distance/near_search.h"
+#include "culling/distance/proximity_search.h"
 
 namespace throng {
 namespace {
@@ -13,26 +13,27 @@ constexpr size_t kTaskPairs = 2048, kTaskBlocks = 4;
 }  // namespace
 
 Pipeline::Pipeline(BodyTypes types, const CullerOptions& options, Workers& workers,
-                   NearSearch* near)
+                   ProximitySearch* proximity)
     : last_level_(last_level(options)),
       workers_(workers),
-      near_(near),
-      shared_(types, options, workers, near == nullptr ? Margins() : margins_of(options.near)),
+      proximity_(proximity),
+      shared_(types, options, workers,
+              proximity == nullptr ? Margins() : margins_of(options.proximity)),
       stages_(static_cast<size_t>(workers.threads())),
       posed_(static_cast<size_t>(workers.threads())) {
   if (options.by_part)
-    for (PartStage& stage : stages_) stage.tally_parts();
+    for (MidPhase& stage : stages_) stage.tally_parts();
   // What distances are bounded with are the usual part volumes: one test answers both.
-  near_decides_ = near != nullptr && !options.by_part && !shared_.parts().is_mixed &&
-                  shared_.parts().volume == VolumeKind::kOrdop26;
-  if (near_decides_) near->share_boxes();
+  proximity_decides_ = proximity != nullptr && !options.by_part && !shared_.parts().is_mixed &&
+                       shared_.parts().volume == VolumeKind::kOrdop26;
+  if (proximity_decides_) proximity->share_boxes();
 }
 
 void Pipeline::run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
                    CullingCounters& counters) {
   shared_.search(bodies, source);
   plan_tasks();
-  if (near_) near_->begin_frame(shared_.parts(), bodies, task_count_);
+  if (proximity_) proximity_->begin_frame(shared_.parts(), bodies, task_count_);
   refine(source);
   sum_counters(counters);
   Stopwatch watch;
@@ -41,7 +42,7 @@ void Pipeline::run(const BodiesView& bodies, const PoseSource& source, PairEvent
   counters.events_ns = watch.lap_ns();
   counters.levels = {};
   counters.levels[static_cast<size_t>(last_level_)] = events.touching().size();
-  if (near_) near_->end_frame(counters.near);
+  if (proximity_) proximity_->end_frame(counters.proximity);
 }
 
 /// Groups the blocks of the broad phase into tasks_. Depends on the frame alone_, as results must.
@@ -61,35 +62,36 @@ void Pipeline::plan_tasks() {
 }
 
 void Pipeline::refine(const PoseSource& source) {
-  for (PartStage& stage : stages_) stage.clear_counters();
+  for (MidPhase& stage : stages_) stage.clear_counters();
   for (PosedBodies& bodies : posed_) {
     bodies.clear_counters();
     bodies.prepare(shared_.slots().count());
   }
-  const PartStageFrame parts = shared_.parts();
+  const MidPhaseFrame parts = shared_.parts();
   workers_.for_blocks(static_cast<int>(task_count_), [&](int index, int worker) {
     Task& task = tasks_[static_cast<size_t>(index)];
-    PartStage& stage = stages_[static_cast<size_t>(worker)];
+    MidPhase& stage = stages_[static_cast<size_t>(worker)];
     PosedBodies& bodies = posed_[static_cast<size_t>(worker)];
     for (size_t block = task.first; block < task.end; ++block)
-      bodies.need(shared_.broad().block(block));
-    bodies.pose(shared_.posing(source), alone_);
+      bodies.request(shared_.broad().block(block));
+    bodies.pose(shared_.posing(source), serial_);
     stage.begin(parts, bodies);
-    if (near_) near_->begin(worker, bodies);
+    if (proximity_) proximity_->begin(worker, bodies);
     for (size_t block = task.first; block < task.end; ++block) {
-      if (near_) near_->add(worker, shared_.broad().block(block), shared_.broad().inner(block));
-      if (!near_decides_) stage.add(parts, shared_.broad().block(block));
+      if (proximity_)
+        proximity_->add(worker, shared_.broad().block(block), shared_.broad().inner(block));
+      if (!proximity_decides_) stage.add(parts, shared_.broad().block(block));
     }
-    if (near_) near_->bound(worker, static_cast<size_t>(index));
+    if (proximity_) proximity_->bound(worker, static_cast<size_t>(index));
     std::span<const uint8_t> touches;
-    if (near_ && near_decides_) {
-      const NearParts& near = near_->parts(worker);
-      stage.finish(parts, near.parts(), near.overlaps(), task.found);
+    if (proximity_ && proximity_decides_) {
+      const ProximityCandidates& proximity = proximity_->parts(worker);
+      stage.finish(parts, proximity.parts(), proximity.overlaps(), task.found);
       touches = stage.touches(parts);
     } else {
       stage.finish(parts, task.found);
     }
-    if (near_) near_->finish(worker, static_cast<size_t>(index), touches);
+    if (proximity_) proximity_->finish(worker, static_cast<size_t>(index), touches);
     bodies.clear();
   });
   for (size_t i = 0; i < stages_.size(); ++i) {
@@ -101,13 +103,13 @@ void Pipeline::refine(const PoseSource& source) {
 }
 
 void Pipeline::sort_runs(size_t bodies) {
-  using Found = SortedRuns<uint16_t>::Found;
+  using BodyRun = SortedRuns<uint16_t>::BodyRun;
   runs_.sort(bodies, workers_, [&](const auto& visit) {
     for (size_t t = 0; t < task_count_; ++t) {
       const PartPairs& found = tasks_[t].found;
       for (size_t i = 0; i < found.run_count; ++i) {
         const PartRun& run = found.runs[i];
-        visit(Found{run.body_a, {run.body_b, run.count, found.parts.data() + run.first}});
+        visit(BodyRun{run.body_a, {run.body_b, run.count, found.parts.data() + run.first}});
       }
     }
   });
@@ -136,28 +138,28 @@ void Pipeline::write_pairs(const BodiesView& bodies, PairEvents& events) {
 }
 
 void Pipeline::sum_counters(CullingCounters& counters) const {
-  PartStageCounters parts;
+  MidPhaseCounters parts;
   PosedBodies::Counters made;
-  for (const PartStage& stage : stages_) parts.add(stage.counters());
+  for (const MidPhase& stage : stages_) parts.add(stage.counters());
   for (const PosedBodies& bodies : posed_) made.add(bodies.counters());
-  if (near_decides_) {
-    const PartCandidates::Counters boxes = near_->box_counters();
+  if (proximity_decides_) {
+    const PartCandidates::Counters boxes = proximity_->box_counters();
     parts.body_box += boxes.body_box;
-    parts.box += boxes.box;
+    parts.part_box += boxes.part_box;
   }
   shared_.count(parts, made, counters);
 }
 
 PartTally Pipeline::part_tally() const {
   PartTally sum;
-  for (const PartStage& stage : stages_)
+  for (const MidPhase& stage : stages_)
     if (stage.tally() != nullptr) sum.add(*stage.tally());
   return sum;
 }
 
 uint64_t Pipeline::times_grown() const {
   uint64_t sum = shared_.times_grown() + runs_.times_grown();
-  for (const PartStage& stage : stages_) sum += stage.times_grown();
+  for (const MidPhase& stage : stages_) sum += stage.times_grown();
   for (const PosedBodies& bodies : posed_) sum += bodies.times_grown();
   for (const Task& task : tasks_) sum += task.found.times_grown();
   return sum;

@@ -11,13 +11,13 @@
 
 namespace throng {
 
-class NearSearch;
+class ProximitySearch;
 
 class Pipeline final : public Pass {
  public:
   /// `near` finds distances in the same tasks, of the same poses; null where none is asked.
   Pipeline(BodyTypes types, const CullerOptions& options, Workers& workers,
-           NearSearch* near = nullptr);
+           ProximitySearch* proximity = nullptr);
 
   void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
            CullingCounters& counters) override;
@@ -38,13 +38,13 @@ class Pipeline final : public Pass {
 
   PairLevel last_level_;
   Workers& workers_;
-  bool near_decides_ = false;  // which part volumes overlap, too
-  NearSearch* near_;
+  bool proximity_decides_ = false;  // which part volumes overlap, too
+  ProximitySearch* proximity_;
   SharedStages shared_;
   // One a worker.
-  std::vector<PartStage> stages_;
+  std::vector<MidPhase> stages_;
   std::vector<PosedBodies> posed_;
-  Workers alone_{1};  // a task poses its bodies by itself
+  Workers serial_{1};  // a task poses its bodies by itself
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
   SortedRuns<uint16_t> runs_;  // PairKey::parts_of()

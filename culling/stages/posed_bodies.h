@@ -39,7 +39,7 @@ class PosedBodies {
   /// Forgets all bodies.
   void clear();
   /// Asks for a slot's body; more than once does no harm.
-  void need(uint32_t slot) {
+  void request(uint32_t slot) {
     uint32_t& local = local_of_slot_[slot];
     if (local != kNone) return;
     local = static_cast<uint32_t>(count_);
@@ -47,10 +47,10 @@ class PosedBodies {
     slots_[count_++] = slot;
   }
   /// Both bodies of each pair.
-  void need(std::span<const SlotPair> pairs) {
+  void request(std::span<const SlotPair> pairs) {
     for (const SlotPair& pair : pairs) {
-      need(pair.a);
-      need(pair.b);
+      request(pair.a);
+      request(pair.b);
     }
   }
   /// Poses every needed body that is not posed yet and makes its boxes, on all workers.

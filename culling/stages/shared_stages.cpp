@@ -29,7 +29,7 @@ SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Worker
   if (volumes_.size() == 1) volume_ = volumes_.front();
   size_t shapes = 0;
   for (size_t type = 0; type < types.size(); ++type) {
-    fit_for_part_stage(*types[type], volumes_, exact_);
+    fit_for_mid_phase(*types[type], volumes_, exact_);
     const size_t parts = static_cast<size_t>(types[type]->part_count());
     type_parts_.push_back(static_cast<uint16_t>(parts));
     type_first_shape_.push_back(static_cast<uint16_t>(std::min(shapes, size_t{kMaxBucketShapes})));
@@ -39,23 +39,23 @@ SharedStages::SharedStages(BodyTypes types, const CullerOptions& options, Worker
   }
 }
 
-void SharedStages::count(const PartStageCounters& parts, const PosedBodies::Counters& posed,
+void SharedStages::count(const MidPhaseCounters& parts, const PosedBodies::Counters& posed,
                          CullingCounters& counters) const {
-  counters.avatar = broad_.counters();
+  counters.body_sphere = broad_.counters();
   counters.body_box = parts.body_box;
   counters.body_box.volume = "aabb";
   counters.body_box.tests += broad_.apart_by_bounds();
   counters.body_box.updates = posed.bodies;
-  counters.box = parts.box;
-  counters.box.volume = "aabb";
-  counters.box.updates = posed.parts;
-  counters.box.update_ns = posed.box_ns;
-  counters.part = parts.part;
-  counters.part.volume = volumes_.size() > 1 ? "mixed" : name_of(volume_);
-  counters.part.updates += posed.parts;
-  counters.part.update_ns += posed.pose_ns;
-  counters.exact = parts.exact;
-  counters.exact.volume = exact_ ? "triangles" : "off";
+  counters.part_box = parts.part_box;
+  counters.part_box.volume = "aabb";
+  counters.part_box.updates = posed.parts;
+  counters.part_box.update_ns = posed.box_ns;
+  counters.part_volume = parts.part_volume;
+  counters.part_volume.volume = volumes_.size() > 1 ? "mixed" : name_of(volume_);
+  counters.part_volume.updates += posed.parts;
+  counters.part_volume.update_ns += posed.pose_ns;
+  counters.triangles = parts.triangles;
+  counters.triangles.volume = exact_ ? "triangles" : "off";
   counters.primitive_tests = parts.primitive_tests;
   counters.posed_bodies = posed.bodies;
   counters.pose_ns = posed.pose_ns;

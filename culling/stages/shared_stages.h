@@ -9,7 +9,7 @@
 #include "base/workers.h"
 #include "culling/kernels/kernels.h"
 #include "culling/stages/broad_phase.h"
-#include "culling/stages/part_stage.h"
+#include "culling/stages/mid_phase.h"
 #include "culling/stages/pass.h"
 #include "culling/stages/posed_bodies.h"
 #include "culling/stages/slots.h"
@@ -32,12 +32,12 @@ class SharedStages {
   PosedBodies::Frame posing(const PoseSource& source) const {
     return {types_, kernels_, slots_, source};
   }
-  PartStageFrame parts() const {
+  MidPhaseFrame parts() const {
     return {types_,   shape_type_, type_first_shape_,   type_parts_, &kernels_,
             &filter_, volume_,     volumes_.size() > 1, exact_};
   }
   /// The frame's counters, of all stages.
-  void count(const PartStageCounters& parts, const PosedBodies::Counters& posed,
+  void count(const MidPhaseCounters& parts, const PosedBodies::Counters& posed,
              CullingCounters& counters) const;
   uint64_t times_grown() const { return uint64_t{slots_.times_grown()} + broad_.times_grown(); }
 

@@ -21,12 +21,12 @@ class SortedRuns {
     uint32_t body_b, count;
     const Item* items;
   };
-  struct Found {
+  struct BodyRun {
     uint32_t body_a;
     Run run;
   };
 
-  /// each(visit) calls visit(Found) for every run, the same each time; no pair of bodies has two.
+  /// each(visit) calls visit(BodyRun) for every run, the same each time; no pair of bodies has two.
   template <typename Each>
   void sort(size_t bodies, Workers& workers, const Each& each);
 
@@ -69,12 +69,12 @@ template <typename Each>
 void SortedRuns<Item>::sort(size_t bodies, Workers& workers, const Each& each) {
   bodies_ = bodies;
   size_t count = 0;
-  each([&](const Found&) { ++count; });
+  each([&](const BodyRun&) { ++count; });
   runs_.resize(count);
   start_of_body_.resize(bodies + 2);
   counting_sort(
-      bodies, start_of_body_.data(), each, [](const Found& found) { return found.body_a; },
-      [&](const Found& found, uint32_t at) { runs_[at] = found.run; });
+      bodies, start_of_body_.data(), each, [](const BodyRun& found) { return found.body_a; },
+      [&](const BodyRun& found, uint32_t at) { runs_[at] = found.run; });
   items_before_.resize(block_count() + 1);
   workers.for_blocks(static_cast<int>(block_count()), [&](int index, int) {
     const auto block = static_cast<size_t>(index);

@@ -8,23 +8,23 @@
 #include "base/memory.h"
 #include "base/stopwatch.h"
 #include "culling/stages/pass.h"
-#include "culling/strategies/recipe.h"
+#include "culling/strategies/paper_search.h"
 
 namespace throng {
 namespace {
 
 /// A recipe as a pass. A recipe knows body indices, which are a frame's; pairs leave with ids,
 /// which last.
-class RecipePass final : public Pass {
+class PaperPass final : public Pass {
  public:
-  RecipePass(BodyTypes types, Strategy strategy, const CullerOptions& options, PairLevel last_level)
-      : last_level_(last_level), recipe_(Recipe::make(strategy, options, types)) {}
+  PaperPass(BodyTypes types, Strategy strategy, const CullerOptions& options, PairLevel last_level)
+      : last_level_(last_level), search_(PaperSearch::make(strategy, options, types)) {}
 
   void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
            CullingCounters& counters) override {
-    recipe_->run(bodies, source);
+    search_->run(bodies, source);
     Stopwatch watch;
-    const std::span<const PairKey> found = recipe_->pairs();
+    const std::span<const PairKey> found = search_->pairs();
     pairs_.resize(found.size());
     for (size_t i = 0; i < found.size(); ++i)
       pairs_[i] = PairKey(bodies.ids[found[i].a()], bodies.ids[found[i].b()], found[i].part_a(),
@@ -32,12 +32,12 @@ class RecipePass final : public Pass {
     events.advance({pairs_.data(), found.size()});
     level(found.size());
     counters.events_ns = watch.lap_ns();
-    counters.avatar = recipe_->spheres();
-    counters.body_box = counters.box = {.volume = "off"};
-    counters.part = recipe_->volumes();
-    counters.exact = recipe_->triangles();
-    counters.primitive_tests = recipe_->primitive_tests();
-    counters.posed_bodies = recipe_->posed_bodies();
+    counters.body_sphere = search_->spheres();
+    counters.body_box = counters.part_box = {.volume = "off"};
+    counters.part_volume = search_->volumes();
+    counters.triangles = search_->triangles();
+    counters.primitive_tests = search_->primitive_tests();
+    counters.posed_bodies = search_->posed_bodies();
     counters.levels = {};
     counters.levels[static_cast<size_t>(last_level_)] = found.size();
   }
@@ -50,7 +50,7 @@ class RecipePass final : public Pass {
   }
   std::span<const uint8_t> levels() const override { return {levels_.data(), level_count_}; }
   uint64_t times_grown() const override {
-    return recipe_->times_grown() + pairs_.times_grown() + levels_.times_grown();
+    return search_->times_grown() + pairs_.times_grown() + levels_.times_grown();
   }
 
  private:
@@ -63,7 +63,7 @@ class RecipePass final : public Pass {
   }
 
   PairLevel last_level_;
-  std::unique_ptr<Recipe> recipe_;
+  std::unique_ptr<PaperSearch> search_;
   GrowBuffer<PairKey> pairs_;
   GrowBuffer<uint8_t> levels_;  // zeros, of spheres alone
   size_t level_count_ = 0;
@@ -75,9 +75,9 @@ PairLevel last_level_of(Strategy strategy, const CullerOptions& options) {
 
 /// What only the pipeline does is not left out in silence.
 void require_possible(BodyTypes types, Strategy strategy, const CullerOptions& options) {
-  require_margins(options.near);
-  if (options.near.needs_search())
-    throw InputError(options.near.is_asked() ? "margins" : "contact points", "the pipeline",
+  require_margins(options.proximity);
+  if (options.proximity.needs_search())
+    throw InputError(options.proximity.is_enabled() ? "margins" : "contact points", "the pipeline",
                      "a strategy of the paper, which knows no distances");
   if (options.exact) {
     require_triangles(types);
@@ -91,12 +91,12 @@ void require_possible(BodyTypes types, Strategy strategy, const CullerOptions& o
       if (part.volume)
         throw InputError("volumes of single parts", "the pipeline", name_of(strategy));
   if (!options.filter.is_empty()) throw InputError("a filter", "the pipeline", name_of(strategy));
-  assert(!options.has_deadline());
+  assert(!options.has_budget());
 }
 
 std::unique_ptr<Pass> make_pass(BodyTypes types, Strategy strategy, const CullerOptions& options) {
   require_possible(types, strategy, options);
-  return std::make_unique<RecipePass>(types, strategy, options, last_level_of(strategy, options));
+  return std::make_unique<PaperPass>(types, strategy, options, last_level_of(strategy, options));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::optional<Strategy> strategy_of(std::string_view name) {
 
 std::vector<std::string> strategy_names() { return {kNames.begin(), kNames.end()}; }
 
-std::string_view left_out_by(Strategy strategy) {
+std::string_view omitted_by(Strategy strategy) {
   switch (strategy) {
     case Strategy::kNone:
       return "every contact: nothing was tested";

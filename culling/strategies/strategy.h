@@ -30,6 +30,6 @@ std::optional<Strategy> strategy_of(std::string_view name);
 std::vector<std::string> strategy_names();
 
 /// What touches and is not reported, in words; "" where nothing is left out.
-std::string_view left_out_by(Strategy strategy);
+std::string_view omitted_by(Strategy strategy);
 
 }  // namespace throng

@@ -15,7 +15,7 @@ Slabs Kdop<K>::place(const Slabs& fitted, const PartPose& pose, float scale) {
   for (size_t i = 0; i < kDirections.size(); ++i) {
     if (!has_direction(K, static_cast<int>(i))) continue;
     const Eigen::Vector3f n = direction_vector(static_cast<int>(i));
-    const Slab bound = fitted.bound<K>(turned_back(pose, n));
+    const Slab bound = fitted.bound<K>(rotated_back(pose, n));
     out.slab[i] = {scale * bound.centre + along(n, translation_m(pose)), scale * bound.half};
   }
   return out;

@@ -33,20 +33,20 @@ std::vector<Vector3f> some_of(std::span<const Vector3f> points, size_t most) {
 
 NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
   assert(!given.empty());
-  const std::vector<Vector3f> some = some_of(given, kMostPoints);
+  const std::vector<Vector3f> some = some_of(given, kMaxPoints);
   Vector3f low = some.front(), high = some.front();
   for (const Vector3f& point : some) {
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
-  const float edge_m = (high - low).maxCoeff() / float{kMostCells};
+  const float edge_m = (high - low).maxCoeff() / float{kMaxCells};
   size_t stride = 1, cells[3];
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     const float wide_m = high[i] - low[i];
     cells[axis] =
         edge_m > 0
-            ? static_cast<size_t>(std::clamp(std::ceil(wide_m / edge_m), 1.0f, float{kMostCells}))
+            ? static_cast<size_t>(std::clamp(std::ceil(wide_m / edge_m), 1.0f, float{kMaxCells}))
             : 1;
     const auto count = static_cast<float>(cells[axis]);
     axes[axis] = {low[i], wide_m > 0 ? count / wide_m : 0, count - 1, static_cast<float>(stride)};
@@ -69,7 +69,7 @@ NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
       }
 }
 
-Vector3f NearbyPoints::near(const Vector3f& place) const {
+Vector3f NearbyPoints::lookup(const Vector3f& place) const {
   float cell = 0;
   for (size_t i = 0; i < 3; ++i) {
     const float at = (place[static_cast<Eigen::Index>(i)] - axes[i].low_m) * axes[i].per_m;

@@ -13,7 +13,7 @@ namespace throng {
 /// Cells over the part's box, and of each the point that is nearest to its middle; a place outside
 /// belongs to the cell at the border. In the part's own frame, metres; kernels read it.
 struct NearbyPoints {
-  static constexpr int kMostCells = 16;  ///< along an axis: along the longest
+  static constexpr int kMaxCells = 16;  ///< along an axis: along the longest
 
   /// Of an axis: the cell of x is (x - low_m) * per_m, rounded down, from 0 to last.
   struct Axis {
@@ -29,15 +29,15 @@ struct NearbyPoints {
   std::vector<Point> points;            ///< those that a cell has
   std::vector<uint16_t> point_of_cell;  ///< by their number in `points`
 
-  /// At least one point. Of more than kMostPoints only some are taken.
+  /// At least one point. Of more than kMaxPoints only some are taken.
   explicit NearbyPoints(std::span<const Eigen::Vector3f> points);
 
   /// That of the cell of `place`; kernels do the same in lanes.
-  Eigen::Vector3f near(const Eigen::Vector3f& place) const;
+  Eigen::Vector3f lookup(const Eigen::Vector3f& place) const;
   const Point& of_cell(size_t cell) const { return points[point_of_cell[cell]]; }
 
  private:
-  static constexpr size_t kMostPoints = 2048;
+  static constexpr size_t kMaxPoints = 2048;
 };
 
 }  // namespace throng

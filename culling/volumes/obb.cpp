@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "culling/volumes/pose_math.h"
 
 namespace throng {
@@ -30,9 +30,9 @@ std::array<size_t, 2> extremes(std::span<const Eigen::Vector3f> points, const Ei
 }
 
 /// The few points that decide the size of a box: the search looks at them thousands of times.
-class Deciders {
+class ExtremePoints {
  public:
-  explicit Deciders(std::span<const Eigen::Vector3f> points)
+  explicit ExtremePoints(std::span<const Eigen::Vector3f> points)
       : all_(points), chosen_(points.size()) {
     constexpr int kDirectionCount = 128;
     for (int i = 0; i < kDirectionCount; ++i) {  // a Fibonacci spiral over the half sphere
@@ -117,7 +117,7 @@ Eigen::Matrix3d principal_axes(const Points& points) {
 }  // namespace
 
 Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
-  Deciders deciders(points);
+  ExtremePoints deciders(points);
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   deciders.add_for(best);
   const double fat = 1e-3 * extents(deciders.points(), best).maxCoeff();
@@ -169,7 +169,7 @@ Obb::Placed Obb::place(const Fitted& fitted, const PartPose& pose, float scale) 
   Placed box;
   box.centre_m = placed_point(pose, scale, fitted.centre_m);
   box.half_m = scale * fitted.half_m;
-  for (int i = 0; i < 3; ++i) box.axes.col(i) = turned(pose, fitted.axes.col(i));
+  for (int i = 0; i < 3; ++i) box.axes.col(i) = rotated(pose, fitted.axes.col(i));
   return box;
 }
 

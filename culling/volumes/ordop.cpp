@@ -39,13 +39,13 @@ bool ordop_overlaps(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
   const Eigen::Vector3f delta = a_to_b_m + translation_m(pose_b) - translation_m(pose_a);
   Eigen::Matrix3f b_from_a;  // R_b^T R_a
   for (int column = 0; column < 3; ++column)
-    b_from_a.col(column) = turned_back(
+    b_from_a.col(column) = rotated_back(
         pose_b, {pose_a.rows[0][column], pose_a.rows[1][column], pose_a.rows[2][column]});
-  if (separated<K>(slabs_a, scale_a, slabs_b, scale_b, b_from_a, turned_back(pose_a, delta),
+  if (separated<K>(slabs_a, scale_a, slabs_b, scale_b, b_from_a, rotated_back(pose_a, delta),
                    margin_m))
     return false;
   return !separated<K>(slabs_b, scale_b, slabs_a, scale_a, b_from_a.transpose(),
-                       -turned_back(pose_b, delta), margin_m);
+                       -rotated_back(pose_b, delta), margin_m);
 }
 
 template <int K>

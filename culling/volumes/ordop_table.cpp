@@ -94,14 +94,14 @@ void OrdopTable::fill_lookups() {
 
 void OrdopTable::fill_inverses() {
   // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
-  constexpr float kThinnest = 1e-6f;
+  constexpr float kMinHalfWidth = 1e-6f;
   holds_origin = true;
   for (size_t d = 0; d < kDirections.size(); ++d) {
     const Slab& slab = slabs.slab[d];
     per_length[d] = 1 / length[d];
     per_reach_up[d] = 1 / (slab.centre + slab.half);
     per_reach_down[d] = 1 / (slab.centre - slab.half);
-    holds_origin &= slab.half - std::abs(slab.centre) > kThinnest;
+    holds_origin &= slab.half - std::abs(slab.centre) > kMinHalfWidth;
   }
 }
 
@@ -111,7 +111,7 @@ namespace {
 Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
   const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
                                scale * table.origin[2]);
-  return translation_m(pose) + turned(pose, origin);
+  return translation_m(pose) + rotated(pose, origin);
 }
 
 /// True if a direction of own separates it from other.
@@ -156,14 +156,14 @@ OrdopHalves::OrdopHalves(const OrdopTable& a, const PartPose& pose_a, float scal
   const float b_over_a = scale_b * per_a, a_over_b = scale_a * per_b;
   for (int j = 0; j < 3; ++j) {
     const Eigen::Vector3f b_from_a =
-        turned_back(pose_b, {pose_a.rows[0][j], pose_a.rows[1][j], pose_a.rows[2][j]});
+        rotated_back(pose_b, {pose_a.rows[0][j], pose_a.rows[1][j], pose_a.rows[2][j]});
     for (int i = 0; i < 3; ++i) {
       from_a.other_from_own[i][j] = b_from_a[i] * b_over_a;
       from_b.other_from_own[j][i] = b_from_a[i] * a_over_b;
     }
   }
-  store(turned_back(pose_a, delta) * per_a, from_a.offset);
-  store(-turned_back(pose_b, delta) * per_b, from_b.offset);
+  store(rotated_back(pose_a, delta) * per_a, from_a.offset);
+  store(-rotated_back(pose_b, delta) * per_b, from_b.offset);
   from_a.margin = shift_m[3] * per_a;
   from_b.margin = shift_m[3] * per_b;
 }

@@ -9,7 +9,7 @@
 namespace throng {
 
 /// R * v.
-inline Eigen::Vector3f turned(const PartPose& pose, const Eigen::Vector3f& v) {
+inline Eigen::Vector3f rotated(const PartPose& pose, const Eigen::Vector3f& v) {
   const auto& r = pose.rows;
   return {r[0][0] * v.x() + r[0][1] * v.y() + r[0][2] * v.z(),
           r[1][0] * v.x() + r[1][1] * v.y() + r[1][2] * v.z(),
@@ -17,7 +17,7 @@ inline Eigen::Vector3f turned(const PartPose& pose, const Eigen::Vector3f& v) {
 }
 
 /// R^T * v: a world vector seen from the part.
-inline Eigen::Vector3f turned_back(const PartPose& pose, const Eigen::Vector3f& v) {
+inline Eigen::Vector3f rotated_back(const PartPose& pose, const Eigen::Vector3f& v) {
   const auto& r = pose.rows;
   return {r[0][0] * v.x() + r[1][0] * v.y() + r[2][0] * v.z(),
           r[0][1] * v.x() + r[1][1] * v.y() + r[2][1] * v.z(),
@@ -30,7 +30,7 @@ inline Eigen::Vector3f translation_m(const PartPose& pose) {
 
 /// Where a point of a part scaled by `scale` lies, relative to the body's root, in world axes.
 inline Eigen::Vector3f placed_point(const PartPose& pose, float scale, const Eigen::Vector3f& p) {
-  return turned(pose, scale * p) + translation_m(pose);
+  return rotated(pose, scale * p) + translation_m(pose);
 }
 
 }  // namespace throng

@@ -12,8 +12,8 @@ namespace {
 /// A weighted sum of slabs; a negative weight turns the slab round.
 struct SlabSum {
   Slab total;
-  void add(const Slab& slab, float weight, bool turned) {
-    total.centre += turned ? -(weight * slab.centre) : weight * slab.centre;
+  void add(const Slab& slab, float weight, bool rotated) {
+    total.centre += rotated ? -(weight * slab.centre) : weight * slab.centre;
     total.half += weight * slab.half;
   }
 };

@@ -44,7 +44,7 @@ using VolumeAt =
 
 /// Where a class stands in the list.
 template <typename V>
-inline constexpr size_t kPlaceOf = [] {
+inline constexpr size_t kVolumeIndex = [] {
   size_t place = kVolumeCount;
   [&]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
     ((std::is_same_v<V, VolumeAt<kPlaces>> ? void(place = kPlaces) : void()), ...);

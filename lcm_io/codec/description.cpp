@@ -8,9 +8,9 @@
 #include <map>
 #include <numbers>
 
-#include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "base/portable_math.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "culling/event_hash.h"
@@ -171,24 +171,24 @@ run_description_t describe(const RunInfo& run) {
   out.scale_of_avatar = run.scale_of_avatar;
   for (const uint16_t group : run.group_of_avatar) out.group_of_avatar.push_back(number_of(group));
   out.groups = run.groups;
-  out.drive_channels = run.drive_channels;
+  out.control_channels = run.control_channels;
   out.group_count = static_cast<int32_t>(out.groups.size());
   return out;
 }
 
 namespace {
 
-std::string leaves_out(const RunInfo& run) {
+std::string omits(const RunInfo& run) {
   if (!run.culling) return "every contact: the run was without culling";
-  if (run.culler.has_deadline())
+  if (run.culler.has_budget())
     return "decisions that a frame had no time for: such pairs count as touching, their level says "
            "how far they came";
-  return std::string(left_out_by(run.strategy));
+  return std::string(omitted_by(run.strategy));
 }
 
 }  // namespace
 
-std::vector<uint8_t> readable_description(const RunInfo& run) {
+std::vector<uint8_t> encode_description(const RunInfo& run) {
   const std::string where = run.scene->file.empty() ? run.scene->name : run.scene->file.string();
   // What does not fit into the numbers of a description cannot be seen in it any more.
   if (run.models.size() > kMaxModels || run.groups.size() > kMaxGroups)
@@ -207,23 +207,22 @@ std::vector<uint8_t> readable_description(const RunInfo& run) {
   return bytes;
 }
 
-void describe_checks(const RunInfo& run, checks_t& out) {
+void describe_checksums(const RunInfo& run, checksums_t& out) {
   out.version = version();
   out.commit = fmt::format("{:<18}", commit());
   out.strategy = name_of(run.strategy);
-  out.deadline_ms = run.culler.deadline_ms.value_or(-1);
-  out.deadline_tests =
-      run.culler.deadline_tests ? static_cast<int64_t>(*run.culler.deadline_tests) : -1;
-  out.leaves_out = leaves_out(run);
+  out.budget_ms = run.culler.budget_ms.value_or(-1);
+  out.budget_tests = run.culler.budget_tests ? static_cast<int64_t>(*run.culler.budget_tests) : -1;
+  out.omits = omits(run);
   out.is_last = out.is_repaired = 0;
-  out.hash_kind = static_cast<int32_t>(run.culler.has_deadline() ? EventHashKind::kEventsAndLevels
-                                                                 : EventHashKind::kEvents);
+  out.hash_kind = static_cast<int32_t>(run.culler.has_budget() ? EventHashKind::kEventsAndLevels
+                                                               : EventHashKind::kEvents);
   out.hash_at_start = run.resumed ? static_cast<int64_t>(run.resumed->hash) : 0;
 }
 
-std::string printable(std::string_view name, size_t longest) {
+std::string printable(std::string_view name, size_t max_bytes) {
   std::string out;
-  for (size_t at = 0; at < name.size() && out.size() < longest;) {
+  for (size_t at = 0; at < name.size() && out.size() < max_bytes;) {
     const size_t length = printable_character(name.substr(at));
     out += length > 0 ? name.substr(at, length) : "?";
     at += std::max<size_t>(length, 1);

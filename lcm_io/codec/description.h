@@ -20,14 +20,14 @@ run_description_t describe(const RunInfo& run);
 
 /// The description of a run, encoded. Throws InputError naming the scene's file if it is longer
 /// than a reader takes, or has what defect_of() refuses.
-std::vector<uint8_t> readable_description(const RunInfo& run);
+std::vector<uint8_t> encode_description(const RunInfo& run);
 
-/// Fills in what checks_t says of the run itself: by what it was made, and what it leaves out.
-void describe_checks(const RunInfo& run, checks_t& out);
+/// Fills in what checksums_t says of the run itself: by what it was made, and what it leaves out.
+void describe_checksums(const RunInfo& run, checksums_t& out);
 
 /// A name that came over the wire, fit for a terminal: what could command one (control characters,
 /// bytes that are no UTF-8) becomes '?', and after `longest` bytes it is cut.
-std::string printable(std::string_view name, size_t longest = 64);
+std::string printable(std::string_view name, size_t max_bytes = 64);
 
 /// "<group> <id>" of an avatar, the name of an obstacle; printable. For a description that
 /// defect_of() passed.

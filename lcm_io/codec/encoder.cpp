@@ -24,7 +24,7 @@ static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 // Where they differ from target to target.
 constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
-constexpr auto kRunBytes = static_cast<int>(kRowsPerMessage<run_t>);
+constexpr auto kRunBytes = static_cast<int>(kRowsPerMessage<run_chunk_t>);
 constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
 constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
 
@@ -54,29 +54,33 @@ std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer)
 
 }  // namespace
 
-int Outlet::description_chunks() const {
+int TargetState::description_chunks() const {
   return chunks_of(encoder_.description_.size(), static_cast<size_t>(kRunBytes));
 }
 
-void Outlet::send_description_chunk(int chunk) { encoder_.send_description_chunk(*this, chunk); }
+void TargetState::send_description_chunk(int chunk) {
+  encoder_.send_description_chunk(*this, chunk);
+}
 
-void Outlet::repeat_end() { encoder_.send(*this, Channel::kEnd, end_, 0, 1); }
+void TargetState::repeat_end() { encoder_.send(*this, Channel::kEnd, end_, 0, 1); }
 
-void Outlet::send_last_checks() { encoder_.send_checks(*this, encoder_.last_hash_, true); }
+void TargetState::send_last_checksums() {
+  encoder_.send_checksums(*this, encoder_.last_hash_, true);
+}
 
 void RunEncoder::add(const EncoderOptions& options, MessageTarget& target) {
   assert(options.state_every >= 1);
-  outlets_.push_back(std::make_unique<Outlet>(*this, options, target));
+  target_states_.push_back(std::make_unique<TargetState>(*this, options, target));
 }
 
-void RunEncoder::choose_outlets() {
-  open_.clear();
-  for (const auto& outlet : outlets_)
-    if (outlet->target_.wants_messages()) open_.push_back(outlet.get());
+void RunEncoder::choose_targets() {
+  open_targets_.clear();
+  for (const auto& target_state : target_states_)
+    if (target_state->target_.wants_messages()) open_targets_.push_back(target_state.get());
 }
 
 template <class Message>
-void RunEncoder::number(Message& message, int chunk, int chunk_count) const {
+void RunEncoder::fill_header(Message& message, int chunk, int chunk_count) const {
   message.utime = utime_us_;
   message.run_id = run_id_;
   message.frame = frame_;
@@ -86,48 +90,50 @@ void RunEncoder::number(Message& message, int chunk, int chunk_count) const {
 }
 
 /// What an encoded message says to this target, `ahead` messages behind the one that is next.
-void RunEncoder::address(const Outlet& to, Channel channel, int64_t ahead,
-                         std::span<uint8_t> bytes) {
+void RunEncoder::set_target_header(const TargetState& to, Channel channel, int64_t ahead,
+                                   std::span<uint8_t> bytes) {
   put_big_endian(bytes.data() + kInstanceAt, to.instance_);
-  put_big_endian(bytes.data() + kSeqAt, to.said_[channel].messages + ahead);
+  put_big_endian(bytes.data() + kSeqAt, to.sent_[channel].messages + ahead);
 }
 
 template <class Message>
-void RunEncoder::send(const Outlets& to, Channel channel, Message& message, int chunk,
+void RunEncoder::send(const TargetStates& to, Channel channel, Message& message, int chunk,
                       int chunk_count) {
-  number(message, chunk, chunk_count);
+  fill_header(message, chunk, chunk_count);
   const std::span<uint8_t> bytes = encoded(message, buffer_);
-  for (Outlet* outlet : to) {
-    address(*outlet, channel, 0, bytes);
-    hand_over(*outlet, channel, bytes, checksum(bytes));
+  for (TargetState* target_state : to) {
+    set_target_header(*target_state, channel, 0, bytes);
+    deliver(*target_state, channel, bytes, checksum(bytes));
   }
 }
 
 template <class Message>
-void RunEncoder::send(Outlet& to, Channel channel, Message& message, int chunk, int chunk_count) {
-  number(message, chunk, chunk_count);
+void RunEncoder::send(TargetState& to, Channel channel, Message& message, int chunk,
+                      int chunk_count) {
+  fill_header(message, chunk, chunk_count);
   const std::span<uint8_t> bytes = encoded(message, buffer_);
-  address(to, channel, 0, bytes);
-  hand_over(to, channel, bytes, checksum(bytes));
+  set_target_header(to, channel, 0, bytes);
+  deliver(to, channel, bytes, checksum(bytes));
 }
 
-void RunEncoder::hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes,
-                           uint64_t checksum) {
-  to.said_.add(channel, to.said_.messages(), utime_us_, bytes.size(), checksum);
+void RunEncoder::deliver(TargetState& to, Channel channel, std::span<const uint8_t> bytes,
+                         uint64_t checksum) {
+  to.sent_.add(channel, to.sent_.messages(), utime_us_, bytes.size(), checksum);
   to.target_.message(channel, utime_us_, bytes);
 }
 
 void RunEncoder::begin(const RunInfo& run) {
   run_id_ = static_cast<int64_t>(run.run_id);
-  last_level_ = run.culler.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+  last_level_ = run.culler.exact ? PairLevel::kTriangles : PairLevel::kPartVolume;
   int threads = 1;
   bool part_poses = false;
-  for (const auto& outlet : outlets_) {
-    outlet->instance_ = outlet->options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
-    outlet->said_ = {};
-    outlet->clamped_ = 0;
-    threads = std::max(threads, outlet->options_.threads);
-    part_poses = part_poses || outlet->options_.part_poses;
+  for (const auto& target_state : target_states_) {
+    target_state->instance_ =
+        target_state->options_.with_instance ? static_cast<int64_t>(run.instance) : 0;
+    target_state->sent_ = {};
+    target_state->clamped_ = 0;
+    threads = std::max(threads, target_state->options_.threads);
+    part_poses = part_poses || target_state->options_.part_poses;
   }
   if (!workers_ || workers_->threads() != threads) workers_.emplace(threads);
   utime_us_ = frame_ = 0;
@@ -135,9 +141,9 @@ void RunEncoder::begin(const RunInfo& run) {
 
   monitor_.reset();
   if (run.scene->separation) monitor_.emplace(run);
-  describe_checks(run, checks_);
+  describe_checksums(run, checks_);
 
-  description_ = readable_description(run);
+  description_ = encode_description(run);
 
   ranges_.clear();
   for (const auto& model : run.models) ranges_.push_back(column_ranges(*model));
@@ -166,16 +172,16 @@ void RunEncoder::begin(const RunInfo& run) {
   states_.resize(std::max<size_t>(1, std::min(state_chunks_.size(), slots)));
   for (StatesSlot& slot : states_) {
     slot.bytes.resize(kMaxMessageBytes);
-    slot.checksums.resize(outlets_.size());
+    slot.checksums.resize(target_states_.size());
   }
-  part_chunks_ = plan(kFixedBytes<parts_t>, 0, kRowBytes<parts_t>,
+  part_chunks_ = plan(kFixedBytes<part_poses_t>, 0, kRowBytes<part_poses_t>,
                       [&](uint16_t model) { return run.models[model]->part_count(); });
   if (part_poses) require_few(run, part_chunks_.size());
-  choose_outlets();
-  for (Outlet* outlet : open_) outlet->target_.after_begin(*outlet);
+  choose_targets();
+  for (TargetState* target_state : open_targets_) target_state->target_.after_begin(*target_state);
 }
 
-void RunEncoder::send_description_chunk(Outlet& to, int chunk) {
+void RunEncoder::send_description_chunk(TargetState& to, int chunk) {
   const auto total = static_cast<int>(description_.size());
   run_.total_bytes = total;
   run_.offset = chunk * kRunBytes;
@@ -186,7 +192,7 @@ void RunEncoder::send_description_chunk(Outlet& to, int chunk) {
 }
 
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
-  choose_outlets();
+  choose_targets();
   const bool is_first = last_second_ < 0;
   if (run.resumed && is_first) {  // what the first events refer to
     utime_us_ = run.resumed->utime_us;
@@ -200,28 +206,28 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
     last_second_ = frame.utime_us / kSecond_us;
     send_touching(frame.pairs, frame.levels);
   }
-  if (run.culler.near.is_asked()) send_near(run, frame);
-  if (run.culler.near.contact_points) send_contacts(frame.contact_points);
+  if (run.culler.proximity.is_enabled()) send_proximity(run, frame);
+  if (run.culler.proximity.contact_points) send_contacts(frame.contact_points);
   if (monitor_) {
     monitor_->frame(run, frame);
     send_separation();
   }
-  states_to_.clear();
-  parts_to_.clear();
-  for (Outlet* outlet : open_) {
-    if (!is_first && !states_are_due(outlet->options_.state_every, frame.number)) continue;
-    states_to_.push_back(outlet);
-    if (outlet->options_.part_poses) parts_to_.push_back(outlet);
+  states_targets_.clear();
+  part_poses_targets_.clear();
+  for (TargetState* target_state : open_targets_) {
+    if (!is_first && !states_are_due(target_state->options_.state_every, frame.number)) continue;
+    states_targets_.push_back(target_state);
+    if (target_state->options_.part_poses) part_poses_targets_.push_back(target_state);
   }
-  if (!states_to_.empty()) send_states(run, frame);
-  if (!parts_to_.empty()) send_parts(run, frame);
+  if (!states_targets_.empty()) send_states(run, frame);
+  if (!part_poses_targets_.empty()) send_part_poses(run, frame);
   const auto begins = std::count_if(frame.events.begin(), frame.events.end(),
                                     [](const PairEvent& e) { return e.kind == EventKind::kBegin; });
-  for (Outlet* outlet : open_) {
-    send_frame_stats(*outlet, frame, begins);
-    send_checks(*outlet, frame.hash, false);
+  for (TargetState* target_state : open_targets_) {
+    send_frame_stats(*target_state, frame, begins);
+    send_checksums(*target_state, frame.hash, false);
   }
-  for (Outlet* outlet : open_) outlet->target_.after_frame(*outlet);
+  for (TargetState* target_state : open_targets_) target_state->target_.after_frame(*target_state);
 }
 
 /// Also when there are none: a receiver learns that nothing touches, or is near. set(first, count)
@@ -233,7 +239,7 @@ void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, const Set& 
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const size_t first = static_cast<size_t>(chunk) * per_message;
     set(first, std::min(per_message, rows - first));
-    send(open_, channel, m, chunk, chunks);
+    send(open_targets_, channel, m, chunk, chunks);
   }
 }
 
@@ -243,7 +249,7 @@ void RunEncoder::send_events(std::span<const PairEvent> events) {
     const size_t first = static_cast<size_t>(chunk) * kRowsPerMessage<events_t>;
     set_events(events_,
                events.subspan(first, std::min(kRowsPerMessage<events_t>, events.size() - first)));
-    send(open_, Channel::kEvents, events_, chunk, chunks);
+    send(open_targets_, Channel::kEvents, events_, chunk, chunks);
   }
 }
 
@@ -256,16 +262,16 @@ void RunEncoder::send_touching(std::span<const PairKey> pairs, std::span<const u
   });
 }
 
-void RunEncoder::send_near(const RunInfo& run, const Frame& frame) {
-  const size_t rows = frame.near_pairs.size() + frame.near_bodies.size();
-  send_rows(Channel::kNear, near_, rows, [&](size_t first, size_t) {
-    set_near_chunk(near_, run.culler.near, frame.near_hash, frame.near_pairs, frame.near_bodies,
-                   first);
+void RunEncoder::send_proximity(const RunInfo& run, const Frame& frame) {
+  const size_t rows = frame.proximity_pairs.size() + frame.closest_parts.size();
+  send_rows(Channel::kProximity, proximity_, rows, [&](size_t first, size_t) {
+    set_proximity_chunk(proximity_, run.culler.proximity, frame.proximity_hash,
+                        frame.proximity_pairs, frame.closest_parts, first);
   });
 }
 
 void RunEncoder::send_contacts(std::span<const ContactPoint> points) {
-  send_rows(Channel::kContacts, contacts_, points.size(), [&](size_t first, size_t count) {
+  send_rows(Channel::kContactPoints, contacts_, points.size(), [&](size_t first, size_t count) {
     set_contacts(contacts_, points.subspan(first, count));
   });
 }
@@ -283,7 +289,7 @@ void RunEncoder::send_separation() {
       set_shortfall(separation_, i, is_begin ? EventKind::kBegin : EventKind::kEnd,
                     is_begin ? begun[first + i] : ended[first + i - begun.size()]);
     }
-    send(open_, Channel::kSeparation, separation_, chunk, chunks);
+    send(open_targets_, Channel::kSeparation, separation_, chunk, chunks);
   }
 }
 
@@ -306,22 +312,22 @@ void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
       const int chunk = first + i;
       fill_states(run, frame, state_chunks_[static_cast<size_t>(chunk)], slot.message);
-      number(slot.message, chunk, chunks);
+      fill_header(slot.message, chunk, chunks);
       const std::span<uint8_t> bytes = encoded(slot.message, slot.bytes);
       slot.size = bytes.size();
-      for (size_t t = 0; t < states_to_.size(); ++t) {
-        address(*states_to_[t], Channel::kStates, i, bytes);
+      for (size_t t = 0; t < states_targets_.size(); ++t) {
+        set_target_header(*states_targets_[t], Channel::kStates, i, bytes);
         slot.checksums[t] = checksum(bytes);
       }
     });
     for (int i = 0; i < count; ++i) {
       StatesSlot& slot = states_[static_cast<size_t>(i)];
       const std::span<uint8_t> bytes(slot.bytes.data(), slot.size);
-      for (size_t t = 0; t < states_to_.size(); ++t) {
-        Outlet& outlet = *states_to_[t];
-        outlet.clamped_ += slot.message.clamped;
-        address(outlet, Channel::kStates, 0, bytes);
-        hand_over(outlet, Channel::kStates, bytes, slot.checksums[t]);
+      for (size_t t = 0; t < states_targets_.size(); ++t) {
+        TargetState& target_state = *states_targets_[t];
+        target_state.clamped_ += slot.message.clamped;
+        set_target_header(target_state, Channel::kStates, 0, bytes);
+        deliver(target_state, Channel::kStates, bytes, slot.checksums[t]);
       }
     }
   }
@@ -332,12 +338,12 @@ void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const Avata
   const auto count = static_cast<size_t>(range.count);
   m.first_avatar = range.first;
   m.avatar_count = range.count;
-  m.joint_value_count = range.items;
+  m.joint_position_count = range.items;
   m.clamped = 0;
   for (auto* column : {&m.root_x_100um, &m.root_y_100um, &m.root_z_100um}) column->resize(count);
   for (auto* column : {&m.root_qw, &m.root_qx, &m.root_qy, &m.root_qz}) column->resize(count);
   m.speed_mps.resize(count);
-  m.joint_values.resize(static_cast<size_t>(range.items));
+  m.joint_positions.resize(static_cast<size_t>(range.items));
   const auto first = static_cast<size_t>(range.first);
   m.present.clear();
   if (!frame.present.empty()) {
@@ -360,15 +366,15 @@ void RunEncoder::fill_states(const RunInfo& run, const Frame& frame, const Avata
     m.speed_mps[i] = frame.speeds_mps[avatar];
     const float* posture = frame.postures.data() + frame.posture_offsets[avatar];
     for (const ColumnRange& column : ranges_[run.model_of_avatar[avatar]])
-      m.joint_values[value++] = column.quantised_value(*posture++, m.clamped);
+      m.joint_positions[value++] = column.quantised_value(*posture++, m.clamped);
   }
 }
 
-void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {
+void RunEncoder::send_part_poses(const RunInfo& run, const Frame& frame) {
   const auto chunks = static_cast<int>(part_chunks_.size());
   for (int chunk = 0; chunk < chunks; ++chunk) {
     const AvatarRange& range = part_chunks_[static_cast<size_t>(chunk)];
-    parts_t& m = parts_;
+    part_poses_t& m = parts_;
     m.first_avatar = range.first;
     m.avatar_count = range.count;
     m.part_count = range.items;
@@ -382,8 +388,8 @@ void RunEncoder::send_parts(const RunInfo& run, const Frame& frame) {
                      run.scale_of_avatar[avatar],
                      frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first));
     }
-    for (Outlet* outlet : parts_to_) outlet->clamped_ += m.clamped;
-    send(parts_to_, Channel::kParts, m, chunk, chunks);
+    for (TargetState* target_state : part_poses_targets_) target_state->clamped_ += m.clamped;
+    send(part_poses_targets_, Channel::kPartPoses, m, chunk, chunks);
   }
 }
 
@@ -392,7 +398,7 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
   const RootFrame root_frame{root.world_from_root, scale};
   poses_.resize(static_cast<size_t>(model.part_count()));
   forward_kinematics(model.kinematics, posture, {&root_frame, 1}, poses_);
-  parts_t& m = parts_;
+  part_poses_t& m = parts_;
   for (const PartPose& pose : poses_) {
     const Eigen::Isometry3d relative = to_isometry(pose);
     const Eigen::Vector3d position = root.position_m + relative.translation();
@@ -407,7 +413,7 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
   }
 }
 
-void RunEncoder::send_frame_stats(Outlet& to, const Frame& frame, int64_t begins) {
+void RunEncoder::send_frame_stats(TargetState& to, const Frame& frame, int64_t begins) {
   // A log has no clock in it, so that it is the same every time.
   const bool clock = to.options_.with_clock_times;
   frame_stats_t& m = frame_stats_;
@@ -432,19 +438,19 @@ void RunEncoder::send_frame_stats(Outlet& to, const Frame& frame, int64_t begins
   send(to, Channel::kFrameStats, m, 0, 1);
 }
 
-void RunEncoder::send_checks(Outlet& to, uint64_t hash, bool is_last) {
-  number(checks_, 0, 1);
-  checks_.number = to.said_.messages();
+void RunEncoder::send_checksums(TargetState& to, uint64_t hash, bool is_last) {
+  fill_header(checks_, 0, 1);
+  checks_.number = to.sent_.messages();
   checks_.hash = static_cast<int64_t>(hash);
   checks_.is_last = is_last;
-  to.said_.fill(checks_);
+  to.sent_.fill(checks_);
   const std::span<uint8_t> bytes = encoded(checks_, buffer_);
-  address(to, Channel::kChecks, 0, bytes);
+  set_target_header(to, Channel::kChecksums, 0, bytes);
   seal(bytes);
-  hand_over(to, Channel::kChecks, bytes, checksum(bytes));
+  deliver(to, Channel::kChecksums, bytes, checksum(bytes));
 }
 
-void RunEncoder::fill_end(const RunEnd& end, const Outlet& of, end_t& m) {
+void RunEncoder::fill_end(const RunEnd& end, const TargetState& of, end_t& m) {
   m.frames = end.frames;
   m.begins = static_cast<int64_t>(end.begins);
   m.ends = static_cast<int64_t>(end.ends);
@@ -462,7 +468,7 @@ void RunEncoder::fill_end(const RunEnd& end, const Outlet& of, end_t& m) {
 }
 
 void RunEncoder::end(const RunInfo&, const RunEnd& end) {
-  choose_outlets();
+  choose_targets();
   utime_us_ = end.utime_us;
   frame_ = end.frames;
   last_hash_ = end.hash;
@@ -471,14 +477,14 @@ void RunEncoder::end(const RunInfo&, const RunEnd& end) {
     monitor_->end();
     send_separation();
   }
-  for (Outlet* outlet : open_) {
-    fill_end(end, *outlet, outlet->end_);
-    send(*outlet, Channel::kEnd, outlet->end_, 0, 1);
-    outlet->target_.after_end(*outlet);
+  for (TargetState* target_state : open_targets_) {
+    fill_end(end, *target_state, target_state->end_);
+    send(*target_state, Channel::kEnd, target_state->end_, 0, 1);
+    target_state->target_.after_end(*target_state);
   }
 }
 
-void require_readable(const RunInfo& run, bool part_poses) {
+void require_encodable(const RunInfo& run, bool part_poses) {
   struct : MessageTarget {
     void message(Channel, int64_t, std::span<const uint8_t>) override {}
   } nobody;

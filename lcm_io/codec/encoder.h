@@ -43,8 +43,8 @@ class RunEncoder final : public Sink {
   void end(const RunInfo& run, const RunEnd& end) override;
 
   /// Of the target that was added as number `i`.
-  Outlet& outlet(size_t i = 0) { return *outlets_[i]; }
-  const Outlet& outlet(size_t i = 0) const { return *outlets_[i]; }
+  TargetState& target_state(size_t i = 0) { return *target_states_[i]; }
+  const TargetState& target_state(size_t i = 0) const { return *target_states_[i]; }
 
  private:
   struct AvatarRange {
@@ -59,40 +59,42 @@ class RunEncoder final : public Sink {
     size_t size = 0;
     std::vector<uint64_t> checksums;  // by target: they differ in instance and seq
   };
-  using Outlets = std::vector<Outlet*>;
+  using TargetStates = std::vector<TargetState*>;
 
-  friend class Outlet;
-  void choose_outlets();
+  friend class TargetState;
+  void choose_targets();
   template <class Message>
-  void number(Message& message, int chunk, int chunk_count) const;
+  void fill_header(Message& message, int chunk, int chunk_count) const;
   template <class Message>
-  void send(const Outlets& to, Channel channel, Message& message, int chunk, int chunk_count);
+  void send(const TargetStates& to, Channel channel, Message& message, int chunk, int chunk_count);
   template <class Message>
-  void send(Outlet& to, Channel channel, Message& message, int chunk, int chunk_count);
-  static void address(const Outlet& to, Channel channel, int64_t ahead, std::span<uint8_t> bytes);
-  void hand_over(Outlet& to, Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
-  void send_description_chunk(Outlet& to, int chunk);
+  void send(TargetState& to, Channel channel, Message& message, int chunk, int chunk_count);
+  static void set_target_header(const TargetState& to, Channel channel, int64_t ahead,
+                                std::span<uint8_t> bytes);
+  void deliver(TargetState& to, Channel channel, std::span<const uint8_t> bytes, uint64_t checksum);
+  void send_description_chunk(TargetState& to, int chunk);
   template <class Message, class Set>
   void send_rows(Channel channel, Message& m, size_t rows, const Set& set);
   void send_events(std::span<const PairEvent> events);
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
-  void send_near(const RunInfo& run, const Frame& frame);
+  void send_proximity(const RunInfo& run, const Frame& frame);
   void send_contacts(std::span<const ContactPoint> points);
   void send_separation();
   bool states_are_due(double state_every, int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
   void fill_states(const RunInfo& run, const Frame& frame, const AvatarRange& range,
                    states_t& m) const;
-  void send_parts(const RunInfo& run, const Frame& frame);
+  void send_part_poses(const RunInfo& run, const Frame& frame);
   void add_part_poses(const Model& model, const RootPose& root, float scale,
                       std::span<const float> posture);
-  void send_frame_stats(Outlet& to, const Frame& frame, int64_t begins);
-  void send_checks(Outlet& to, uint64_t hash, bool is_last);
-  static void fill_end(const RunEnd& end, const Outlet& of, end_t& m);
+  void send_frame_stats(TargetState& to, const Frame& frame, int64_t begins);
+  void send_checksums(TargetState& to, uint64_t hash, bool is_last);
+  static void fill_end(const RunEnd& end, const TargetState& of, end_t& m);
 
-  std::vector<std::unique_ptr<Outlet>> outlets_;
-  Outlets open_;                  // those that want messages now
-  Outlets states_to_, parts_to_;  // those of them that get these with this frame
+  std::vector<std::unique_ptr<TargetState>> target_states_;
+  TargetStates open_targets_;  // those that want messages now
+  TargetStates states_targets_,
+      part_poses_targets_;  // those of them that get these with this frame
 
   int64_t run_id_ = 0;
   int64_t utime_us_ = 0;
@@ -108,23 +110,23 @@ class RunEncoder final : public Sink {
   // Some of these and one of each other, reused; their vectors keep their capacity.
   std::optional<Workers> workers_;
   std::vector<StatesSlot> states_;
-  run_t run_{};
+  run_chunk_t run_{};
   events_t events_{};
   touching_t touching_{};
-  near_t near_{};
+  proximity_t proximity_{};
   contact_points_t contacts_{};
   separation_t separation_{};
   std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
   frame_stats_t frame_stats_{};
-  parts_t parts_{};
-  checks_t checks_{};
+  part_poses_t parts_{};
+  checksums_t checks_{};
   std::vector<uint8_t> buffer_ = std::vector<uint8_t>(kMaxMessageBytes);
   uint64_t last_hash_ = 0;  // of the run's end
 };
 
 /// Throws InputError if a reader could not take what begin() of an encoder would send: to be known
 /// before anything is opened.
-void require_readable(const RunInfo& run, bool part_poses);
+void require_encodable(const RunInfo& run, bool part_poses);
 
 /// A target that also listens to a run by itself, with an encoder of its own. Targets that listen
 /// to one run share an encoder, and this one is not made.
@@ -142,7 +144,7 @@ class TargetSink : public Sink, public MessageTarget {
   void end(const RunInfo& run, const RunEnd& end) override { encoder_->end(run, end); }
 
   /// What was said, after begin().
-  const Outlet& outlet() const { return encoder_->outlet(); }
+  const TargetState& target_state() const { return encoder_->target_state(); }
 
  private:
   std::optional<RunEncoder> encoder_;

@@ -7,12 +7,12 @@
 #include <span>
 
 #include "lcm_io/codec/channels.h"
-#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/codec/running_checksums.h"
 #include "throng/end_t.hpp"
 
 namespace throng {
 
-class Outlet;
+class TargetState;
 class RunEncoder;
 
 struct EncoderOptions {
@@ -21,7 +21,7 @@ struct EncoderOptions {
   /// Frames from states to states, at least 1 and not always whole: those of the first frame, and
   /// of each that is the first at or after a multiple of it. Events are always complete.
   double state_every = 1;
-  bool part_poses = false;  ///< THRONG_PARTS with every states message
+  bool part_poses = false;  ///< THRONG_PART_POSES with every states message
   int threads = 1;          ///< states are encoded by so many; the bytes are the same
 };
 
@@ -33,15 +33,15 @@ class MessageTarget {
   /// False: it gets nothing for now, and nothing is counted for it.
   virtual bool wants_messages() const { return true; }
   /// What only the target knows when to send: the description, and what comes behind the end.
-  virtual void after_begin(Outlet& /*outlet*/) {}
-  virtual void after_frame(Outlet& /*outlet*/) {}
-  virtual void after_end(Outlet& /*outlet*/) {}
+  virtual void after_begin(TargetState& /*outlet*/) {}
+  virtual void after_frame(TargetState& /*outlet*/) {}
+  virtual void after_end(TargetState& /*outlet*/) {}
 };
 
 /// An encoder's side of one target: its options, and all that was said to it.
-class Outlet {
+class TargetState {
  public:
-  Outlet(RunEncoder& encoder, const EncoderOptions& options, MessageTarget& target)
+  TargetState(RunEncoder& encoder, const EncoderOptions& options, MessageTarget& target)
       : encoder_(encoder), options_(options), target_(target) {}
 
   int description_chunks() const;
@@ -49,9 +49,9 @@ class Outlet {
   /// THRONG_END once more, with the totals of the first.
   void repeat_end();
   /// Over all that was said, THRONG_END included: nothing comes behind it.
-  void send_last_checks();
+  void send_last_checksums();
 
-  const RunningChecks::Sum& totals(Channel channel) const { return said_[channel]; }
+  const RunningChecksums::Sum& totals(Channel channel) const { return sent_[channel]; }
   /// Values that did not fit their message so far (see quantise.h).
   int64_t clamped() const { return clamped_; }
 
@@ -62,7 +62,7 @@ class Outlet {
   EncoderOptions options_;
   MessageTarget& target_;
   int64_t instance_ = 0;
-  RunningChecks said_;
+  RunningChecksums sent_;
   int64_t clamped_ = 0;
   end_t end_{};
 };

@@ -6,36 +6,37 @@ namespace throng {
 namespace {
 
 /// A message of so many rows, to be set.
-void begin_near(near_t& m, const NearOptions& asked, uint64_t hash, size_t count) {
-  m.near_m = asked.near_m;
-  m.person_near_m = asked.body_near_m;
+void begin_proximity(proximity_t& m, const ProximityOptions& asked, uint64_t hash, size_t count) {
+  m.margin_m = asked.margin_m;
+  m.closest_margin_m = asked.closest_margin_m;
   m.hash = static_cast<int64_t>(hash);
   resize_pairs(m, count);
   m.of.resize(count);
   for (auto* column :
-       {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_mps})
+       {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_speed_mps})
     column->resize(count);
-  for (auto* column : {&m.a_x_m, &m.a_y_m, &m.a_z_m, &m.b_x_m, &m.b_y_m, &m.b_z_m})
+  for (auto* column : {&m.point_a_x_m, &m.point_a_y_m, &m.point_a_z_m, &m.point_b_x_m,
+                       &m.point_b_y_m, &m.point_b_z_m})
     column->resize(count);
 }
 
-/// `of_people`: the nearest parts of two people, not a pair within near_m.
-void set_near(near_t& m, size_t i, const NearPair& row, bool of_people) {
+/// `of_people`: the nearest parts of two people, not a pair within proximity_m.
+void set_proximity(proximity_t& m, size_t i, const ProximityPair& row, bool of_people) {
   set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
   m.of[i] = of_people ? 1 : 0;
   m.lo_m[i] = row.lo_m;
   m.hi_m[i] = row.hi_m;
-  m.a_x_m[i] = row.point_a_m[0];
-  m.a_y_m[i] = row.point_a_m[1];
-  m.a_z_m[i] = row.point_a_m[2];
-  m.b_x_m[i] = row.point_b_m[0];
-  m.b_y_m[i] = row.point_b_m[1];
-  m.b_z_m[i] = row.point_b_m[2];
+  m.point_a_x_m[i] = row.point_a_m[0];
+  m.point_a_y_m[i] = row.point_a_m[1];
+  m.point_a_z_m[i] = row.point_a_m[2];
+  m.point_b_x_m[i] = row.point_b_m[0];
+  m.point_b_y_m[i] = row.point_b_m[1];
+  m.point_b_z_m[i] = row.point_b_m[2];
   m.normal_x[i] = row.normal[0];
   m.normal_y[i] = row.normal[1];
   m.normal_z[i] = row.normal[2];
   m.depth_m[i] = row.depth_m;
-  m.closing_mps[i] = row.closing_mps;
+  m.closing_speed_mps[i] = row.closing_speed_mps;
 }
 
 }  // namespace
@@ -49,35 +50,35 @@ void set_events(events_t& m, std::span<const PairEvent> events) {
   }
 }
 
-void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
-                    const NearRows& people, size_t first) {
-  const size_t count = std::min(kRowsPerMessage<near_t>, parts.size() + people.size() - first);
-  begin_near(m, asked, hash, count);
+void set_proximity_chunk(proximity_t& m, const ProximityOptions& asked, uint64_t hash,
+                         const ProximityRows& parts, const ProximityRows& people, size_t first) {
+  const size_t count = std::min(kRowsPerMessage<proximity_t>, parts.size() + people.size() - first);
+  begin_proximity(m, asked, hash, count);
   for (size_t i = 0; i < count; ++i) {
     const size_t row = first + i;
     const bool of_people = row >= parts.size();
-    set_near(m, i, of_people ? people[row - parts.size()] : parts[row], of_people);
+    set_proximity(m, i, of_people ? people[row - parts.size()] : parts[row], of_people);
   }
 }
 
-NearPair near_at(const near_t& m, size_t i) {
-  NearPair row;
+ProximityPair proximity_at(const proximity_t& m, size_t i) {
+  ProximityPair row;
   row.pair = pair_at(m, i);
   row.level = static_cast<PairLevel>(m.level[i]);
   row.lo_m = m.lo_m[i];
   row.hi_m = m.hi_m[i];
-  row.point_a_m = {m.a_x_m[i], m.a_y_m[i], m.a_z_m[i]};
-  row.point_b_m = {m.b_x_m[i], m.b_y_m[i], m.b_z_m[i]};
+  row.point_a_m = {m.point_a_x_m[i], m.point_a_y_m[i], m.point_a_z_m[i]};
+  row.point_b_m = {m.point_b_x_m[i], m.point_b_y_m[i], m.point_b_z_m[i]};
   row.normal = {m.normal_x[i], m.normal_y[i], m.normal_z[i]};
   row.depth_m = m.depth_m[i];
-  row.closing_mps = m.closing_mps[i];
+  row.closing_speed_mps = m.closing_speed_mps[i];
   return row;
 }
 
 void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows) {
   resize_pairs(m, rows.size());
   for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(rows.size());
-  for (auto* column : {&m.direction_x, &m.direction_y, &m.direction_z, &m.depth_m})
+  for (auto* column : {&m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m})
     column->resize(rows.size());
   for (size_t i = 0; i < rows.size(); ++i) {
     const ContactPoint& row = rows[i];
@@ -85,9 +86,9 @@ void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows) {
     m.x_m[i] = row.point_m[0];
     m.y_m[i] = row.point_m[1];
     m.z_m[i] = row.point_m[2];
-    m.direction_x[i] = row.direction[0];
-    m.direction_y[i] = row.direction[1];
-    m.direction_z[i] = row.direction[2];
+    m.normal_x[i] = row.normal[0];
+    m.normal_y[i] = row.normal[1];
+    m.normal_z[i] = row.normal[2];
     m.depth_m[i] = row.depth_m;
   }
 }
@@ -95,7 +96,7 @@ void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows) {
 ContactPoint contact_at(const contact_points_t& m, size_t i) {
   return {pair_at(m, i),
           {m.x_m[i], m.y_m[i], m.z_m[i]},
-          {m.direction_x[i], m.direction_y[i], m.direction_z[i]},
+          {m.normal_x[i], m.normal_y[i], m.normal_z[i]},
           m.depth_m[i]};
 }
 
@@ -103,7 +104,8 @@ void begin_separation(separation_t& m, size_t count) {
   m.count = static_cast<int32_t>(count);
   for (auto* column : {&m.kind, &m.region, &m.cut, &m.beyond_margin}) column->resize(count);
   for (auto* column : {&m.robot, &m.person}) column->resize(count);
-  for (auto* column : {&m.least_lo_m, &m.least_hi_m, &m.most_short_m}) column->resize(count);
+  for (auto* column : {&m.min_distance_lo_m, &m.min_distance_hi_m, &m.max_shortfall_m})
+    column->resize(count);
   m.begin_frame.resize(count);
 }
 
@@ -113,10 +115,10 @@ void set_shortfall(separation_t& m, size_t i, EventKind kind, const Shortfall& s
   m.person[i] = static_cast<int32_t>(shortfall.person);
   m.region[i] = static_cast<uint8_t>(shortfall.region);
   m.begin_frame[i] = shortfall.begin_frame;
-  m.least_lo_m[i] = shortfall.least_lo_m;
-  m.least_hi_m[i] = shortfall.least_hi_m;
-  m.most_short_m[i] = shortfall.most_short_m;
-  m.cut[i] = shortfall.is_cut ? 1 : 0;
+  m.min_distance_lo_m[i] = shortfall.min_distance_lo_m;
+  m.min_distance_hi_m[i] = shortfall.min_distance_hi_m;
+  m.max_shortfall_m[i] = shortfall.max_shortfall_m;
+  m.cut[i] = shortfall.is_truncated ? 1 : 0;
   m.beyond_margin[i] = shortfall.is_beyond_margin ? 1 : 0;
 }
 
@@ -129,10 +131,10 @@ ShortfallEvent shortfall_at(const separation_t& m, size_t i) {
   shortfall.region = static_cast<BodyRegion>(m.region[i]);
   shortfall.begin_frame = m.begin_frame[i];
   shortfall.end_frame = event.kind == EventKind::kEnd ? m.frame : 0;
-  shortfall.least_lo_m = m.least_lo_m[i];
-  shortfall.least_hi_m = m.least_hi_m[i];
-  shortfall.most_short_m = m.most_short_m[i];
-  shortfall.is_cut = m.cut[i] != 0;
+  shortfall.min_distance_lo_m = m.min_distance_lo_m[i];
+  shortfall.min_distance_hi_m = m.min_distance_hi_m[i];
+  shortfall.max_shortfall_m = m.max_shortfall_m[i];
+  shortfall.is_truncated = m.cut[i] != 0;
   shortfall.is_beyond_margin = m.beyond_margin[i] != 0;
   return event;
 }

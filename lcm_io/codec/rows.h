@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "culling/near.h"
 #include "culling/pair.h"
+#include "culling/proximity.h"
 #include "lcm_io/codec/channels.h"
 #include "scenes/separation/separation_monitor.h"
 
@@ -47,9 +47,9 @@ void set_events(events_t& m, std::span<const PairEvent> events);
 
 /// Makes a message of the rows from number `first` on, as many as fit: those of parts, then those
 /// of two people.
-void set_near_chunk(near_t& m, const NearOptions& asked, uint64_t hash, const NearRows& parts,
-                    const NearRows& people, size_t first);
-NearPair near_at(const near_t& m, size_t i);
+void set_proximity_chunk(proximity_t& m, const ProximityOptions& asked, uint64_t hash,
+                         const ProximityRows& parts, const ProximityRows& people, size_t first);
+ProximityPair proximity_at(const proximity_t& m, size_t i);
 
 /// Makes a message of these contact points; they have to fit.
 void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows);

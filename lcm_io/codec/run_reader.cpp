@@ -43,9 +43,9 @@ void RunReader::rewind() {
   pending_chunks_.clear();
   touching_.clear();
   pending_touching_.clear();
-  for (Gathering* all : {&gathering_touching_, &gathering_near_, &gathering_contacts_}) *all = {};
+  for (ReceivedChunks* all : {&touching_chunks_, &proximity_chunks_, &contact_chunks_}) *all = {};
   new_events_.clear();
-  near_pairs_.clear();
+  proximity_pairs_.clear();
   near_people_.clear();
   contact_points_.clear();
   new_shortfalls_.clear();
@@ -61,7 +61,7 @@ RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
 }
 
 template <class Message>
-std::string RunReader::use(const Message&, Update& update) {
+std::string RunReader::handle(const Message&, Update& update) {
   update = Update::kMessage;
   return "";
 }
@@ -75,7 +75,7 @@ RunReader::Update RunReader::take(Channel channel, std::span<const uint8_t> byte
   if (!follows(channel)) return Update::kNothing;
   tally_.count(channel, header_, bytes.size());
   Update update = Update::kNothing;
-  defect = use(message, update);
+  defect = handle(message, update);
   return defect.empty() ? update : refuse(name_of(channel), std::move(defect));
 }
 
@@ -88,26 +88,26 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
   return with_type_of(*channel, [&]<class Message>() { return take<Message>(*channel, bytes); });
 }
 
-std::string RunReader::use(frame_stats_t& stats, Update& update) {
+std::string RunReader::handle(frame_stats_t& stats, Update& update) {
   frame_stats_ = stats;
   update = Update::kFrameStats;
   return "";
 }
 
-std::string RunReader::use(end_t& end, Update& update) {
+std::string RunReader::handle(end_t& end, Update& update) {
   end_ = std::move(end);
   tally_.close(*end_);
   update = Update::kEnd;
   return "";
 }
 
-std::string RunReader::use(checks_t& checks, Update& update) {
+std::string RunReader::handle(checksums_t& checks, Update& update) {
   checks_ = std::move(checks);
-  update = Update::kChecks;
+  update = Update::kChecksums;
   return "";
 }
 
-std::string RunReader::use(const run_t& piece, Update& update) {
+std::string RunReader::handle(const run_chunk_t& piece, Update& update) {
   if (run_) return "";
   if (piece.total_bytes != total_bytes_) {
     pieces_.clear();
@@ -147,7 +147,7 @@ std::string RunReader::adopt_description() {
   return "";
 }
 
-std::string RunReader::use(const states_t& m, Update& update) {
+std::string RunReader::handle(const states_t& m, Update& update) {
   if (!run_) return "";
   const auto avatars = static_cast<int64_t>(run_->avatar_count);
   if (m.first_avatar < 0 || m.first_avatar + int64_t{m.avatar_count} > avatars)
@@ -155,7 +155,7 @@ std::string RunReader::use(const states_t& m, Update& update) {
   const auto first = static_cast<size_t>(m.first_avatar);
   const auto count = static_cast<size_t>(m.avatar_count);
   const size_t first_value = posture_offsets_[first];
-  if (posture_offsets_[first + count] - first_value != static_cast<size_t>(m.joint_value_count))
+  if (posture_offsets_[first + count] - first_value != static_cast<size_t>(m.joint_position_count))
     return "joint values that the models do not have";
   if (m.frame < pending_.frame || m.frame <= state_.frame) return "";
   if (m.frame > pending_.frame || pending_chunks_.size() != static_cast<size_t>(m.chunk_count)) {
@@ -180,7 +180,7 @@ std::string RunReader::use(const states_t& m, Update& update) {
     pending_.present[first + i] = m.present.empty() || m.present[i] != 0 ? 1 : 0;
     for (const ColumnRange& range :
          ranges_[static_cast<size_t>(run_->model_of_avatar[first + i])]) {
-      pending_.postures[first_value + value] = range.value_of(m.joint_values[value]);
+      pending_.postures[first_value + value] = range.value_of(m.joint_positions[value]);
       ++value;
     }
   }
@@ -214,7 +214,7 @@ std::string defect_of_pairs(const Message& m, const run_description_t* run, size
 
 }  // namespace
 
-std::string RunReader::use(const events_t& m, Update& update) {
+std::string RunReader::handle(const events_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get(), touching_.size());
   if (!defect.empty()) return defect;
   new_events_.clear();
@@ -234,28 +234,28 @@ std::string RunReader::use(const events_t& m, Update& update) {
 
 /// What was gathered for another frame is of no use then.
 template <class Message>
-bool RunReader::begins_anew(Channel channel, const Message& message, Gathering& gathering) {
-  if (message.frame == gathering.frame) return false;
-  if (!gathering.chunks.empty()) ++tally_[channel].incomplete;
-  gathering = {message.frame, {}};
+bool RunReader::starts_anew(Channel channel, const Message& message, ReceivedChunks& received) {
+  if (message.frame == received.frame) return false;
+  if (!received.chunks.empty()) ++tally_[channel].incomplete;
+  received = {message.frame, {}};
   return true;
 }
 
 template <class Message>
-bool RunReader::completes(const Message& message, Gathering& gathering) {
-  gathering.chunks.insert(message.chunk);
-  if (gathering.chunks.size() < static_cast<size_t>(message.chunk_count)) return false;
-  gathering = {};
+bool RunReader::completes(const Message& message, ReceivedChunks& received) {
+  received.chunks.insert(message.chunk);
+  if (received.chunks.size() < static_cast<size_t>(message.chunk_count)) return false;
+  received = {};
   return true;
 }
 
-std::string RunReader::use(const touching_t& m, Update& update) {
+std::string RunReader::handle(const touching_t& m, Update& update) {
   std::string defect = defect_of_pairs(m, run_.get(), pending_touching_.size());
   if (!defect.empty()) return defect;
-  if (begins_anew(Channel::kTouching, m, gathering_touching_)) pending_touching_.clear();
+  if (starts_anew(Channel::kTouching, m, touching_chunks_)) pending_touching_.clear();
   for (size_t i = 0; i < m.a.size(); ++i)
     pending_touching_.emplace(pair_at(m, i), static_cast<PairLevel>(m.level[i]));
-  if (!completes(m, gathering_touching_)) return "";
+  if (!completes(m, touching_chunks_)) return "";
   // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
   if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
   pending_touching_.clear();
@@ -263,41 +263,42 @@ std::string RunReader::use(const touching_t& m, Update& update) {
   return "";
 }
 
-std::string RunReader::use(const near_t& m, Update& update) {
-  const size_t before = m.frame == gathering_near_.frame
-                            ? pending_near_pairs_.size() + pending_near_people_.size()
+std::string RunReader::handle(const proximity_t& m, Update& update) {
+  const size_t before = m.frame == proximity_chunks_.frame
+                            ? pending_proximity_pairs_.size() + pending_closest_parts_.size()
                             : 0;
   std::string defect = defect_of_pairs(m, run_.get(), before);
   if (!defect.empty()) return defect;
-  if (begins_anew(Channel::kNear, m, gathering_near_)) {
-    pending_near_pairs_.clear();
-    pending_near_people_.clear();
+  if (starts_anew(Channel::kProximity, m, proximity_chunks_)) {
+    pending_proximity_pairs_.clear();
+    pending_closest_parts_.clear();
   }
-  if (gathering_near_.chunks.contains(m.chunk)) return "";
+  if (proximity_chunks_.chunks.contains(m.chunk)) return "";
   for (size_t i = 0; i < m.a.size(); ++i) {
-    (m.of[i] == 0 ? pending_near_pairs_ : pending_near_people_).push_back(near_at(m, i));
+    (m.of[i] == 0 ? pending_proximity_pairs_ : pending_closest_parts_)
+        .push_back(proximity_at(m, i));
   }
-  if (!completes(m, gathering_near_)) return "";
-  near_pairs_.swap(pending_near_pairs_);
-  near_people_.swap(pending_near_people_);
-  update = Update::kNear;
+  if (!completes(m, proximity_chunks_)) return "";
+  proximity_pairs_.swap(pending_proximity_pairs_);
+  near_people_.swap(pending_closest_parts_);
+  update = Update::kProximity;
   return "";
 }
 
-std::string RunReader::use(const contact_points_t& m, Update& update) {
-  const size_t before = m.frame == gathering_contacts_.frame ? pending_contact_points_.size() : 0;
+std::string RunReader::handle(const contact_points_t& m, Update& update) {
+  const size_t before = m.frame == contact_chunks_.frame ? pending_contact_points_.size() : 0;
   std::string defect = defect_of_pairs(m, run_.get(), before);
   if (!defect.empty()) return defect;
-  if (begins_anew(Channel::kContacts, m, gathering_contacts_)) pending_contact_points_.clear();
-  if (gathering_contacts_.chunks.contains(m.chunk)) return "";
+  if (starts_anew(Channel::kContactPoints, m, contact_chunks_)) pending_contact_points_.clear();
+  if (contact_chunks_.chunks.contains(m.chunk)) return "";
   for (size_t i = 0; i < m.a.size(); ++i) pending_contact_points_.push_back(contact_at(m, i));
-  if (!completes(m, gathering_contacts_)) return "";
+  if (!completes(m, contact_chunks_)) return "";
   contact_points_.swap(pending_contact_points_);
-  update = Update::kContacts;
+  update = Update::kContactPoints;
   return "";
 }
 
-std::string RunReader::use(const separation_t& m, Update& update) {
+std::string RunReader::handle(const separation_t& m, Update& update) {
   for (size_t i = 0; run_ != nullptr && i < m.robot.size(); ++i)
     if (std::max(m.robot[i], m.person[i]) >= run_->avatar_count)
       return fmt::format("a robot {} and a person {} that the run does not have", m.robot[i],

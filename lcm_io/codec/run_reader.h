@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "lcm_io/codec/description.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "lcm_io/codec/rows.h"
 #include "lcm_io/codec/tally.h"
 #include "scenes/run/sink.h"
@@ -36,19 +36,19 @@ class RunReader {
  public:
   /// What a message completed or changed.
   enum class Update {
-    kNothing,     ///< a piece of something, or a channel that is not ours
-    kRun,         ///< run() is new: another run, or the first
-    kState,       ///< state() is a newer frame
-    kEvents,      ///< touching() and new_events() changed
-    kTouching,    ///< touching() was set anew
-    kFrameStats,  ///< frame_stats() is new, and the frame is over
-    kEnd,         ///< end() is known
-    kChecks,      ///< checks() is new
-    kNear,        ///< near_pairs() and near_people() are new
-    kSeparation,  ///< new_shortfalls() changed
-    kContacts,    ///< contact_points() is new
-    kMessage,     ///< a message that changes none of these
-    kRefused      ///< damaged, hostile or of another version: see refusal()
+    kNothing,        ///< a piece of something, or a channel that is not ours
+    kRun,            ///< run() is new: another run, or the first
+    kState,          ///< state() is a newer frame
+    kEvents,         ///< touching() and new_events() changed
+    kTouching,       ///< touching() was set anew
+    kFrameStats,     ///< frame_stats() is new, and the frame is over
+    kEnd,            ///< end() is known
+    kChecksums,      ///< checks() is new
+    kProximity,      ///< proximity_pairs() and closest_parts() are new
+    kSeparation,     ///< new_shortfalls() changed
+    kContactPoints,  ///< contact_points() is new
+    kMessage,        ///< a message that changes none of these
+    kRefused         ///< damaged, hostile or of another version: see refusal()
   };
 
   Update take(std::string_view channel, std::span<const uint8_t> bytes);
@@ -81,8 +81,8 @@ class RunReader {
   /// Of the last THRONG_EVENTS message.
   std::span<const PairEvent> new_events() const { return new_events_; }
   /// How near parts are, of the newest frame that said so; of a run that was asked for distances.
-  std::span<const NearPair> near_pairs() const { return near_pairs_; }
-  std::span<const NearPair> near_people() const { return near_people_; }
+  std::span<const ProximityPair> proximity_pairs() const { return proximity_pairs_; }
+  std::span<const ProximityPair> closest_parts() const { return near_people_; }
   /// Where parts touch, of the newest frame that said so; of a run that was asked for it.
   std::span<const ContactPoint> contact_points() const { return contact_points_; }
   /// Begins and ends of the last THRONG_SEPARATION message.
@@ -90,7 +90,7 @@ class RunReader {
   const std::optional<frame_stats_t>& frame_stats() const { return frame_stats_; }
   const std::optional<end_t>& end() const { return end_; }
   /// What the run says of itself, and of all that it has said so far.
-  const std::optional<checks_t>& checks() const { return checks_; }
+  const std::optional<checksums_t>& checks() const { return checks_; }
 
   /// What was received of the current run, and what its numbering proves was not.
   const RunTally& tally() const { return tally_; }
@@ -103,31 +103,31 @@ class RunReader {
 
  private:
   /// The chunks that have come of what a frame says chunk by chunk.
-  struct Gathering {
+  struct ReceivedChunks {
     int64_t frame = -1;
     std::set<int32_t> chunks;
   };
   template <class Message>
-  bool begins_anew(Channel channel, const Message& message, Gathering& gathering);
+  bool starts_anew(Channel channel, const Message& message, ReceivedChunks& received);
   template <class Message>
-  static bool completes(const Message& message, Gathering& gathering);
+  static bool completes(const Message& message, ReceivedChunks& received);
 
   Update refuse(std::string_view channel, std::string why);
   bool follows(Channel channel);
   template <class Message>
   Update take(Channel channel, std::span<const uint8_t> bytes);
-  std::string use(const run_t& piece, Update& update);
-  std::string use(const states_t& states, Update& update);
-  std::string use(const events_t& events, Update& update);
-  std::string use(const touching_t& touching, Update& update);
-  std::string use(const near_t& near, Update& update);
-  std::string use(const contact_points_t& points, Update& update);
-  std::string use(const separation_t& separation, Update& update);
-  std::string use(frame_stats_t& stats, Update& update);
-  std::string use(end_t& end, Update& update);
+  std::string handle(const run_chunk_t& piece, Update& update);
+  std::string handle(const states_t& states, Update& update);
+  std::string handle(const events_t& events, Update& update);
+  std::string handle(const touching_t& touching, Update& update);
+  std::string handle(const proximity_t& proximity, Update& update);
+  std::string handle(const contact_points_t& points, Update& update);
+  std::string handle(const separation_t& separation, Update& update);
+  std::string handle(frame_stats_t& stats, Update& update);
+  std::string handle(end_t& end, Update& update);
   template <class Message>
-  std::string use(const Message& message, Update& update);
-  std::string use(checks_t& checks, Update& update);
+  std::string handle(const Message& message, Update& update);
+  std::string handle(checksums_t& checks, Update& update);
   std::string adopt_description();
 
   RunTally tally_;
@@ -154,14 +154,15 @@ class RunReader {
   std::vector<bool> pending_chunks_;
 
   Touching touching_, pending_touching_;
-  Gathering gathering_touching_, gathering_near_, gathering_contacts_;
+  ReceivedChunks touching_chunks_, proximity_chunks_, contact_chunks_;
   std::vector<PairEvent> new_events_;
-  std::vector<NearPair> near_pairs_, near_people_, pending_near_pairs_, pending_near_people_;
+  std::vector<ProximityPair> proximity_pairs_, near_people_, pending_proximity_pairs_,
+      pending_closest_parts_;
   std::vector<ContactPoint> contact_points_, pending_contact_points_;
   std::vector<ShortfallEvent> new_shortfalls_;
   std::optional<frame_stats_t> frame_stats_;
   std::optional<end_t> end_;
-  std::optional<checks_t> checks_;
+  std::optional<checksums_t> checks_;
 };
 
 }  // namespace throng

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lcm_io/codec/channels.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 
 namespace throng {
 

@@ -47,12 +47,12 @@ void add_touching(RunReader& run, const MessageHeader& header, std::string& out)
            names_of(run.run(), pair), static_cast<int>(level));
 }
 
-void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
-  const auto add = [&](std::span<const NearPair> rows, const char* of) {
-    for (const NearPair& row : rows) {
+void add_proximity(RunReader& run, const MessageHeader& header, std::string& out) {
+  const auto add = [&](std::span<const ProximityPair> rows, const char* of) {
+    for (const ProximityPair& row : rows) {
       append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), of,
              names_of(run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
-      if (row.level != PairLevel::kExact) {
+      if (row.level != PairLevel::kTriangles) {
         out += ",,,,,,,,,,,,\n";
         continue;
       }
@@ -60,15 +60,15 @@ void add_near(RunReader& run, const MessageHeader& header, std::string& out) {
         for (const double x : *point) append(out, ",{:.6f}", x);
       for (const float x : row.normal) append(out, ",{:.6f}", x);
       append(out, ",{:.6f},", row.depth_m);
-      if (!std::isnan(row.closing_mps))
-        append(out, "{:.6f},{:.6f}", row.closing_mps, row.contact_in_s());
+      if (!std::isnan(row.closing_speed_mps))
+        append(out, "{:.6f},{:.6f}", row.closing_speed_mps, row.time_to_contact_s());
       else
         out += ',';
       out += '\n';
     }
   };
-  add(run.near_pairs(), "parts");
-  add(run.near_people(), "people");
+  add(run.proximity_pairs(), "parts");
+  add(run.closest_parts(), "people");
 }
 
 void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {
@@ -76,7 +76,7 @@ void add_contacts(RunReader& run, const MessageHeader& header, std::string& out)
     append(out, "{},{:.6f},{}", header.frame, seconds(header.utime_us),
            names_of(run.run(), row.pair));
     for (const double x : row.point_m) append(out, ",{:.6f}", x);
-    for (const float x : row.direction) append(out, ",{:.6f}", x);
+    for (const float x : row.normal) append(out, ",{:.6f}", x);
     append(out, ",{:.6f}\n", row.depth_m);
   }
 }
@@ -85,8 +85,8 @@ void add_separation(RunReader& run, const MessageHeader& header, std::string& ou
   for (const auto& [kind, shortfall] : run.new_shortfalls())
     append(out, "{},{:.6f},{},{},{},{},{},{},{},{},{},{}\n", header.frame, seconds(header.utime_us),
            kind == EventKind::kBegin ? "begin" : "end", shortfall.robot, shortfall.person,
-           name_of(shortfall.region), shortfall.begin_frame, shortfall.least_lo_m,
-           shortfall.least_hi_m, shortfall.most_short_m, shortfall.is_cut ? 1 : 0,
+           name_of(shortfall.region), shortfall.begin_frame, shortfall.min_distance_lo_m,
+           shortfall.min_distance_hi_m, shortfall.max_shortfall_m, shortfall.is_truncated ? 1 : 0,
            shortfall.is_beyond_margin ? 1 : 0);
 }
 
@@ -162,17 +162,18 @@ const std::vector<Table>& tables() {
         add_states},
        {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
         add_touching},
-       {"near", Update::kNear,
-        fmt::format("frame,time_s,of,{},level,lo_m,hi_m,a_x_m,a_y_m,a_z_m,b_x_m,b_y_m,b_z_m,"
-                    "normal_x,normal_y,normal_z,depth_m,closing_mps,contact_in_s",
+       {"near", Update::kProximity,
+        fmt::format("frame,time_s,of,{},level,lo_m,hi_m,point_a_x_m,point_a_y_m,point_a_z_m,point_"
+                    "b_x_m,point_b_y_m,point_b_z_m,"
+                    "normal_x,normal_y,normal_z,depth_m,closing_speed_mps,time_to_contact_s",
                     kPairColumns),
-        add_near},
-       {"contacts", Update::kContacts,
-        fmt::format("frame,time_s,{},x_m,y_m,z_m,direction_x,direction_y,direction_z,depth_m",
-                    kPairColumns),
+        add_proximity},
+       {"contacts", Update::kContactPoints,
+        fmt::format("frame,time_s,{},x_m,y_m,z_m,normal_x,normal_y,normal_z,depth_m", kPairColumns),
         add_contacts},
        {"separation", Update::kSeparation,
-        "frame,time_s,kind,robot,person,region,begin_frame,least_lo_m,least_hi_m,most_short_m,cut,"
+        "frame,time_s,kind,robot,person,region,begin_frame,min_distance_lo_m,min_distance_hi_m,max_"
+        "shortfall_m,cut,"
         "beyond_margin",
         add_separation}});
   return all;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "lcm_io/export/foxglove.h"
 #include "lcm_io/export/mcap_writer.h"
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 
 namespace throng {
 
@@ -48,7 +48,7 @@ class McapWriter {
   std::string statistics() const;
   std::string chunk_indices() const;
 
-  WholeFile file_;
+  AtomicFile file_;
   uint64_t offset_ = 0;
   uint32_t crc_ = 0;
   std::vector<Topic> topics_;

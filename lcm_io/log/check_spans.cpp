@@ -15,10 +15,10 @@ bool is_recorders_stamp(const MessageHeader& header, const LogEvent& event) {
 }
 
 void LogHash::finish_frame() {
-  for (Way& way : ways_) {
-    is_chained_ = is_chained_ || way.frame.count > 0;
-    way.hash.add_frame(static_cast<uint64_t>(frame_), way.frame);
-    way.frame = {};
+  for (KindHash& kind_hash : kind_hashes_) {
+    is_chained_ = is_chained_ || kind_hash.frame.count > 0;
+    kind_hash.hash.add_frame(static_cast<uint64_t>(frame_), kind_hash.frame);
+    kind_hash.frame = {};
   }
 }
 
@@ -26,22 +26,22 @@ void LogHash::add(int64_t frame, std::span<const PairEvent> events) {
   if (frame != frame_) finish_frame();
   frame_ = frame;
   for (const EventHashKind kind : {EventHashKind::kEvents, EventHashKind::kEventsAndLevels})
-    way(kind).frame.add(events, kind);
+    kind_hash(kind).frame.add(events, kind);
 }
 
 void LogHash::start_from(uint64_t hash) {
   if (is_chained_) return;
-  for (Way& way : ways_) way.hash = EventHash(hash);
+  for (KindHash& kind_hash : kind_hashes_) kind_hash.hash = EventHash(hash);
 }
 
 uint64_t LogHash::value(EventHashKind kind) {
   finish_frame();
-  return way(kind).hash.value();
+  return kind_hash(kind).hash.value();
 }
 
-void LogHash::go_on_from(EventHashKind kind, uint64_t hash) {
+void LogHash::resume_from(EventHashKind kind, uint64_t hash) {
   finish_frame();
-  way(kind).hash = EventHash(hash);
+  kind_hash(kind).hash = EventHash(hash);
   is_chained_ = true;
 }
 
@@ -57,38 +57,39 @@ void CheckSpans::add(Channel channel, const LogEvent& event, const MessageHeader
   sums_.add(channel, next_number_++, header->utime_us, event.data);
 }
 
-bool CheckSpans::is_gap(const checks_t& said, const LogEvent& event,
+bool CheckSpans::is_gap(const checksums_t& stated, const LogEvent& event,
                         const MessageHeader& header) const {
-  return is_recorders_stamp(header, event) && said.number != next_number_;
+  return is_recorders_stamp(header, event) && stated.number != next_number_;
 }
 
-std::vector<DamagedSpan> CheckSpans::differences(const checks_t& said, const LogEvent& event,
+std::vector<DamagedSpan> CheckSpans::differences(const checksums_t& stated, const LogEvent& event,
                                                  const MessageHeader& header) const {
   std::vector<DamagedSpan> out;
-  if (said.check_kind != kCheckKind || is_gap(said, event, header)) return out;
+  if (stated.checksum_kind != kChecksumKind || is_gap(stated, event, header)) return out;
   for (const Channel channel : kAllChannels) {
-    const RunningChecks::Sum written = sum_of(channel, said), found = sums_[channel];
-    const bool is_misnumbered = channel == Channel::kChecks && !is_recorders_stamp(header, event) &&
-                                said.number != event.number;
+    const RunningChecksums::Sum written = sum_of(channel, stated), found = sums_[channel];
+    const bool is_misnumbered = channel == Channel::kChecksums &&
+                                !is_recorders_stamp(header, event) && stated.number != event.number;
     if (written == found && !is_misnumbered) continue;
     const int64_t before = at_last_[channel].messages;
-    out.push_back({channel, last_frame_, said.frame, last_byte_, event.offset,
+    out.push_back({channel, last_frame_, stated.frame, last_byte_, event.offset,
                    written.messages - before, found.messages - before});
   }
   return out;
 }
 
-void CheckSpans::adopt(const checks_t& said, const LogEvent& event) {
-  for (const Channel channel : kAllChannels) sums_[channel] = sum_of(channel, said);
+void CheckSpans::adopt(const checksums_t& stated, const LogEvent& event) {
+  for (const Channel channel : kAllChannels) sums_[channel] = sum_of(channel, stated);
   at_last_ = sums_;
-  next_number_ = said.number;
-  last_frame_ = said.frame;
+  next_number_ = stated.number;
+  last_frame_ = stated.frame;
   last_byte_ = event.offset;
 }
 
-void CheckSpans::fill(checks_t& said, const LogEvent& event, const MessageHeader& header) const {
-  sums_.fill(said);
-  said.number = is_recorders_stamp(header, event) ? next_number_ : event.number;
+void CheckSpans::fill(checksums_t& stated, const LogEvent& event,
+                      const MessageHeader& header) const {
+  sums_.fill(stated);
+  stated.number = is_recorders_stamp(header, event) ? next_number_ : event.number;
 }
 
 }  // namespace throng

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "culling/event_hash.h"
-#include "lcm_io/codec/guard.h"
-#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/codec/running_checksums.h"
 #include "lcm_io/log/log_reader.h"
 
 namespace throng {
@@ -26,7 +26,7 @@ struct DamagedSpan {
   int64_t written = 0;  ///< messages, by the checks
   int64_t found = 0;
 
-  bool holds(Channel where, uint64_t byte) const {
+  bool contains(Channel where, uint64_t byte) const {
     return where == channel && byte >= from_byte && byte < to_byte;
   }
 };
@@ -51,17 +51,19 @@ class LogHash {
   /// The hash of all events so far.
   uint64_t value(EventHashKind kind);
   /// Replaces the hash so far: what went wrong before is known and reported.
-  void go_on_from(EventHashKind kind, uint64_t hash);
+  void resume_from(EventHashKind kind, uint64_t hash);
 
  private:
-  struct Way {
+  struct KindHash {
     EventSum frame;  // of frame_
     EventHash hash;
   };
-  Way& way(EventHashKind kind) { return ways_[kind == EventHashKind::kEventsAndLevels ? 1 : 0]; }
+  KindHash& kind_hash(EventHashKind kind) {
+    return kind_hashes_[kind == EventHashKind::kEventsAndLevels ? 1 : 0];
+  }
   void finish_frame();
 
-  std::array<Way, 2> ways_;
+  std::array<KindHash, 2> kind_hashes_;
   int64_t frame_ = 0;
   bool is_chained_ = false;
 };
@@ -72,19 +74,19 @@ class CheckSpans {
   void add(Channel channel, const LogEvent& event, const MessageHeader* header);
 
   /// What differs from the checks that come next. Before add() of the message that they are.
-  std::vector<DamagedSpan> differences(const checks_t& said, const LogEvent& event,
+  std::vector<DamagedSpan> differences(const checksums_t& stated, const LogEvent& event,
                                        const MessageHeader& header) const;
   /// Goes on with what was said.
-  void adopt(const checks_t& said, const LogEvent& event);
+  void adopt(const checksums_t& stated, const LogEvent& event);
   /// Fills in what was counted in place of what was said.
-  void fill(checks_t& said, const LogEvent& event, const MessageHeader& header) const;
+  void fill(checksums_t& stated, const LogEvent& event, const MessageHeader& header) const;
 
   /// Whether messages are missing before these checks, so that nothing can be compared: the
   /// recorder began late, or lost some.
-  bool is_gap(const checks_t& said, const LogEvent& event, const MessageHeader& header) const;
+  bool is_gap(const checksums_t& stated, const LogEvent& event, const MessageHeader& header) const;
 
  private:
-  RunningChecks sums_, at_last_;
+  RunningChecksums sums_, at_last_;
   int64_t next_number_ = 0;
   int64_t last_frame_ = -1;
   uint64_t last_byte_ = 0;

@@ -86,9 +86,9 @@ void FileWriter::put(const void* data, size_t size) {
 }
 
 /// Returns when at most so many buffers are not written yet.
-void FileWriter::wait_until_pending(size_t most) {
+void FileWriter::wait_until_pending(size_t max_buffers) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return handed_ - written_ <= most; });
+  changed_.wait(lock, [&] { return handed_ - written_ <= max_buffers; });
   throw_if_failed();
 }
 

@@ -42,7 +42,7 @@ class FileWriter {
   std::vector<uint8_t>& filled() { return buffers_[handed_ % kBuffers]; }
   const std::vector<uint8_t>& filled() const { return buffers_[handed_ % kBuffers]; }
   void empty();
-  void wait_until_pending(size_t most);
+  void wait_until_pending(size_t max_buffers);
   void throw_if_failed();
   void write(const std::vector<uint8_t>& bytes);
   void work();

@@ -18,9 +18,9 @@ namespace {
 
 size_t index_of(Channel channel) { return static_cast<size_t>(channel); }
 
-class Judge {
+class LogChecker {
  public:
-  explicit Judge(const std::filesystem::path& file) : file_(file), log_(file) {
+  explicit LogChecker(const std::filesystem::path& file) : file_(file), log_(file) {
     report_.bytes = log_.size();
   }
 
@@ -45,9 +45,9 @@ class Judge {
     const LogDamage damage = throng::skip_damage(log_, status);
     problem(damage.problem);
     (damage.is_torn ? report_.torn : report_.damaged) = true;
-    if (damage.goes_on)
+    if (damage.continues)
       problem(fmt::format("byte {}: {} bytes skipped", damage.from, damage.bytes));
-    return damage.goes_on;
+    return damage.continues;
   }
 
   void take(const LogEvent& event) {
@@ -72,7 +72,7 @@ class Judge {
     take(*channel, event);
     spans_.add(*channel, event, has_header ? &header : nullptr);
     ++report_.uncovered;
-    if (has_header && *channel == Channel::kChecks && is_covered_) {
+    if (has_header && *channel == Channel::kChecksums && is_covered_) {
       report_.uncovered = 0;
       is_covered_ = false;
     }
@@ -117,7 +117,7 @@ class Judge {
       hash_.add(header.frame, reader_.new_events());
       pair_up(event);
     }
-    if (update == RunReader::Update::kChecks) compare_checks(event, header);
+    if (update == RunReader::Update::kChecksums) compare_checks(event, header);
     if (update == RunReader::Update::kFrameStats) {
       compare_touching(event);
       compare_present(event);
@@ -145,25 +145,25 @@ class Judge {
   }
 
   void compare_checks(const LogEvent& event, const MessageHeader& header) {
-    const checks_t& said = *reader_.checks();
-    if (!report_.has_checks) describe(said);
+    const checksums_t& stated = *reader_.checks();
+    if (!report_.has_checks) describe(stated);
     report_.has_checks = true;
-    report_.repaired = report_.repaired || said.is_repaired != 0;
-    for (const DamagedSpan& span : spans_.differences(said, event, header)) tell_damage(span);
-    compare_hash(said, event, spans_.is_gap(said, event, header));
-    if (said.check_kind != kCheckKind) {
+    report_.repaired = report_.repaired || stated.is_repaired != 0;
+    for (const DamagedSpan& span : spans_.differences(stated, event, header)) report_damage(span);
+    compare_hash(stated, event, spans_.is_gap(stated, event, header));
+    if (stated.checksum_kind != kChecksumKind) {
       problem(fmt::format("byte {}: checksums of kind {}, this program knows kind {}", event.offset,
-                          said.check_kind, kCheckKind));
+                          stated.checksum_kind, kChecksumKind));
       return;
     }
-    spans_.adopt(said, event);
+    spans_.adopt(stated, event);
     last_checks_byte_ = event.offset;
-    report_.checked_frame = said.frame;
+    report_.checked_frame = stated.frame;
     is_covered_ = true;
-    is_over_ = is_over_ || said.is_last != 0;
+    is_over_ = is_over_ || stated.is_last != 0;
   }
 
-  void tell_damage(const DamagedSpan& span) {
+  void report_damage(const DamagedSpan& span) {
     report_.damage.push_back(span);
     const std::string from = span.from_frame < 0
                                  ? std::string("the beginning")
@@ -176,11 +176,11 @@ class Judge {
                         span.to_byte, name_of(span.channel), what, from, span.to_frame));
   }
 
-  void compare_hash(const checks_t& said, const LogEvent& event, bool is_gap) {
-    if (!LogHash::is_known(said.hash_kind)) return;
-    const auto kind = static_cast<EventHashKind>(said.hash_kind);
-    hash_.start_from(static_cast<uint64_t>(said.hash_at_start));
-    const auto written = static_cast<uint64_t>(said.hash);
+  void compare_hash(const checksums_t& stated, const LogEvent& event, bool is_gap) {
+    if (!LogHash::is_known(stated.hash_kind)) return;
+    const auto kind = static_cast<EventHashKind>(stated.hash_kind);
+    hash_.start_from(static_cast<uint64_t>(stated.hash_at_start));
+    const auto written = static_cast<uint64_t>(stated.hash);
     const uint64_t found = hash_.value(kind);
     if (found == written) return;
     const bool is_known =
@@ -188,15 +188,15 @@ class Judge {
           return span.channel == Channel::kEvents && span.to_byte == event.offset;
         });
     if (!is_known && !is_gap) {
-      DamagedSpan span{Channel::kEvents, report_.checked_frame, said.frame, last_checks_byte_,
+      DamagedSpan span{Channel::kEvents, report_.checked_frame, stated.frame, last_checks_byte_,
                        event.offset};
       report_.damage.push_back(span);
       problem(
           fmt::format("byte {}: the run says hash {:016x} of its events up to frame {}, those in "
                       "the log have {:016x}",
-                      event.offset, written, said.frame, found));
+                      event.offset, written, stated.frame, found));
     }
-    hash_.go_on_from(kind, written);
+    hash_.resume_from(kind, written);
   }
 
   /// Of the whole run, at its end.
@@ -204,7 +204,7 @@ class Judge {
     const auto written = static_cast<uint64_t>(end.hash);
     if (!report_.has_checks) {
       report_.finished = false;
-      problem(fmt::format("byte {}: expected THRONG_CHECKS before THRONG_END, found none",
+      problem(fmt::format("byte {}: expected THRONG_CHECKSUMS before THRONG_END, found none",
                           event.offset));
       return;
     }
@@ -217,11 +217,11 @@ class Judge {
                         event.offset, written));
   }
 
-  void describe(const checks_t& said) {
-    report_.version = printable(said.version);
-    report_.commit = printable(said.commit.substr(0, said.commit.find(' ')));
-    report_.strategy = printable(said.strategy);
-    report_.leaves_out = printable(said.leaves_out, 200);
+  void describe(const checksums_t& stated) {
+    report_.version = printable(stated.version);
+    report_.commit = printable(stated.commit.substr(0, stated.commit.find(' ')));
+    report_.strategy = printable(stated.strategy);
+    report_.omits = printable(stated.omits, 200);
   }
 
   /// A resumed run begins with what touched when it was stopped.
@@ -250,10 +250,10 @@ class Judge {
   }
 
   void compare_touching(const LogEvent& event) {
-    const int64_t said = reader_.frame_stats()->touching;
-    if (said != static_cast<int64_t>(open_.size()))
+    const int64_t stated = reader_.frame_stats()->touching;
+    if (stated != static_cast<int64_t>(open_.size()))
       problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
-                          said, open_.size()));
+                          stated, open_.size()));
   }
 
   /// An absent avatar touches nobody.
@@ -275,10 +275,10 @@ class Judge {
     // The totals are the whole run's, the log may hold its last part.
     const int64_t begins_before = end.begins - report_.begins;
     const int64_t ends_before = end.ends - report_.ends;
-    const bool is_whole = begins_before == 0 && ends_before == 0;
+    const bool is_complete = begins_before == 0 && ends_before == 0;
     const bool is_rest =
         was_resumed_ && ends_before >= 0 && begins_before - ends_before == adopted_;
-    if (!(is_whole || is_rest) || !open_.empty()) {
+    if (!(is_complete || is_rest) || !open_.empty()) {
       report_.finished = false;
       problem(fmt::format(
           "byte {}: the run says {} begins and {} ends, the log has {} and {}, {} pairs open",
@@ -323,7 +323,7 @@ class Judge {
       const std::vector<std::string> none;
       const std::vector<std::string>& known = reader_.checks() ? reader_.checks()->channels : none;
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-      report_.strange_channels.insert(name);
+      report_.unknown_channels.insert(name);
       problem(fmt::format("byte {}: '{}' is no channel of a run", offset, printable(name)));
     }
   }
@@ -374,7 +374,7 @@ std::string describe_run(const run_description_t& run) {
   for (size_t i = 0; i < run.groups.size(); ++i)
     out += fmt::format(
         "group {}: {}{}\n", printable(run.groups[i]), counted(members[i], "avatar"),
-        run.drive_channels[i].empty() ? "" : ", driven by " + printable(run.drive_channels[i]));
+        run.control_channels[i].empty() ? "" : ", driven by " + printable(run.control_channels[i]));
   out += fmt::format("ground {:.1f} x {:.1f} m, {}\n", run.ground_max_m[0] - run.ground_min_m[0],
                      run.ground_max_m[1] - run.ground_min_m[1],
                      counted(run.obstacle_count, "obstacle"));
@@ -417,22 +417,22 @@ std::vector<std::string> describe_coverage(const LogReport& report) {
   return out;
 }
 
-LogReport check_log(const std::filesystem::path& file) { return Judge(file).run(); }
+LogReport check_log(const std::filesystem::path& file) { return LogChecker(file).run(); }
 
 std::string describe_log(const std::filesystem::path& file) {
-  Judge judge(file);
-  const LogReport report = judge.run();
+  LogChecker checker(file);
+  const LogReport report = checker.run();
   std::string out = fmt::format("LCM log, {} bytes, {} events, {:.3f} s, {}\n", report.bytes,
                                 report.log_events, static_cast<double>(report.last_utime_us) * 1e-6,
                                 report.finished ? "finished" : "not finished");
-  if (const run_description_t* run = judge.reader().run())
-    out += fmt::format("run {:016x}\n", static_cast<uint64_t>(judge.reader().run_id())) +
+  if (const run_description_t* run = checker.reader().run())
+    out += fmt::format("run {:016x}\n", static_cast<uint64_t>(checker.reader().run_id())) +
            describe_run(*run);
   if (!report.version.empty())
     out += fmt::format("made by Throng {}, commit {}\n", report.version, report.commit);
   if (!report.strategy.empty() && report.strategy != name_of(Strategy::kPipeline))
     out += fmt::format("strategy {}\n", report.strategy);
-  if (!report.leaves_out.empty()) out += fmt::format("leaves out {}\n", report.leaves_out);
+  if (!report.omits.empty()) out += fmt::format("leaves out {}\n", report.omits);
   out += describe_channels(report);
   for (const std::string& line : describe_coverage(report))
     out += fmt::format("checksums {}\n", line);

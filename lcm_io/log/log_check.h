@@ -45,7 +45,7 @@ struct LogReport {
   int64_t last_frame = -1;
   int64_t last_utime_us = 0;
 
-  /// Whether THRONG_CHECKS was found; a log that is cut off before the first frame has none.
+  /// Whether THRONG_CHECKSUMS was found; a log that is cut off before the first frame has none.
   bool has_checks = false;
   int64_t uncovered = 0;            ///< messages behind the last checks: nothing vouches for them
   int64_t checked_frame = -1;       ///< of the last checks
@@ -54,16 +54,16 @@ struct LogReport {
   bool hash_agrees = false;         ///< the events give the hash of THRONG_END
 
   /// Not ours, in a log that nobody but Throng writes into.
-  std::set<std::string, std::less<>> strange_channels;
+  std::set<std::string, std::less<>> unknown_channels;
 
   /// Of what made the run, printable; "" where the log does not say it.
-  std::string version, commit, strategy, leaves_out;
+  std::string version, commit, strategy, omits;
 
   /// Every byte is part of a sound event, nothing is missing in between, and events pair up. A run
   /// that was cut off between two events is sound without being finished.
   bool is_sound() const { return problem_count == 0; }
   /// Sound, and finished.
-  bool is_whole() const { return is_sound() && finished; }
+  bool is_complete() const { return is_sound() && finished; }
 };
 
 /// Throws InputError where all messages of a log were refused, the first of them for

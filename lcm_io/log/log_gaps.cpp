@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/text.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 
 namespace throng {
 namespace {
@@ -29,9 +29,9 @@ std::string describe_cut(int64_t last_frame, double step_s) {
 
 LogDamage skip_damage(LogReader& log, LogReader::Status status) {
   LogDamage damage{.problem = log.problem(), .from = log.offset()};
-  damage.goes_on = log.resync();
+  damage.continues = log.resync();
   damage.bytes = log.offset() - damage.from;
-  damage.is_torn = !damage.goes_on && status == LogReader::Status::kTorn;
+  damage.is_torn = !damage.continues && status == LogReader::Status::kTorn;
   return damage;
 }
 
@@ -47,7 +47,7 @@ bool LogGaps::next(LogReader& log, LogEvent& event) {
     ++damaged_places_;
     is_torn_ = is_torn_ || damage.is_torn;
     if (!damage.is_torn) damaged_bytes_ += damage.bytes;
-    if (!damage.goes_on) return false;
+    if (!damage.continues) return false;
   }
 }
 
@@ -59,7 +59,7 @@ void LogGaps::note(const LogEvent& event) {
   const bool has_header = defect.empty();
   if (!has_header && first_refusal_.empty())
     first_refusal_ = fmt::format("{}: {}", event.channel, defect);
-  if (has_header && *channel == Channel::kChecks) compare(event, header);
+  if (has_header && *channel == Channel::kChecksums) compare(event, header);
   spans_.add(*channel, event, has_header ? &header : nullptr);
   if (!has_header) return;
   if (!has_run_) {
@@ -77,10 +77,10 @@ void LogGaps::note(const LogEvent& event) {
 
 /// With what the run says of the messages before.
 void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
-  checks_t said;
-  if (!decode(event.data, said).empty() || said.check_kind != kCheckKind) return;
-  damaged_spans_ += spans_.differences(said, event, header).size();
-  spans_.adopt(said, event);
+  checksums_t stated;
+  if (!decode(event.data, stated).empty() || stated.checksum_kind != kChecksumKind) return;
+  damaged_spans_ += spans_.differences(stated, event, header).size();
+  spans_.adopt(stated, event);
 }
 
 std::string LogGaps::found_no_description() const {

@@ -19,8 +19,8 @@ struct LogDamage {
   std::string problem;
   uint64_t from = 0;  ///< byte
   uint64_t bytes = 0;
-  bool goes_on = false;  ///< another event follows
-  bool is_torn = false;  ///< the file ends inside an event; otherwise bytes are damaged
+  bool continues = false;  ///< another event follows
+  bool is_torn = false;    ///< the file ends inside an event; otherwise bytes are damaged
 };
 /// That a log ends between two messages without the end of its run: a sentence.
 std::string describe_cut(int64_t last_frame, double step_s);

@@ -12,21 +12,22 @@ namespace {
 
 /// Copies what is sound. What it writes is counted by the judge's own means, so that the checks in
 /// the new log are right for the judge.
-class Mender {
+class LogRepairer {
  public:
-  Mender(const LogReport& report, const std::filesystem::path& out) : report_(report), out_(out) {}
+  LogRepairer(const LogReport& report, const std::filesystem::path& out)
+      : report_(report), out_(out) {}
 
   void take(const LogEvent& event) {
     const std::optional<Channel> channel = channel_of(event.channel);
     if (!channel) {
-      if (!report_.strange_channels.contains(event.channel)) write(event, event.data);
+      if (!report_.unknown_channels.contains(event.channel)) write(event, event.data);
       return;
     }
     MessageHeader header;
     if (!check_message(*channel, event.data).empty() ||
         !read_header(*channel, event.data, header).empty() || !has_stamp_of_log(event, header))
       return;
-    if (*channel == Channel::kChecks)
+    if (*channel == Channel::kChecksums)
       take_checks(event, header);
     else if (!is_damaged(*channel, event.offset))
       keep(*channel, event, header, event.data);
@@ -49,7 +50,7 @@ class Mender {
     while (next_span_ < report_.damage.size() && report_.damage[next_span_].to_byte <= byte)
       ++next_span_;
     for (size_t i = next_span_; i < report_.damage.size(); ++i) {
-      if (report_.damage[i].holds(channel, byte)) return true;
+      if (report_.damage[i].contains(channel, byte)) return true;
       if (report_.damage[i].from_byte > byte) break;
     }
     return false;
@@ -75,40 +76,40 @@ class Mender {
   }
 
   void take_checks(const LogEvent& event, const MessageHeader& header) {
-    checks_t said;
-    if (!decode(event.data, said).empty()) return;
-    const checks_t was = said;
-    if (said.check_kind == kCheckKind && spans_.is_gap(said, event, header)) {
-      spans_.adopt(said, event);
-      adopt_hash(said);
-    } else if (said.check_kind == kCheckKind) {
-      if (!spans_.differences(said, event, header).empty()) spans_.fill(said, event, header);
-      tell_hash(said);
+    checksums_t stated;
+    if (!decode(event.data, stated).empty()) return;
+    const checksums_t was = stated;
+    if (stated.checksum_kind == kChecksumKind && spans_.is_gap(stated, event, header)) {
+      spans_.adopt(stated, event);
+      adopt_hash(stated);
+    } else if (stated.checksum_kind == kChecksumKind) {
+      if (!spans_.differences(stated, event, header).empty()) spans_.fill(stated, event, header);
+      update_hash(stated);
     }
-    const bool is_changed = said.number != was.number || said.hash != was.hash ||
-                            said.channels != was.channels || said.messages != was.messages ||
-                            said.bytes != was.bytes || said.checks != was.checks;
+    const bool is_changed = stated.number != was.number || stated.hash != was.hash ||
+                            stated.channels != was.channels || stated.messages != was.messages ||
+                            stated.bytes != was.bytes || stated.checks != was.checks;
     if (!is_changed) {
-      keep(Channel::kChecks, event, header, event.data);
+      keep(Channel::kChecksums, event, header, event.data);
     } else {
-      said.is_repaired = 1;
-      std::vector<uint8_t> bytes(static_cast<size_t>(said.getEncodedSize()));
-      said.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      stated.is_repaired = 1;
+      std::vector<uint8_t> bytes(static_cast<size_t>(stated.getEncodedSize()));
+      stated.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
       seal(bytes);
-      keep(Channel::kChecks, event, header, bytes);
+      keep(Channel::kChecksums, event, header, bytes);
     }
   }
 
-  void adopt_hash(const checks_t& said) {
-    if (LogHash::is_known(said.hash_kind))
-      hash_.go_on_from(static_cast<EventHashKind>(said.hash_kind),
-                       static_cast<uint64_t>(said.hash));
+  void adopt_hash(const checksums_t& stated) {
+    if (LogHash::is_known(stated.hash_kind))
+      hash_.resume_from(static_cast<EventHashKind>(stated.hash_kind),
+                        static_cast<uint64_t>(stated.hash));
   }
 
-  void tell_hash(checks_t& said) {
-    if (!LogHash::is_known(said.hash_kind)) return;
-    hash_.start_from(static_cast<uint64_t>(said.hash_at_start));
-    said.hash = static_cast<int64_t>(hash_.value(static_cast<EventHashKind>(said.hash_kind)));
+  void update_hash(checksums_t& stated) {
+    if (!LogHash::is_known(stated.hash_kind)) return;
+    hash_.start_from(static_cast<uint64_t>(stated.hash_at_start));
+    stated.hash = static_cast<int64_t>(hash_.value(static_cast<EventHashKind>(stated.hash_kind)));
   }
 
   const LogReport& report_;
@@ -120,20 +121,20 @@ class Mender {
 };
 
 /// Copies what is sound by the report on `in`; how many messages.
-int64_t mend(const std::filesystem::path& in, const std::filesystem::path& out) {
+int64_t repair(const std::filesystem::path& in, const std::filesystem::path& out) {
   const LogReport report = check_log(in);
   LogReader log(in);
-  Mender mender(report, out);
+  LogRepairer repairer(report, out);
   LogEvent event;
   for (;;) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
     if (status == LogReader::Status::kEvent)
-      mender.take(event);
+      repairer.take(event);
     else if (!log.resync())
       break;
   }
-  return mender.close();
+  return repairer.close();
 }
 
 }  // namespace
@@ -143,7 +144,7 @@ int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path&
   if (std::filesystem::equivalent(in, out, error))
     throw EnvironmentError(out.string() +
                            ": the repaired log has to be another file than the torn one");
-  const int64_t messages = mend(in, out);
+  const int64_t messages = repair(in, out);
   // Pieces of several logs whose numbers repeat may agree with checks that are not theirs, until
   // something between them is gone. What lies before the first doubt is beyond it.
   const LogReport mended = check_log(out);

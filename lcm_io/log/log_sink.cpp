@@ -27,28 +27,28 @@ EncoderOptions LogSink::encoding() const {
           .threads = options_.threads};
 }
 
-void LogSink::after_begin(Outlet& outlet) {
-  for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk)
-    outlet.send_description_chunk(chunk);
+void LogSink::after_begin(TargetState& target_state) {
+  for (int chunk = 0; chunk < target_state.description_chunks(); ++chunk)
+    target_state.send_description_chunk(chunk);
   log_.flush();
   last_frame_ = Clock::now();
 }
 
 /// Flushes where that is due.
-void LogSink::after_frame(Outlet&) {
+void LogSink::after_frame(TargetState&) {
   log_.check();
   const auto now = Clock::now();
   // The next chance comes one frame later: flush now if it would be too late then.
-  const auto age_then = (now - oldest_unwritten_) + (now - last_frame_);
-  if (log_.buffered() > 0 && age_then >= flush_interval_) {
+  const auto age_after_next = (now - oldest_unwritten_) + (now - last_frame_);
+  if (log_.buffered() > 0 && age_after_next >= flush_interval_) {
     log_.start_writing();
     if (flush_interval_.count() == 0) log_.flush();  // each frame is in the file before the next
   }
   last_frame_ = now;
 }
 
-void LogSink::after_end(Outlet& outlet) {
-  outlet.send_last_checks();
+void LogSink::after_end(TargetState& target_state) {
+  target_state.send_last_checksums();
   log_.close();
 }
 

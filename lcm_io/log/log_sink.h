@@ -64,9 +64,9 @@ class LogSink final : public TargetSink {
 
   EncoderOptions encoding() const override;
   void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
-  void after_begin(Outlet& outlet) override;
-  void after_frame(Outlet& outlet) override;
-  void after_end(Outlet& outlet) override;
+  void after_begin(TargetState& target_state) override;
+  void after_frame(TargetState& target_state) override;
+  void after_end(TargetState& target_state) override;
 
   uint64_t bytes() const { return log_.bytes(); }
   int64_t messages() const { return log_.events(); }

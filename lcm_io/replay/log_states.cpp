@@ -16,7 +16,7 @@ bool LogStates::next() {
     } else if (status == LogReader::Status::kEnd) {
       is_over_ = true;
     } else {
-      is_damaged_ = has_hole_ = true;
+      is_damaged_ = has_gap_ = true;
       is_over_ = !log_.resync();
     }
   }
@@ -28,10 +28,10 @@ bool LogStates::take(const LogEvent& event) {
   const std::optional<Channel> channel = channel_of(event.channel);
   if (channel != Channel::kRun && channel != Channel::kStates) return false;
   MessageHeader header;
-  if (!read_header(*channel, event.data, header).empty() || !is_ours(*channel, header))
+  if (!read_header(*channel, event.data, header).empty() || !belongs_to_run(*channel, header))
     return false;
-  if (holds_damage(*channel, event.offset)) {
-    has_hole_ = has_hole_ || channel == Channel::kStates;
+  if (is_damaged_at(*channel, event.offset)) {
+    has_gap_ = has_gap_ || channel == Channel::kStates;
     refusal_ = "damaged, as the checks in the log say";
     return false;
   }
@@ -41,17 +41,17 @@ bool LogStates::take(const LogEvent& event) {
       refusal_ = run_.refusal();
     return false;
   }
-  has_hole_ = has_hole_ || header.seq != next_seq_;
+  has_gap_ = has_gap_ || header.seq != next_seq_;
   next_seq_ = header.seq < INT64_MAX ? header.seq + 1 : 0;
   hash_.add(checksum(event.data.subspan(kHeaderBytes)));
   const RunReader::Update update = run_.take(event.channel, event.data);
   if (update == RunReader::Update::kRefused) {
-    has_hole_ = true;
+    has_gap_ = true;
     refusal_ = run_.refusal();
   }
   if (update != RunReader::Update::kState) return false;
-  is_behind_hole_ = has_hole_ && frame_ >= 0;
-  has_hole_ = false;
+  is_behind_gap_ = has_gap_ && frame_ >= 0;
+  has_gap_ = false;
   frames_since_ = frame_ < 0 ? 0 : state().frame - frame_;
   frame_ = state().frame;
   hash_.add(static_cast<uint64_t>(frames_since_));
@@ -59,7 +59,7 @@ bool LogStates::take(const LogEvent& event) {
 }
 
 /// The run that is described first.
-bool LogStates::is_ours(Channel channel, const MessageHeader& header) {
+bool LogStates::belongs_to_run(Channel channel, const MessageHeader& header) {
   const std::pair id(header.run_id, header.instance);
   if (!id_ && channel == Channel::kRun) id_ = id;
   if (!id_) return false;
@@ -71,10 +71,10 @@ bool LogStates::is_ours(Channel channel, const MessageHeader& header) {
   return false;
 }
 
-bool LogStates::holds_damage(Channel channel, uint64_t byte) {
+bool LogStates::is_damaged_at(Channel channel, uint64_t byte) {
   while (next_damage_ < damage_.size() && damage_[next_damage_].to_byte <= byte) ++next_damage_;
   for (size_t i = next_damage_; i < damage_.size() && damage_[i].from_byte <= byte; ++i)
-    if (damage_[i].holds(channel, byte)) return true;
+    if (damage_[i].contains(channel, byte)) return true;
   return false;
 }
 

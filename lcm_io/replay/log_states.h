@@ -31,7 +31,7 @@ class LogStates {
   /// Frames of the log since the states before; 0 at the first.
   int64_t frames_since() const { return frames_since_; }
   /// Whether states are missing between those before and these, by the numbers of their messages.
-  bool is_behind_hole() const { return is_behind_hole_; }
+  bool is_behind_gap() const { return is_behind_gap_; }
   /// Of all poses so far, and of whose they are; neither of when nor by whom they were written.
   uint64_t hash() const { return hash_.value(); }
 
@@ -44,8 +44,8 @@ class LogStates {
 
  private:
   bool take(const LogEvent& event);
-  bool is_ours(Channel channel, const MessageHeader& header);
-  bool holds_damage(Channel channel, uint64_t byte);
+  bool belongs_to_run(Channel channel, const MessageHeader& header);
+  bool is_damaged_at(Channel channel, uint64_t byte);
 
   LogReader log_;
   RunReader run_;
@@ -57,8 +57,8 @@ class LogStates {
   bool is_damaged_ = false;
   std::string refusal_;
   int64_t next_seq_ = 0;  ///< of states
-  bool has_hole_ = false;
-  bool is_behind_hole_ = false;
+  bool has_gap_ = false;
+  bool is_behind_gap_ = false;
   int64_t frame_ = -1, frames_since_ = 0;
   Hasher hash_;
 };

@@ -15,12 +15,12 @@ namespace throng {
 namespace {
 
 /// Beyond, culling was never tried: an hour from states to states is no run.
-constexpr double kLongestStep_s = 3600;
-constexpr double kShortestStep_s = 1e-6;
+constexpr double kMaxStep_s = 3600;
+constexpr double kMinStep_s = 1e-6;
 /// As long as any run may be.
-constexpr double kLongest_s = 1e7;
+constexpr double kMaxDuration_s = 1e7;
 /// Everybody on the largest ground, and as far beyond it as a body reaches.
-constexpr double kFarthest_m = kMaxCoordinate_m + kMaxReach_m;
+constexpr double kMaxDistance_m = kMaxCoordinate_m + kMaxReach_m;
 
 /// How far apart the states of a log are.
 class Intervals {
@@ -46,7 +46,7 @@ class Intervals {
 
  private:
   int64_t frames_ = 0, count_ = 0;
-  std::map<int64_t, int64_t> holes_;  ///< how often, by length; at most kMaxBridgedHole_s long
+  std::map<int64_t, int64_t> holes_;  ///< how often, by length; at most kMaxBridgedGap_s long
 };
 
 class Surveyor {
@@ -58,7 +58,7 @@ class Surveyor {
 
   LogSurvey run() {
     LogStates states(survey_.file, survey_.damage);
-    while (states.next() && goes_on(states)) take(states);
+    while (states.next() && continues(states)) take(states);
     if (survey_.states == 0) refuse(states);
     survey_.description = *states.run().run();
     survey_.hash = states.hash();
@@ -77,9 +77,9 @@ class Surveyor {
                                                                 : "none");
   }
 
-  bool goes_on(LogStates& states) {
+  bool continues(LogStates& states) {
     const double hole_s = static_cast<double>(states.frames_since()) * states.run().run()->step_s;
-    if (!states.is_behind_hole() || hole_s <= kMaxBridgedHole_s) return true;
+    if (!states.is_behind_gap() || hole_s <= kMaxBridgedGap_s) return true;
     end_ = fmt::format("no states for {:.3g} s behind frame {}: culled until there", hole_s,
                        survey_.last_frame);
     return false;
@@ -90,23 +90,23 @@ class Surveyor {
     if (survey_.states++ == 0)
       survey_.first_frame = crowd.frame;
     else
-      intervals_.add(states.frames_since(), states.is_behind_hole());
-    if (states.is_behind_hole()) tell_hole(states);
+      intervals_.add(states.frames_since(), states.is_behind_gap());
+    if (states.is_behind_gap()) note_gap(states);
     survey_.last_frame = crowd.frame;
     const auto present = [](uint8_t is_present) { return is_present != 0; };
     survey_.is_open =
         survey_.is_open || !std::all_of(crowd.present.begin(), crowd.present.end(), present);
-    for (size_t i = 0; i < crowd.roots.size(); ++i) take_one(crowd, i);
+    for (size_t i = 0; i < crowd.roots.size(); ++i) add_avatar(crowd, i);
     widen_spans(*states.run().run(), crowd);
   }
 
-  void take_one(const CrowdState& crowd, size_t avatar) {
-    const double farthest_m = crowd.roots[avatar].position_m.cwiseAbs().maxCoeff();
-    if (!(farthest_m <= kFarthest_m))
+  void add_avatar(const CrowdState& crowd, size_t avatar) {
+    const double max_distance_m = crowd.roots[avatar].position_m.cwiseAbs().maxCoeff();
+    if (!(max_distance_m <= kMaxDistance_m))
       throw InputError(
           survey_.file.string(),
-          fmt::format("everybody within {:g} km of the origin", kFarthest_m / 1000),
-          fmt::format("avatar {} at {:g} m in frame {}", avatar, farthest_m, crowd.frame));
+          fmt::format("everybody within {:g} km of the origin", kMaxDistance_m / 1000),
+          fmt::format("avatar {} at {:g} m in frame {}", avatar, max_distance_m, crowd.frame));
     if (std::isfinite(crowd.speeds_mps[avatar])) return;
     if (no_speeds_.count++ == 0)
       no_speeds_.first = fmt::format("avatar {} at frame {}", avatar, crowd.frame);
@@ -124,7 +124,7 @@ class Surveyor {
       }
   }
 
-  void tell_hole(const LogStates& states) {
+  void note_gap(const LogStates& states) {
     if (holes_.first.empty())
       holes_.first = fmt::format("behind frame {}", states.state().frame - states.frames_since());
   }
@@ -133,13 +133,14 @@ class Surveyor {
     survey_.every = intervals_.mean();
     survey_.steps = 1 + intervals_.steps();
     survey_.step_s = survey_.every * survey_.description.step_s;
-    if (!(survey_.step_s >= kShortestStep_s && survey_.step_s <= kLongestStep_s))
+    if (!(survey_.step_s >= kMinStep_s && survey_.step_s <= kMaxStep_s))
       throw InputError(survey_.file.string(),
-                       fmt::format("states {:g} to {:g} s apart", kShortestStep_s, kLongestStep_s),
+                       fmt::format("states {:g} to {:g} s apart", kMinStep_s, kMaxStep_s),
                        fmt::format("{:g} s", survey_.step_s));
     if (const double length_s = static_cast<double>(survey_.steps) * survey_.step_s;
-        !(length_s <= kLongest_s))
-      throw InputError(survey_.file.string(), fmt::format("a run of at most {:g} s", kLongest_s),
+        !(length_s <= kMaxDuration_s))
+      throw InputError(survey_.file.string(),
+                       fmt::format("a run of at most {:g} s", kMaxDuration_s),
                        fmt::format("{:g} s", length_s));
   }
 
@@ -163,8 +164,8 @@ class Surveyor {
     if (!end_.empty()) add_note(end_);
     no_speeds_.what = "speeds that are no number: taken for 0";
     if (no_speeds_.count > 0) add_note(fmt::format("{} {}", no_speeds_.count, no_speeds_.what));
-    for (const Oddity* odd : {&holes_, &no_speeds_})
-      if (odd->count > 0) survey_.odd.push_back(*odd);
+    for (const Anomaly* anomaly : {&holes_, &no_speeds_})
+      if (anomaly->count > 0) survey_.anomalies.push_back(*anomaly);
   }
 
   void add_note(const std::string& text) {
@@ -174,7 +175,7 @@ class Surveyor {
   LogReport report_;
   LogSurvey survey_;
   Intervals intervals_;
-  Oddity holes_, no_speeds_;
+  Anomaly holes_, no_speeds_;
   std::string end_;
 };
 

@@ -10,12 +10,12 @@
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/check_spans.h"
 #include "recordings/recording.h"
-#include "scenes/run/kinds.h"
+#include "scenes/run/body_kinds.h"
 
 namespace throng {
 
 /// Where states were lost, people stand as before; after longer holes than this the log is over.
-inline constexpr double kMaxBridgedHole_s = 10;
+inline constexpr double kMaxBridgedGap_s = 10;
 
 struct LogSurvey {
   std::filesystem::path file;
@@ -30,7 +30,7 @@ struct LogSurvey {
   int64_t last_frame = 0;
   bool is_open = false;  ///< somebody is absent at some time
   uint64_t hash = 0;     ///< of all that is posed, see LogStates::hash()
-  std::vector<Oddity> odd;
+  std::vector<Anomaly> anomalies;
   std::vector<std::string> notes;  ///< for the user, a line each
   /// By model and column, over all people and frames; empty spans of a model that nobody has.
   std::vector<std::vector<ColumnSpan>> spans;

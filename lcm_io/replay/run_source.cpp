@@ -9,7 +9,7 @@
 
 #include "base/errors.h"
 #include "lcm_io/replay/file_kind.h"
-#include "lcm_io/replay/log_world.h"
+#include "lcm_io/replay/log_motion.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/separation/separation_rule.h"
 
@@ -22,8 +22,8 @@ void refuse_other_people(const std::string& name, const RunOptions& options, boo
   const std::pair<bool, const char*> asked[] = {{options.avatars.has_value(), "avatars"},
                                                 {options.seed && !has_seed, "seed"},
                                                 {options.steering.has_value(), "steering"}};
-  for (const auto& [is_asked, option] : asked)
-    if (is_asked) throw InputError(options.where(option), expected, fmt::format("'{}'", name));
+  for (const auto& [is_enabled, option] : asked)
+    if (is_enabled) throw InputError(options.where(option), expected, fmt::format("'{}'", name));
 }
 
 /// All but the people; a file has an end.
@@ -39,7 +39,7 @@ RunSource log_source(const std::string& name, const RunOptions& options) {
   require_no_recording_options(options, "a log, which says all of this itself");
   refuse_other_people(name, options, false, "a scene: whoever is in a log is as the log has it");
   LogRun log = read_log_run(name);
-  RunSource out{std::move(log.scene), std::move(log.world),
+  RunSource out{std::move(log.scene), std::move(log.motion),
                 RunSource::Recording{std::move(log.facts), log.people}};
   apply_to_file(name, options, out);
   return out;
@@ -61,19 +61,19 @@ RunSource scene_source(const std::string& name, const RunOptions& options) {
   require_no_recording_options(options, "a scene; in a scene file these are keys of 'recording'");
   require_no_other_kind(name);
   RunSource out{load_scene(name)};
-  out.plan_factor = apply(options, out.scene, out.notes);
+  out.scale_factor = apply(options, out.scene, out.notes);
   return out;
 }
 
 /// Not by what it holds, as a table of other columns: then by its options.
 bool is_meant_as_recording(const std::string& name, const RunOptions& options) {
   const std::vector<RunOption>& all = run_options();
-  const auto is_asked = [&](const RunOption& option) {
+  const auto is_enabled = [&](const RunOption& option) {
     return option.is_of_recording && option.name != "step" && options.is_given(option.name);
   };
   std::error_code error;
   const std::filesystem::path file(name);
-  return std::any_of(all.begin(), all.end(), is_asked) &&
+  return std::any_of(all.begin(), all.end(), is_enabled) &&
          std::filesystem::is_regular_file(file, error) && !known_kind(file) &&
          file.extension() != ".yaml" && file.extension() != ".yml";
 }

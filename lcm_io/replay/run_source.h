@@ -19,9 +19,9 @@ struct RunSource {
   };
 
   Scene scene;
-  WorldFactory world = {};  ///< empty: the scene's own
+  MotionFactory motion = {};  ///< empty: the scene's own
   std::optional<Recording> recording = {};
-  double plan_factor = 1;  ///< how many times longer --avatars made the plan
+  double scale_factor = 1;  ///< how many times longer --avatars made the plan
   std::vector<std::string> notes = {};
 };
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/say.h"
+#include "base/console.h"
 #include "lcm_io/wire/lcm_url.h"
 
 namespace throng {
@@ -19,7 +19,7 @@ constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
 // A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
 
-void say_line(const std::string& text) { say("{}\n", text); }
+void say_line(const std::string& text) { print_message("{}\n", text); }
 
 }  // namespace
 
@@ -44,7 +44,7 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
   options_.warn(fmt::format(
       "LCM cannot use {}: nothing is published, the run goes on; {}; to do without LCM: "
       "--lcm off",
-      options_.url, kMulticastWayOut));
+      options_.url, kMulticastRemedy));
 }
 
 LcmSink::~LcmSink() = default;
@@ -55,35 +55,35 @@ EncoderOptions LcmSink::encoding() const {
   return {.state_every = options_.state_every, .part_poses = options_.part_poses};
 }
 
-void LcmSink::after_begin(Outlet& outlet) {
-  for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk) {
+void LcmSink::after_begin(TargetState& target_state) {
+  for (int chunk = 0; chunk < target_state.description_chunks(); ++chunk) {
     if (chunk > 1 && good()) std::this_thread::sleep_for(kDescriptionPause);
-    outlet.send_description_chunk(chunk);
+    target_state.send_description_chunk(chunk);
   }
   round_started_ = Clock::now();
   next_chunk_ = 0;
 }
 
-void LcmSink::after_frame(Outlet& outlet) {
+void LcmSink::after_frame(TargetState& target_state) {
   // Spread over the second, so that a large description does not come as a burst on top of a frame.
   const auto now = Clock::now();
-  const int chunks = outlet.description_chunks();
+  const int chunks = target_state.description_chunks();
   const double round = (now - round_started_) / kDescriptionPeriod;
   const int due = static_cast<int>(std::min(1.0, round) * chunks);
-  for (; next_chunk_ < due; ++next_chunk_) outlet.send_description_chunk(next_chunk_);
+  for (; next_chunk_ < due; ++next_chunk_) target_state.send_description_chunk(next_chunk_);
   if (next_chunk_ == chunks) {
     next_chunk_ = 0;
     round_started_ = now;
   }
 }
 
-void LcmSink::after_end(Outlet& outlet) {
+void LcmSink::after_end(TargetState& target_state) {
   if (server_is_lost_) return;
   for (int copy = 1; copy < kEndCopies; ++copy) {
     std::this_thread::sleep_for(kEndPause);
-    outlet.repeat_end();
+    target_state.repeat_end();
   }
-  outlet.send_last_checks();
+  target_state.send_last_checksums();
 }
 
 void LcmSink::message(Channel channel, int64_t, std::span<const uint8_t> bytes) {

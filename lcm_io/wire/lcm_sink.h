@@ -36,11 +36,11 @@ class LcmSink final : public TargetSink {
   /// Also for a server that is not there: what it misses is counted.
   bool wants_messages() const override { return good() || server_is_lost_; }
   void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) override;
-  void after_begin(Outlet& outlet) override;
+  void after_begin(TargetState& target_state) override;
   /// The pieces of the description that are due: all of them once a second.
-  void after_frame(Outlet& outlet) override;
+  void after_frame(TargetState& target_state) override;
   /// THRONG_END five times, 20 ms apart: nothing later makes up for it. Then the last checks.
-  void after_end(Outlet& outlet) override;
+  void after_end(TargetState& target_state) override;
 
   /// A message on another channel than the run's, which `channel` names; counted as the others.
   void send(const std::string& channel, std::span<const uint8_t> bytes);

@@ -89,8 +89,8 @@ bool is_usable(const std::string& url) {
   return has_route(used) && has_server(used);
 }
 
-std::string_view way_out(const std::string& url) {
-  return is_tcpq(url) ? "start its server (lcm-tcpq-server or another) first" : kMulticastWayOut;
+std::string_view remedy(const std::string& url) {
+  return is_tcpq(url) ? "start its server (lcm-tcpq-server or another) first" : kMulticastRemedy;
 }
 
 }  // namespace throng

@@ -22,10 +22,10 @@ bool has_server(const std::string& url);
 /// waits for messages of a server that it did not reach.
 bool is_usable(const std::string& url);
 /// What to do where it is not.
-std::string_view way_out(const std::string& url);
+std::string_view remedy(const std::string& url);
 
 /// The way out where has_route() is false.
-inline constexpr std::string_view kMulticastWayOut =
+inline constexpr std::string_view kMulticastRemedy =
     "where multicast has no route: 'ip route add 224.0.0.0/4 dev lo'";
 
 }  // namespace throng

@@ -8,8 +8,8 @@
 
 #include "base/errors.h"
 #include "lcm_io/codec/channels.h"
-#include "lcm_io/codec/guard.h"
-#include "lcm_io/wire/driven_poses.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/wire/external_poses.h"
 #include "lcm_io/wire/lcm_url.h"
 
 namespace throng {
@@ -20,11 +20,11 @@ using std::chrono::milliseconds;
 // A controller that missed a turn, or whose answer was lost, gets another so soon.
 constexpr milliseconds kTurnPeriod{250};
 // How often somebody who waits looks up.
-constexpr milliseconds kLook{20};
+constexpr milliseconds kPollPeriod{20};
 // A stopped run would still like its last frame answered, for its checkpoint.
 constexpr std::chrono::seconds kGrace{1};
 constexpr size_t kMaxChannel = 63;  // liblcm's
-constexpr size_t kAvatarsPerTurn = (kMaxMessageBytes - 100) / (4 + 3 * 8 + 6 * 4);
+constexpr size_t kAvatarsPerRequest = (kMaxMessageBytes - 100) / (4 + 3 * 8 + 6 * 4);
 constexpr size_t kNamedAvatars = 5;
 constexpr int kQueuedAnswers = 200;
 
@@ -39,50 +39,50 @@ Lockstep::Lockstep(const RunInfo& run, const std::string& url, double timeout_s)
   if (!lcm_ || !lcm_->good())
     throw EnvironmentError(
         fmt::format("--lockstep waits for answers over LCM, and LCM cannot listen on {}; {}", url,
-                    way_out(url)));
+                    remedy(url)));
 }
 
 Lockstep::Lockstep(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm, double timeout_s)
     : run_(run), lcm_(std::move(lcm)), timeout_s_(timeout_s) {
-  is_answered_.resize(run.group_of_avatar.size());
-  for (size_t group = 0; group < run.drive_channels.size(); ++group)
-    if (!run.drive_channels[group].empty()) listen(group);
-  if (parties_.empty())
+  has_replied_.resize(run.group_of_avatar.size());
+  for (size_t group = 0; group < run.control_channels.size(); ++group)
+    if (!run.control_channels[group].empty()) listen(group);
+  if (controllers_.empty())
     throw InputError("--lockstep", "a scene with a driven group ('driven: CHANNEL')", "none");
 }
 
 Lockstep::~Lockstep() = default;
 
 void Lockstep::listen(size_t group) {
-  const std::string& channel = run_.drive_channels[group];
-  if (channel.size() + kAnswer.size() > kMaxChannel)
+  const std::string& channel = run_.control_channels[group];
+  if (channel.size() + kReplySuffix.size() > kMaxChannel)
     throw InputError("--lockstep",
                      fmt::format("channels of driven groups of at most {} characters, for '{}' to "
                                  "follow",
-                                 kMaxChannel - kAnswer.size(), kAnswer),
+                                 kMaxChannel - kReplySuffix.size(), kReplySuffix),
                      fmt::format("'{}'", channel));
-  if (std::count(run_.drive_channels.begin(), run_.drive_channels.end(), channel) > 1)
+  if (std::count(run_.control_channels.begin(), run_.control_channels.end(), channel) > 1)
     throw InputError("--lockstep", "a channel for each driven group",
                      fmt::format("'{}' for several", channel));
-  auto party = std::make_unique<Party>();
-  party->self = this;
-  party->index = counts_.size();
-  party->group = static_cast<uint16_t>(group);
-  party->turn_channel = fmt::format("{}{}", channel, kTurn);
+  auto controller = std::make_unique<Controller>();
+  controller->self = this;
+  controller->index = counts_.size();
+  controller->group = static_cast<uint16_t>(group);
+  controller->request_channel = fmt::format("{}{}", channel, kRequestSuffix);
   for (size_t avatar = 0; avatar < run_.group_of_avatar.size(); ++avatar)
     if (run_.group_of_avatar[avatar] == group)
-      party->avatars.push_back(static_cast<uint32_t>(avatar));
+      controller->avatars.push_back(static_cast<uint32_t>(avatar));
   Counts& counts = counts_.emplace_back();
   counts.group = run_.groups[group];
-  counts.channel = fmt::format("{}{}", channel, kAnswer);
+  counts.channel = fmt::format("{}{}", channel, kReplySuffix);
   static constexpr auto on_message = [](const lcm::ReceiveBuffer* buffer, const std::string&,
-                                        Party* to) {
+                                        Controller* to) {
     to->self->take(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
   };
   if (lcm_ && lcm_->good())
-    lcm_->subscribeFunction(counts.channel, +on_message, party.get())
+    lcm_->subscribeFunction(counts.channel, +on_message, controller.get())
         ->setQueueCapacity(kQueuedAnswers);
-  parties_.push_back(std::move(party));
+  controllers_.push_back(std::move(controller));
 }
 
 void Lockstep::begin(Simulation& simulation) {
@@ -91,7 +91,7 @@ void Lockstep::begin(Simulation& simulation) {
   is_first_ = true;
   const bool all_are_there = await(simulation, {});
   is_first_ = false;
-  waited_s_ = longest_s_ = 0;
+  total_wait_s_ = max_wait_s_ = 0;
   if (!all_are_there) throw EnvironmentError(failure_);
 }
 
@@ -103,9 +103,10 @@ bool Lockstep::after(Simulation& simulation, const Frame& frame, const Stopped& 
 
 bool Lockstep::await(Simulation& simulation, const Stopped& stopped) {
   simulation_ = &simulation;
-  std::fill(is_answered_.begin(), is_answered_.end(), uint8_t{0});
+  std::fill(has_replied_.begin(), has_replied_.end(), uint8_t{0});
   missing_ = 0;
-  for (const auto& party : parties_) missing_ += static_cast<int64_t>(party->avatars.size());
+  for (const auto& controller : controllers_)
+    missing_ += static_cast<int64_t>(controller->avatars.size());
   const auto start = Clock::now();
   auto deadline = start + std::chrono::duration_cast<Clock::duration>(
                               std::chrono::duration<double>(timeout_s_));
@@ -119,47 +120,48 @@ bool Lockstep::await(Simulation& simulation, const Stopped& stopped) {
     }
     if (now >= deadline) break;
     if (now >= next_turn) {
-      send_turns();
+      send_requests();
       next_turn = now + kTurnPeriod;
     }
     const auto left = std::chrono::ceil<milliseconds>(std::min(deadline, next_turn) - now);
-    if (lcm_->handleTimeout(static_cast<int>(std::clamp(left, milliseconds{1}, kLook).count())) < 0)
+    if (lcm_->handleTimeout(
+            static_cast<int>(std::clamp(left, milliseconds{1}, kPollPeriod).count())) < 0)
       failure_ = "lockstep: LCM receives nothing any more; is its server still there?";
   }
-  if (missing_ > 0 && !is_stopped && failure_.empty()) failure_ = who_is_late();
-  const double waited_s = seconds_since(start);
-  waited_s_ += waited_s;
-  longest_s_ = std::max(longest_s_, waited_s);
+  if (missing_ > 0 && !is_stopped && failure_.empty()) failure_ = late_controllers();
+  const double total_wait_s = seconds_since(start);
+  total_wait_s_ += total_wait_s;
+  max_wait_s_ = std::max(max_wait_s_, total_wait_s);
   simulation_ = nullptr;
   return failure_.empty();
 }
 
-void Lockstep::send_turns() {
-  for (const auto& party : parties_) send_turn(*party);
+void Lockstep::send_requests() {
+  for (const auto& controller : controllers_) send_request(*controller);
 }
 
-void Lockstep::send_turn(Party& party) {
-  std::vector<uint32_t> asked;
-  for (const uint32_t avatar : party.avatars)
-    if (is_answered_[avatar] == 0) asked.push_back(avatar);
-  turn_t& m = turn_;
+void Lockstep::send_request(Controller& controller) {
+  std::vector<uint32_t> requested;
+  for (const uint32_t avatar : controller.avatars)
+    if (has_replied_[avatar] == 0) requested.push_back(avatar);
+  step_request_t& m = request_;
   m.utime = utime_us_;
   m.run_id = static_cast<int64_t>(run_.run_id);
   m.instance = static_cast<int64_t>(run_.instance);
   m.frame = frame_;
   m.schema = kSchema;
   m.is_first = is_first_ ? 1 : 0;
-  m.chunk_count = chunks_of(asked.size(), kAvatarsPerTurn);
+  m.chunk_count = chunks_of(requested.size(), kAvatarsPerRequest);
   for (m.chunk = 0; m.chunk < m.chunk_count; ++m.chunk) {
-    const size_t first = static_cast<size_t>(m.chunk) * kAvatarsPerTurn;
-    const size_t count = std::min(kAvatarsPerTurn, asked.size() - first);
+    const size_t first = static_cast<size_t>(m.chunk) * kAvatarsPerRequest;
+    const size_t count = std::min(kAvatarsPerRequest, requested.size() - first);
     m.count = static_cast<int32_t>(count);
     m.avatar.resize(count);
     for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(count);
     for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz, &m.vx_mps, &m.vy_mps}) column->resize(count);
     for (size_t i = 0; i < count; ++i) {
-      m.avatar[i] = static_cast<int32_t>(asked[first + i]);
-      const DrivenPose& pose = *simulation_->driven_pose(asked[first + i]);
+      m.avatar[i] = static_cast<int32_t>(requested[first + i]);
+      const ExternalPose& pose = *simulation_->external_pose(requested[first + i]);
       m.x_m[i] = pose.root.position_m.x();
       m.y_m[i] = pose.root.position_m.y();
       m.z_m[i] = pose.root.position_m.z();
@@ -170,58 +172,58 @@ void Lockstep::send_turn(Party& party) {
       m.vx_mps[i] = static_cast<float>(pose.velocity_mps.x());
       m.vy_mps[i] = static_cast<float>(pose.velocity_mps.y());
     }
-    m.seq = party.turns++;
-    ++counts_[party.index].turns;
-    lcm_->publish(party.turn_channel, &m);
+    m.seq = controller.requests++;
+    ++counts_[controller.index].requests;
+    lcm_->publish(controller.request_channel, &m);
   }
 }
 
-void Lockstep::take(Party& party, std::span<const uint8_t> bytes) {
-  Counts& counts = counts_[party.index];
+void Lockstep::take(Controller& controller, std::span<const uint8_t> bytes) {
+  Counts& counts = counts_[controller.index];
   // Through liblcm's C code nothing may be thrown.
   try {
-    std::string defect = decode(bytes, answer_);
-    if (defect.empty() && (answer_.run_id != static_cast<int64_t>(run_.run_id) ||
-                           answer_.instance != static_cast<int64_t>(run_.instance))) {
+    std::string defect = decode(bytes, reply_);
+    if (defect.empty() && (reply_.run_id != static_cast<int64_t>(run_.run_id) ||
+                           reply_.instance != static_cast<int64_t>(run_.instance))) {
       ++counts.other_runs;
       return;
     }
-    if (defect.empty() && answer_.frame > frame_)
-      defect = fmt::format("an answer to frame {}, asked was {}", answer_.frame, frame_);
-    if (defect.empty()) defect = defect_for_group(run_, party.group, answer_);
+    if (defect.empty() && reply_.frame > frame_)
+      defect = fmt::format("an answer to frame {}, asked was {}", reply_.frame, frame_);
+    if (defect.empty()) defect = defect_for_group(run_, controller.group, reply_);
     if (!defect.empty()) {
       ++counts.refused;
       counts.refusal = std::move(defect);
-    } else if (answer_.frame < frame_) {
+    } else if (reply_.frame < frame_) {
       ++counts.late;
     } else {
-      use(party, answer_);
+      handle(controller, reply_);
     }
   } catch (const std::exception&) {
     ++counts.refused;
   }
 }
 
-void Lockstep::use(Party& party, const answer_t& answer) {
-  Counts& counts = counts_[party.index];
+void Lockstep::handle(Controller& controller, const step_reply_t& reply) {
+  Counts& counts = counts_[controller.index];
   bool is_new = false;
-  for_each_pose(run_, answer, [&](uint32_t avatar, const DrivenPose& pose) {
-    if (is_answered_[avatar] != 0) return;  // the first answer counts
-    counts.clamped += std::max(0, simulation_->drive(avatar, pose));
-    is_answered_[avatar] = 1;
+  for_each_pose(run_, reply, [&](uint32_t avatar, const ExternalPose& pose) {
+    if (has_replied_[avatar] != 0) return;  // the first answer counts
+    counts.clamped += std::max(0, simulation_->set_pose(avatar, pose));
+    has_replied_[avatar] = 1;
     --missing_;
     is_new = true;
   });
-  ++(is_new ? counts.answers : counts.repeated);
+  ++(is_new ? counts.replies : counts.repeated);
 }
 
-std::string Lockstep::who_is_late() const {
+std::string Lockstep::late_controllers() const {
   std::string text;
-  for (const auto& party : parties_) {
+  for (const auto& controller : controllers_) {
     std::string ids;
     size_t late = 0;
-    for (const uint32_t avatar : party->avatars) {
-      if (is_answered_[avatar] != 0) continue;
+    for (const uint32_t avatar : controller->avatars) {
+      if (has_replied_[avatar] != 0) continue;
       if (late < kNamedAvatars) ids += fmt::format("{}{}", late == 0 ? "" : ", ", avatar);
       ++late;
     }
@@ -229,7 +231,7 @@ std::string Lockstep::who_is_late() const {
     text += fmt::format(
         "{}{} {}{} of group '{}' ({})", text.empty() ? "" : "; ", late == 1 ? "avatar" : "avatars",
         ids, late > kNamedAvatars ? fmt::format(" and {} more", late - kNamedAvatars) : "",
-        counts_[party->index].group, counts_[party->index].channel);
+        counts_[controller->index].group, counts_[controller->index].channel);
   }
   const std::string to =
       is_first_ ? "the turn before the first frame" : fmt::format("frame {}", frame_);

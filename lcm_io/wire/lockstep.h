@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "scenes/run/simulation.h"
-#include "throng/answer_t.hpp"
-#include "throng/turn_t.hpp"
+#include "throng/step_reply_t.hpp"
+#include "throng/step_request_t.hpp"
 
 namespace lcm {
 class LCM;
@@ -24,7 +24,7 @@ namespace throng {
 class Lockstep {
  public:
   /// What a group's channel is followed by.
-  static constexpr std::string_view kTurn = "_TURN", kAnswer = "_ANSWER";
+  static constexpr std::string_view kRequestSuffix = "_REQUEST", kReplySuffix = "_REPLY";
   static constexpr double kDefaultTimeout_s = 30;
 
   /// Listens on the answer channel of every driven group. Throws EnvironmentError, with the way
@@ -48,7 +48,7 @@ class Lockstep {
 
   const std::string& failure() const { return failure_; }
   /// Whether after() gave up on the answers to its last frame, being stopped.
-  bool is_unanswered() const { return missing_ > 0; }
+  bool has_missing_replies() const { return missing_ > 0; }
 
   /// Whoever publishes over it, too, has all messages of a frame on the wire before its turn.
   const std::shared_ptr<lcm::LCM>& connection() const { return lcm_; }
@@ -56,8 +56,8 @@ class Lockstep {
   struct Counts {
     std::string group;
     std::string channel;     ///< of the answers
-    int64_t turns = 0;       ///< messages that asked, repeated ones too
-    int64_t answers = 0;     ///< that moved somebody
+    int64_t requests = 0;    ///< messages that asked, repeated ones too
+    int64_t replies = 0;     ///< that moved somebody
     int64_t late = 0;        ///< to an earlier frame
     int64_t repeated = 0;    ///< to this frame, for avatars that had been answered for
     int64_t other_runs = 0;  ///< to another run
@@ -68,44 +68,44 @@ class Lockstep {
   /// One a driven group.
   const std::vector<Counts>& counts() const { return counts_; }
   double timeout_s() const { return timeout_s_; }
-  double waited_s() const { return waited_s_; }    ///< over all frames, begin() left out
-  double longest_s() const { return longest_s_; }  ///< of a frame
+  double total_wait_s() const { return total_wait_s_; }  ///< over all frames, begin() left out
+  double max_wait_s() const { return max_wait_s_; }      ///< of a frame
 
  private:
   using Clock = std::chrono::steady_clock;
   /// One a driven group.
-  struct Party {
+  struct Controller {
     Lockstep* self = nullptr;
     size_t index = 0;    // into counts_
     uint16_t group = 0;  // of the run
-    std::string turn_channel;
-    int64_t turns = 0;
+    std::string request_channel;
+    int64_t requests = 0;
     std::vector<uint32_t> avatars;
   };
   void listen(size_t group);
   bool await(Simulation& simulation, const Stopped& stopped);
-  void send_turns();
-  void send_turn(Party& party);
-  void take(Party& party, std::span<const uint8_t> bytes);
-  void use(Party& party, const answer_t& answer);
-  std::string who_is_late() const;
+  void send_requests();
+  void send_request(Controller& controller);
+  void take(Controller& controller, std::span<const uint8_t> bytes);
+  void handle(Controller& controller, const step_reply_t& reply);
+  std::string late_controllers() const;
 
   const RunInfo& run_;
   std::shared_ptr<lcm::LCM> lcm_;
   double timeout_s_;
   std::vector<Counts> counts_;
-  std::vector<std::unique_ptr<Party>> parties_;  // liblcm keeps pointers to them
+  std::vector<std::unique_ptr<Controller>> controllers_;  // liblcm keeps pointers to them
 
   Simulation* simulation_ = nullptr;  // while it waits
   int64_t frame_ = 0;                 // the one to be answered
   int64_t utime_us_ = 0;
   bool is_first_ = false;
-  std::vector<uint8_t> is_answered_;  // by avatar
+  std::vector<uint8_t> has_replied_;  // by avatar
   int64_t missing_ = 0;               // avatars that are driven and not answered for
-  double waited_s_ = 0, longest_s_ = 0;
+  double total_wait_s_ = 0, max_wait_s_ = 0;
   std::string failure_;
-  turn_t turn_{};
-  answer_t answer_{};
+  step_request_t request_{};
+  step_reply_t reply_{};
 };
 
 }  // namespace throng

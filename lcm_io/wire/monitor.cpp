@@ -75,7 +75,7 @@ void Monitor::take(RunReader::Update update, double now_s) {
       take_events();
       break;
     case RunReader::Update::kTouching:
-      forget_what_ended_unheard();
+      drop_unseen_ends();
       break;
     case RunReader::Update::kFrameStats:
       take_frame_stats();
@@ -141,7 +141,7 @@ void Monitor::take_events() {
   }
 }
 
-void Monitor::forget_what_ended_unheard() {
+void Monitor::drop_unseen_ends() {
   const RunReader::Touching& touching = inbox_.run().touching();
   std::erase_if(began_us_,
                 [&touching](const auto& entry) { return !touching.contains(entry.first); });

@@ -80,7 +80,7 @@ class Monitor {
   size_t part_of(uint32_t body, uint32_t part) const;
   void take_events();
   void take_frame_stats();
-  void forget_what_ended_unheard();
+  void drop_unseen_ends();
   Totals now(double now_s) const;
 
   const Inbox& inbox_;

@@ -14,14 +14,14 @@ namespace {
 // liblcm queues 30 messages a subscription: a frame of 5000 people is ten. This holds some seconds
 // of a large crowd, 120 MB at the very most.
 constexpr int kQueuedMessages = 2000;
-constexpr int kMostAtOnce = 4096;
+constexpr int kMaxMessagesPerCall = 4096;
 
 }  // namespace
 
 Receiver::Receiver(const std::string& url)
     : lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
   if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(fmt::format("LCM cannot listen on {}; {}", url, way_out(url)));
+    throw EnvironmentError(fmt::format("LCM cannot listen on {}; {}", url, remedy(url)));
   subscribe();
 }
 
@@ -44,7 +44,7 @@ void Receiver::take(std::string_view channel, std::span<const uint8_t> bytes) {
     const int64_t foreign = inbox_.run().foreign();
     const RunReader::Update update = inbox_.take(channel, bytes);
     const bool is_followed = inbox_.run().header() && inbox_.run().foreign() == foreign;
-    if (is_followed) last_heard_ = Clock::now();
+    if (is_followed) last_received_ = Clock::now();
     if (listener_ && *listener_) (*listener_)({channel, bytes, update});
   } catch (...) {
     if (!thrown_) thrown_ = std::current_exception();
@@ -52,11 +52,11 @@ void Receiver::take(std::string_view channel, std::span<const uint8_t> bytes) {
 }
 
 int Receiver::receive(std::chrono::milliseconds wait, const Listener& listener) {
-  if (Clock::now() - last_heard_ > kSilence) inbox_.run().forget();
+  if (Clock::now() - last_received_ > kSilence) inbox_.run().forget();
   listener_ = &listener;
   int taken = 0;
   int timeout_ms = static_cast<int>(wait.count());
-  while (taken < kMostAtOnce && !thrown_ && lcm_->handleTimeout(timeout_ms) > 0) {
+  while (taken < kMaxMessagesPerCall && !thrown_ && lcm_->handleTimeout(timeout_ms) > 0) {
     ++taken;
     timeout_ms = 0;
   }

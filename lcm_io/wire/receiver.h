@@ -57,7 +57,7 @@ class Receiver {
   Inbox inbox_;
   const Listener* listener_ = nullptr;
   std::exception_ptr thrown_;
-  Clock::time_point last_heard_ = Clock::now();
+  Clock::time_point last_received_ = Clock::now();
 };
 
 }  // namespace throng

@@ -10,7 +10,7 @@
 Lengths are metres, times seconds, angles radians; z points up; quaternions are (x, y, z, w). Errors are
 InputError (a ValueError with .file and .line) and EnvironmentFault (an OSError).
 
-The classes of LCM messages (events_t, run_t, ...) are here, too, and need no compiled half.
+The classes of LCM messages (events_t, run_chunk_t, ...) are here, too, and need no compiled half.
 """
 
 import importlib.util as _util

@@ -68,8 +68,8 @@ def run(
     between: Optional[str] = None,
     parts: Optional[str] = None,
     threads: Optional[int] = None,
-    deadline_ms: Optional[float] = None,
-    deadline_tests: Optional[int] = None,
+    budget_ms: Optional[float] = None,
+    budget_tests: Optional[int] = None,
     strategy: Optional[str] = None,
     simd: Optional[str] = None,
     pair_search: Optional[str] = None,
@@ -85,7 +85,7 @@ def run(
     trajectory_fps: Optional[float] = None,
     log: Optional[Path] = None,
     states_hz: Optional[float] = None,
-    publish_parts: bool = False,
+    publish_part_poses: bool = False,
     html: Optional[Path] = None,
     trajectory: Union[None, Path, Sequence[Path]] = None,
     trajectory_area: Union[None, int, str] = None,
@@ -123,7 +123,7 @@ class Frame:
     @property
     def near(self) -> Table: ...
     @property
-    def near_people(self) -> Table: ...
+    def closest_parts(self) -> Table: ...
     @property
     def contact_points(self) -> Table: ...
     def part_poses(self, people: Iterable[int]) -> npt.NDArray[np.float64]: ...
@@ -226,7 +226,7 @@ class Culler:
     @property
     def near(self) -> Table: ...
     @property
-    def near_bodies(self) -> Table: ...
+    def closest_parts(self) -> Table: ...
     @property
     def contact_points(self) -> Table: ...
     def step(

@@ -7,7 +7,7 @@ import numpy
 
 from . import _core
 from ._errors import InputError
-from ._given import numbers, path_of, refused, shown, wholes
+from ._validation import abbreviated, input_error, integers, numbers, path_of
 from ._model import Model
 from ._table import Table, has_columns
 
@@ -24,11 +24,11 @@ class Body:
 
     def __init__(self, parts, names=None, static=False):
         if isinstance(parts, (str, bytes, os.PathLike)) or not hasattr(parts, "__iter__"):
-            raise refused("parts", "a list of parts", shown(parts))
+            raise input_error("parts", "a list of parts", abbreviated(parts))
         meshes = [_mesh(f"parts[{i}]", part) for i, part in enumerate(parts)]
         names = [f"part {i}" for i in range(len(meshes))] if names is None else list(names)
         if len(names) != len(meshes) or not all(isinstance(name, str) for name in names):
-            raise refused("names", f"a name a part, {len(meshes)}", shown(names))
+            raise input_error("names", f"a name a part, {len(meshes)}", abbreviated(names))
         self._made_of = (meshes, names, bool(static))
         self._body = _core.body_of_parts(*self._made_of)
 
@@ -51,7 +51,7 @@ def _mesh(where, part):
     if triangles is None:
         return points, None
     corners = numbers(where, triangles, "M x 3 indices of points", (None, 3) if numpy.size(triangles) else None)
-    return points, wholes(where, corners.reshape(-1), "indices of points").reshape(-1, 3)
+    return points, integers(where, corners.reshape(-1), "indices of points").reshape(-1, 3)
 
 
 class _BodyNames:
@@ -85,10 +85,10 @@ class Culler:
         pair_search: "grid", "sweep" or "brute". threads: [all].
         step_s: from step to step, for begin_s and end_s of contacts, and for closing speeds.
         near: every pair of parts of two bodies within so many metres is listed in `near`. body_near: of each two
-            bodies within so many metres the nearest parts, in `near_bodies`.
+            bodies within so many metres the nearest parts, in `closest_parts`.
         contact_points: where parts touch and how deep, in `contact_points`; needs exact=True.
 
-    A table that was not asked for (`near`, `near_bodies`, `contact_points`) raises RuntimeError.
+    A table that was not asked for (`near`, `closest_parts`, `contact_points`) raises RuntimeError.
     A pair whose triangles intersect is always reported, however bodies are posed.
     """
 
@@ -102,7 +102,7 @@ class Culler:
                    "near": near, "body_near": body_near, "contact_points": contact_points, "step_s": step_s}
         self._culler = _core.Culler(made, options)
         # What is looked for, by the names of options.
-        self._looks_for = {"near=M": near, "body_near=M": body_near, "contact_points=True": contact_points}
+        self._requested = {"near=M": near, "body_near=M": body_near, "contact_points=True": contact_points}
         self.step_s = step_s
         self._names = _BodyNames([body.part_names for body in made])
 
@@ -124,11 +124,11 @@ class Culler:
         else:
             matrices = _matrices("poses", poses)
             count = len(poses)
-        ids = numpy.arange(count) if ids is None else wholes("ids", ids)
-        types = numpy.zeros(count, dtype=int) if types is None else wholes("types", types)
+        ids = numpy.arange(count) if ids is None else integers("ids", ids)
+        types = numpy.zeros(count, dtype=int) if types is None else integers("types", types)
         scales = numpy.ones(count) if scales is None else numbers("scales", scales, "a number a body", (None,))
         if not len(ids) == len(types) == len(scales) == count:
-            raise refused("ids, types, scales", f"one of each a body, {count}",
+            raise input_error("ids, types, scales", f"one of each a body, {count}",
                           f"{len(ids)}, {len(types)} and {len(scales)}")
         try:
             events = self._culler.step(matrices, ids, types, scales)
@@ -144,9 +144,9 @@ class Culler:
         if len(self._names.part_names) > 1:
             self._names.type_of_id.update(zip(ids.tolist(), types.tolist()))
 
-    def _asked_for(self, option, rows):
+    def _requested_table(self, option, rows):
         """A table of what is looked for; an empty one would say that there is nothing."""
-        if not self._looks_for[option]:
+        if not self._requested[option]:
             raise RuntimeError(f"this culler was made without {option}: there is no table")
         return Table(rows(), self._names)
 
@@ -157,11 +157,11 @@ class Culler:
     #: Table: a, b, part_a, part_b of all that touches after the last step
     pairs = property(lambda self: Table(self._culler.pairs(), self._names))
     #: Table: how near parts are after the last step, see Frame.near; needs near=M
-    near = property(lambda self: self._asked_for("near=M", self._culler.near))
+    near = property(lambda self: self._requested_table("near=M", self._culler.near))
     #: Table: of each two bodies the nearest parts, see Frame.near; needs body_near=M
-    near_bodies = property(lambda self: self._asked_for("body_near=M", self._culler.near_bodies))
+    closest_parts = property(lambda self: self._requested_table("body_near=M", self._culler.closest_parts))
     #: Table: where parts touch after the last step, see Frame.contact_points; needs contact_points=True
-    contact_points = property(lambda self: self._asked_for("contact_points=True", self._culler.contact_points))
+    contact_points = property(lambda self: self._requested_table("contact_points=True", self._culler.contact_points))
     #: Table: of all steps so far, see Run.events
     events = property(lambda self: Table(self._culler.events(), self._names))
     #: Table: of all steps so far, see Run.contacts; end_s is nan while it lasts
@@ -175,11 +175,11 @@ def _body_of(kind):
         return _core.body_of_model(kind._model)
     if isinstance(kind, Body):
         return kind._body
-    raise refused("bodies", "a Model, a Body or a list of them; Model(FILE) reads a URDF", shown(kind))
+    raise input_error("bodies", "a Model, a Body or a list of them; Model(FILE) reads a URDF", abbreviated(kind))
 
 
 def _matrices(where, poses):
     matrices = numbers(where, poses, "matrices of 3 or 4 rows and 4 columns")
     if matrices.ndim < 3 or matrices.shape[-1] != 4 or matrices.shape[-2] not in (3, 4):
-        raise refused(where, "matrices of 3 or 4 rows and 4 columns", f"an array {matrices.shape}")
+        raise input_error(where, "matrices of 3 or 4 rows and 4 columns", f"an array {matrices.shape}")
     return matrices.reshape((-1, *matrices.shape[-2:]))

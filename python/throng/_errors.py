@@ -30,14 +30,14 @@ class InputError(Error, ValueError):
             self.file = where
 
     def __reduce__(self):
-        return (_again, (type(self), self.args, self.__dict__))
+        return (_restore, (type(self), self.args, self.__dict__))
 
 
 def _is_named_as_file(where):
     return bool(re.search(r"/|\.[A-Za-z0-9]{1,7}$", where)) and " " not in where.strip()
 
 
-def _again(kind, args, state):
+def _restore(kind, args, state):
     error = kind.__new__(kind, *args)
     error.args = args
     error.__dict__.update(state)

@@ -5,7 +5,7 @@ import os
 import tempfile
 
 from . import _core
-from ._given import numbers, path_of, whole
+from ._validation import integer, numbers, path_of
 from ._run import Run, progress_of
 
 
@@ -52,8 +52,8 @@ def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
     eye_m, target_m: where from and what at (x, y, z) [the whole crowd].
     """
     return _core.render(
-        path_of("log", log), whole("frame", frame, 0, 2**63 - 1),
-        whole("width", width, 16, 8192), whole("height", height, 16, 8192),
+        path_of("log", log), integer("frame", frame, 0, 2**63 - 1),
+        integer("width", width, 16, 8192), integer("height", height, 16, 8192),
         *(value if value is None else numbers(name, value, "three numbers x, y, z in metres", (3,)).tolist()
           for name, value in (("eye_m", eye_m), ("target_m", target_m))),
     )

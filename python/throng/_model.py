@@ -3,7 +3,7 @@
 import os
 
 from . import _core
-from ._given import numbers, path_of, whole
+from ._validation import integer, numbers, path_of
 
 
 class Model:
@@ -59,7 +59,7 @@ class Model:
         return self._model.triangles(self._part(part))
 
     def _part(self, part):
-        return whole("part", part, 0, self.part_count - 1)
+        return integer("part", part, 0, self.part_count - 1)
 
     def __repr__(self):
         return f"<throng.Model {self.name}: {self.part_count} parts, {self.joint_count} joints>"

@@ -6,7 +6,7 @@ import tempfile
 import numpy
 
 from . import _core
-from ._given import numbers, path_of
+from ._validation import numbers, path_of
 from ._run import options_of, progress_of, run
 from ._table import Table
 

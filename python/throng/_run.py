@@ -7,7 +7,7 @@ import tempfile
 import numpy
 
 from . import _core
-from ._given import path_of, refused, wholes
+from ._validation import input_error, integers, path_of
 from ._table import Table, has_columns
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
@@ -42,15 +42,15 @@ class Names:
 
     def part(self, bodies, parts):
         """Names of parts, one for each pair of a body's and a part's number; 255 is the whole body."""
-        bodies, parts = wholes("bodies", bodies), wholes("parts", parts)
+        bodies, parts = integers("bodies", bodies), integers("parts", parts)
         if len(bodies) != len(parts):
-            raise refused("bodies, parts", "as many of one as of the other", f"{len(bodies)} and {len(parts)}")
+            raise input_error("bodies, parts", "as many of one as of the other", f"{len(bodies)} and {len(parts)}")
         count = len(self._model_of_person) + len(self.obstacles)
         for i in numpy.flatnonzero((bodies < 0) | (bodies >= count))[:1]:
-            raise refused(f"bodies[{i}]", f"a body's number from 0, below {count}", bodies[i])
+            raise input_error(f"bodies[{i}]", f"a body's number from 0, below {count}", bodies[i])
         counts = self._part_counts[self._kinds(bodies)]
         for i in numpy.flatnonzero((parts != _WHOLE_BODY) & ((parts < 0) | (parts >= counts)))[:1]:
-            raise refused(f"parts[{i}]", f"a part's number from 0, below {counts[i]}, or {_WHOLE_BODY}", parts[i])
+            raise input_error(f"parts[{i}]", f"a part's number from 0, below {counts[i]}, or {_WHOLE_BODY}", parts[i])
         return self._of_parts(bodies, parts)
 
     def _kinds(self, bodies):
@@ -101,8 +101,8 @@ class Run:
         counters: Table (frames): time_s, touching, begins, ends, persisting, and updates, tests and passed of
             each stage of culling (avatar, body_box, part_box, part, exact), frame_ms, cull_ms.
         summary: a dict of totals.
-        separation: None, or of a scene with a `separation`: a dict of robots, shortfalls, pairs, unjudged,
-            beyond_margin and regions: name -> a dict of shortfalls, short_s, most_short_m, least_lo_m, least_hi_m.
+        separation: None, or of a scene with a `separation`: a dict of robots, shortfalls, pairs, undetermined,
+            beyond_margin and regions: name -> a dict of shortfalls, shortfall_s, max_shortfall_m, min_distance_lo_m, min_distance_hi_m.
         notes: what the user should know, a line each.
         names: .groups, .models, .parts (a list a model), .obstacles; .part(bodies, parts) gives names.
         log: the log that was written, or None.
@@ -185,8 +185,8 @@ def run(
     between=None,
     parts=None,
     threads=None,
-    deadline_ms=None,
-    deadline_tests=None,
+    budget_ms=None,
+    budget_tests=None,
     strategy=None,
     simd=None,
     pair_search=None,
@@ -202,7 +202,7 @@ def run(
     trajectory_fps=None,
     log=None,
     states_hz=None,
-    publish_parts=False,
+    publish_part_poses=False,
     html=None,
     trajectory=None,
     trajectory_area=None,
@@ -224,10 +224,10 @@ def run(
         near, person_near: margins in metres, as the command's: rows go to the log, and to Frame.near of a Simulation.
         contact_points: where parts touch and how deep, with exact=True: to the log, and to Frame.contact_points.
         between, parts: the pairs that are asked for, as the command's: "robots: people", "hands: head".
-        threads, deadline_ms, deadline_tests, strategy, simd, pair_search: as the command's.
+        threads, budget_ms, budget_tests, strategy, simd, pair_search: as the command's.
         fps, unit, heading_unit, columns, separator, tracks, strict, step: of a recording, as the command's.
         trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
-        log, states_hz, publish_parts: a log to write.
+        log, states_hz, publish_part_poses: a log to write.
         html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.
         trajectory_area: of a walkable area in pieces the one in FILE.sqlite: "largest", or its number by size, from 1.
         contacts: a folder for contact statistics. separation: a folder for how near robots came to people.

@@ -1,12 +1,12 @@
 """A run step by step."""
 
 from . import _core
-from ._given import numbers, refused, shown, whole, wholes
+from ._validation import abbreviated, input_error, integer, integers, numbers
 from ._run import Names, options_of
 from ._table import Table
 
 # What run() takes for what it writes.
-_OF_RUNS = ("log", "states_hz", "publish_parts", "html", "trajectory", "trajectory_fps", "contacts", "separation",
+_OF_RUNS = ("log", "states_hz", "publish_part_poses", "html", "trajectory", "trajectory_fps", "contacts", "separation",
             "trace_hash")
 
 
@@ -26,8 +26,8 @@ class Frame:
         events (Table): what began and ended in this frame, see Run.events.
         near (Table): of a simulation with near=M, each pair of parts within M metres: a, b, part_a, part_b, level
             (2 volumes, 3 triangles), lo_m and hi_m, which hold their distance; with exact=True the nearest points
-            a_m and b_m (3, world), normal (3, from a to b), depth_m, closing_mps, contact_in_s; nan otherwise.
-        near_people (Table): of a simulation with person_near=M, of each two people within M the nearest parts.
+            a_m and b_m (3, world), normal (3, from a to b), depth_m, closing_speed_mps, time_to_contact_s; nan otherwise.
+        closest_parts (Table): of a simulation with person_near=M, of each two people within M the nearest parts.
         contact_points (Table): of a simulation with exact=True, contact_points=True, a row for each of pairs:
             a, b, part_a, part_b, point_m (3, world; both parts have it), direction (3, unit; along which b is out
             of a soonest) and depth_m, how far that is.
@@ -49,7 +49,7 @@ class Frame:
     pairs = property(lambda self: Table(self._frame.pairs, self._names.of_pairs))
     events = property(lambda self: Table(self._frame.events, self._names.of_pairs))
     near = property(lambda self: Table(self._frame.near, self._names.of_pairs))
-    near_people = property(lambda self: Table(self._frame.near_people, self._names.of_pairs))
+    closest_parts = property(lambda self: Table(self._frame.closest_parts, self._names.of_pairs))
     contact_points = property(lambda self: Table(self._frame.contact_points, self._names.of_pairs))
 
     def part_poses(self, people):
@@ -57,7 +57,7 @@ class Frame:
 
         A point p of a part of somebody of scale s lies at R (s p) + t.
         """
-        return self._frame.part_poses(wholes("people", people if hasattr(people, "__array__") else list(people)))
+        return self._frame.part_poses(integers("people", people if hasattr(people, "__array__") else list(people)))
 
     def __repr__(self):
         return f"<throng.Frame {self.number}>"
@@ -74,7 +74,7 @@ class Simulation:
     def __init__(self, source, **options):
         for name in _OF_RUNS:
             if options.get(name) not in (None, False):
-                raise refused(name, "an option that shapes frames; run() writes and keeps", shown(options[name]))
+                raise input_error(name, "an option that shapes frames; run() writes and keeps", abbreviated(options[name]))
         self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
         self.names = Names(facts)
@@ -103,7 +103,7 @@ class Simulation:
         Later frames, their events and the hash are the same to the bit. A state of another run is an InputError.
         """
         if not isinstance(state, (bytes, bytearray, memoryview)):
-            raise refused("state", "the bytes that save() gave", shown(state))
+            raise input_error("state", "the bytes that save() gave", abbreviated(state))
         self._run.resume(bytes(state))
 
     def __iter__(self):
@@ -120,7 +120,7 @@ class Simulation:
         Returns how many numbers were brought within what the scene and the joints allow.
         """
         return self._run.drive(
-            whole("avatar", avatar, 0, len(self.people) - 1),
+            integer("avatar", avatar, 0, len(self.people) - 1),
             numbers("position_m", position_m, "3 numbers x, y, z", (3,)),
             numbers("rotation_xyzw", rotation_xyzw, "a quaternion of 4 numbers x, y, z, w", (4,)),
             numbers("joints", joints, "the joints in one row", (None,)),

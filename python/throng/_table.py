@@ -34,7 +34,7 @@ class Table(numpy.ndarray):
     def to_pandas(self):
         """A pandas.DataFrame with a column for each field, and names where there are any.
 
-        A point or a direction becomes three columns: a_m gives a_x_m, a_y_m and a_z_m; normal gives normal_x, ...
+        A point or a direction becomes three columns: a_m gives point_a_x_m, point_a_y_m and point_a_z_m; normal gives normal_x, ...
         Of a table of some columns, ``table[["a", "part_a"]]``, those numbers are named whose columns are there: a
         part's needs its body's, too.
         """

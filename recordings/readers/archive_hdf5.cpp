@@ -10,8 +10,8 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/readers/column_name.h"
-#include "recordings/readers/foreign_samples.h"
 #include "recordings/readers/header_comments.h"
+#include "recordings/readers/sandboxed_samples.h"
 #include "recordings/readers/table_columns.h"
 
 namespace throng {
@@ -19,8 +19,8 @@ namespace {
 
 constexpr const char* kExpectedHdf5 =
     "an HDF5 file with a dataset trajectory of id, frame, x, y, z";
-constexpr hsize_t kRowsATime = 8192;
-constexpr size_t kMostTextBytes = 1 << 20;
+constexpr hsize_t kRowsPerRead = 8192;
+constexpr size_t kMaxTextBytes = 1 << 20;
 
 /// What HDF5 lends, given back.
 class Handle {
@@ -49,7 +49,7 @@ class RowType {
  public:
   explicit RowType(hid_t file_type) : type_(H5Tcreate(H5T_COMPOUND, sizeof(Row)), H5Tclose) {
     if (H5Tget_class(file_type) != H5T_COMPOUND)
-      throw Refusal(kExpectedHdf5, "one that has no columns");
+      throw ParseFailure(kExpectedHdf5, "one that has no columns");
     for (int i = 0; i < H5Tget_nmembers(file_type); ++i) {
       char* const name = H5Tget_member_name(file_type, static_cast<unsigned>(i));
       names_.emplace_back(name == nullptr ? "" : name);
@@ -83,14 +83,14 @@ class RowType {
   }
   void add(hid_t file_type, ColumnRole role, size_t offset, bool is_whole) {
     if (!columns_.has(role))
-      throw Refusal(kExpectedHdf5, fmt::format("one without the column {}",
-                                               kColumnRoleNames[static_cast<size_t>(role)]));
+      throw ParseFailure(kExpectedHdf5, fmt::format("one without the column {}",
+                                                    kColumnRoleNames[static_cast<size_t>(role)]));
     const std::string& name = name_of(role);
     const H5T_class_t kind = H5Tget_member_class(file_type, static_cast<unsigned>(columns_[role]));
     if (kind != H5T_INTEGER && (is_whole || kind != H5T_FLOAT))
-      throw Refusal(fmt::format("{}numbers in the column {} of the dataset trajectory",
-                                is_whole ? "whole " : "", escaped(name)),
-                    "something else");
+      throw ParseFailure(fmt::format("{}numbers in the column {} of the dataset trajectory",
+                                     is_whole ? "whole " : "", escaped(name)),
+                         "something else");
     H5Tinsert(type_.id(), name.c_str(), offset, is_whole ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE);
   }
 
@@ -114,9 +114,9 @@ double number_of(hid_t object, const char* name) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle space(H5Aget_space(attribute.id()), H5Sclose);
   if (H5Sget_simple_extent_npoints(space.id()) != 1)
-    throw Refusal(fmt::format("one number as attribute {}", name), "none or several");
+    throw ParseFailure(fmt::format("one number as attribute {}", name), "none or several");
   if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &out) < 0)
-    throw Refusal(fmt::format("a number as attribute {}", name), "something else");
+    throw ParseFailure(fmt::format("a number as attribute {}", name), "something else");
   return out;
 }
 
@@ -126,18 +126,18 @@ std::string text_of(hid_t object, const char* name) {
   const Handle type(H5Aget_type(attribute.id()), H5Tclose);
   const Handle space(H5Aget_space(attribute.id()), H5Sclose);
   if (H5Tget_class(type.id()) != H5T_STRING || H5Sget_simple_extent_npoints(space.id()) != 1)
-    throw Refusal(fmt::format("a text as attribute {}", name), "something else");
+    throw ParseFailure(fmt::format("a text as attribute {}", name), "something else");
   if (H5Tis_variable_str(type.id()) > 0) {
     char* text = nullptr;
     if (H5Aread(attribute.id(), type.id(), static_cast<void*>(&text)) < 0 || text == nullptr)
-      throw Refusal(fmt::format("a text as attribute {}", name), "one that cannot be read");
-    std::string out(text, ::strnlen(text, kMostTextBytes));
+      throw ParseFailure(fmt::format("a text as attribute {}", name), "one that cannot be read");
+    std::string out(text, ::strnlen(text, kMaxTextBytes));
     H5free_memory(text);
     return out;
   }
-  std::string out(std::min(H5Tget_size(type.id()), kMostTextBytes), '\0');
+  std::string out(std::min(H5Tget_size(type.id()), kMaxTextBytes), '\0');
   if (H5Tget_size(type.id()) > out.size() || H5Aread(attribute.id(), type.id(), out.data()) < 0)
-    throw Refusal(fmt::format("a text as attribute {}", name), "one that cannot be read");
+    throw ParseFailure(fmt::format("a text as attribute {}", name), "one that cannot be read");
   // Padded with zeros or blanks.
   out.resize(::strnlen(out.data(), out.size()));
   return std::string(trimmed(out));
@@ -145,9 +145,8 @@ std::string text_of(hid_t object, const char* name) {
 
 /// The attribute fps, a number or a text; NaN if there is none.
 double rate_of(hid_t object, const RecordingOptions& options) {
-  return has_text(object, "fps")
-             ? foreign_rate(text_of(object, "fps"), "the attribute fps", options)
-             : number_of(object, "fps");
+  return has_text(object, "fps") ? parsed_rate(text_of(object, "fps"), "the attribute fps", options)
+                                 : number_of(object, "fps");
 }
 
 /// Of x, y and z: from the names of columns, attributes that describe them ("pedestrian
@@ -175,19 +174,20 @@ std::array<std::string, 3> units_of(hid_t file, hid_t dataset, const RowType& ty
   return out;
 }
 
-void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
+void send_rows(hid_t dataset, const RowType& type, SampleSender& sender) {
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (H5Sget_simple_extent_ndims(space.id()) != 1)
-    throw Refusal(kExpectedHdf5, "one of another shape");
+    throw ParseFailure(kExpectedHdf5, "one of another shape");
   hsize_t count = 0;
   H5Sget_simple_extent_dims(space.id(), &count, nullptr);
-  std::vector<Row> rows(static_cast<size_t>(std::min(count, kRowsATime)));
+  std::vector<Row> rows(static_cast<size_t>(std::min(count, kRowsPerRead)));
   for (hsize_t at = 0; at < count;) {
-    const hsize_t some = std::min(kRowsATime, count - at);
+    const hsize_t some = std::min(kRowsPerRead, count - at);
     const Handle memory(H5Screate_simple(1, &some, nullptr), H5Sclose);
     H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, &at, nullptr, &some, nullptr);
     if (H5Dread(dataset, type.id(), memory.id(), space.id(), H5P_DEFAULT, rows.data()) < 0)
-      throw Refusal(kExpectedHdf5, fmt::format("one whose rows from {} on cannot be read", at + 1));
+      throw ParseFailure(kExpectedHdf5,
+                         fmt::format("one whose rows from {} on cannot be read", at + 1));
     for (size_t i = 0; i < some; ++i)
       sender.sample({.id = rows[i].id,
                      .frame = rows[i].frame,
@@ -201,16 +201,16 @@ void send_rows(hid_t dataset, const RowType& type, ForeignSender& sender) {
 }
 
 /// In the child.
-void parse_hdf5(const RegularFile& file, const RecordingOptions& options, ForeignSender& sender) {
+void parse_hdf5(const RegularFile& file, const RecordingOptions& options, SampleSender& sender) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   H5PLset_loading_state(0);  // a file names filters; none is loaded for it
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.id(), false, true);
   const Handle opened(H5Fopen(path_of(file).c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
-  if (!opened) throw Refusal(kExpectedHdf5, "one that is damaged or cut short");
+  if (!opened) throw ParseFailure(kExpectedHdf5, "one that is damaged or cut short");
   const Handle dataset(H5Dopen2(opened.id(), "trajectory", H5P_DEFAULT), H5Dclose);
-  if (!dataset) throw Refusal(kExpectedHdf5, "one without such a dataset");
-  ForeignFacts facts;
+  if (!dataset) throw ParseFailure(kExpectedHdf5, "one without such a dataset");
+  ParsedFacts facts;
   for (const hid_t object : {dataset.id(), opened.id()})
     state_rate(facts.fps, rate_of(object, options), "the attribute fps", options);
   facts.wkt = text_of(opened.id(), "wkt_geometry");
@@ -229,12 +229,12 @@ class ArchiveHdf5 final : public RecordingReader {
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
     refuse_packed(source, *this);
-    const ForeignKind foreign{.parser = {.library = "HDF5",
-                                         .expected = kExpectedHdf5,
-                                         .way_out = "export it again, for example as text"},
-                              .kind = kind(),
-                              .tracks = TrackedPoint::kHead};
-    read_apart(source, foreign, parse_hdf5, builder);
+    const SandboxedKind foreign{.parser = {.library = "HDF5",
+                                           .expected = kExpectedHdf5,
+                                           .remedy = "export it again, for example as text"},
+                                .kind = kind(),
+                                .tracked_point = TrackedPoint::kHead};
+    read_sandboxed(source, foreign, parse_hdf5, builder);
   }
 };
 

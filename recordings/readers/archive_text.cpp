@@ -47,7 +47,7 @@ NamedColumns named_columns(const HeaderComments& comments, size_t count) {
   return out;
 }
 
-class ArchiveLines final : public LineTaker {
+class ArchiveLines final : public LineHandler {
  public:
   explicit ArchiveLines(RecordingBuilder& builder) : builder_(builder) {}
 
@@ -74,7 +74,7 @@ class ArchiveLines final : public LineTaker {
     const NamedColumns named = named_columns(later, columns_);
     units.state(named.columns, named.names, number);
     later.state_lists(units, roles_);
-    refuse_other(builder_, later, units_, units, number);
+    refuse_contradiction(builder_, later, units_, units, number);
   }
 
   /// The first position: what comments and options said until now must be enough.
@@ -250,7 +250,7 @@ class ArchiveText final : public RecordingReader {
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
     builder.head().kind = kind();
-    builder.head().tracks = TrackedPoint::kHead;
+    builder.head().tracked_point = TrackedPoint::kHead;
     ArchiveLines lines(builder);
     source.lines(lines);
   }

@@ -50,7 +50,7 @@ class Guess {
   int64_t steps_ = 0;
 };
 
-class EthLines final : public LineTaker {
+class EthLines final : public LineHandler {
  public:
   explicit EthLines(RecordingBuilder& builder) : builder_(builder) {}
 
@@ -88,7 +88,7 @@ class EthLines final : public LineTaker {
     later.read(line, number);
     StatedUnits units = later.units();
     later.state_lists(units, roles());
-    refuse_other(builder_, later, units_, units, number);
+    refuse_contradiction(builder_, later, units_, units, number);
   }
 
   std::vector<std::optional<ColumnRole>> roles() const {

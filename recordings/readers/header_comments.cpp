@@ -358,8 +358,8 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
 }
 
 void HeaderComments::read_list(std::string_view line, int64_t number) {
-  constexpr size_t kMostLists = 1000, kLongestList = 4096;
-  if (line.size() > kLongestList || lists_.size() >= kMostLists ||
+  constexpr size_t kMaxLists = 1000, kMaxListBytes = 4096;
+  if (line.size() > kMaxListBytes || lists_.size() >= kMaxLists ||
       line.find_first_of(":=") != std::string_view::npos)
     return;
   while (!line.empty() && std::string_view("#*%/").find(line.front()) != std::string_view::npos)
@@ -464,8 +464,8 @@ void HeaderComments::state_lists(StatedUnits& units,
   }
 }
 
-void refuse_other(RecordingBuilder& builder, const HeaderComments& later, const StatedUnits& now,
-                  const StatedUnits& then, int64_t number) {
+void refuse_contradiction(RecordingBuilder& builder, const HeaderComments& later,
+                          const StatedUnits& now, const StatedUnits& then, int64_t number) {
   const double per_s = builder.head().per_s;
   if (const std::optional<double> rate = later.stated_rate(); rate && *rate != per_s)
     builder.refuse(number, fmt::format("one frame rate, {:g}", per_s),

@@ -73,8 +73,8 @@ class HeaderComments {
 
 /// Throws InputError for a comment behind the first position that states another rate than the
 /// recording has, or another unit: a second file behind the first one.
-void refuse_other(RecordingBuilder& builder, const HeaderComments& later, const StatedUnits& now,
-                  const StatedUnits& then, int64_t number);
+void refuse_contradiction(RecordingBuilder& builder, const HeaderComments& later,
+                          const StatedUnits& now, const StatedUnits& then, int64_t number);
 
 /// The unit in a description of a column: "x-coordinate (meter [m])", "positions (in cm)". Empty if
 /// it states none.

@@ -9,7 +9,7 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/readers/column_name.h"
-#include "recordings/readers/foreign_samples.h"
+#include "recordings/readers/sandboxed_samples.h"
 
 namespace throng {
 namespace {
@@ -46,7 +46,7 @@ class Statement {
 
  private:
   void check(int result) const {
-    if (result != SQLITE_OK) throw Refusal(kExpectedSqlite, sqlite3_errmsg(database_));
+    if (result != SQLITE_OK) throw ParseFailure(kExpectedSqlite, sqlite3_errmsg(database_));
   }
 
   sqlite3* database_;
@@ -61,7 +61,7 @@ class Database {
     const int result =
         sqlite3_open_v2(uri.c_str(), &database_,
                         SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
-    if (result != SQLITE_OK) throw Refusal(kExpectedSqlite, sqlite3_errstr(result));
+    if (result != SQLITE_OK) throw ParseFailure(kExpectedSqlite, sqlite3_errstr(result));
     for (const char* pragma : {"PRAGMA trusted_schema = OFF", "PRAGMA temp_store = MEMORY"})
       sqlite3_exec(database_, pragma, nullptr, nullptr, nullptr);
   }
@@ -101,20 +101,20 @@ std::string quoted(const std::string& name) {
   return out + '"';
 }
 
-ForeignFacts facts_of(const Database& database, const std::vector<std::string>& tables,
-                      const RecordingOptions& options) {
-  ForeignFacts facts;
+ParsedFacts facts_of(const Database& database, const std::vector<std::string>& tables,
+                     const RecordingOptions& options) {
+  ParsedFacts facts;
   std::string unit;
   Statement metadata = database.ask("SELECT key, value FROM metadata");
   while (metadata.step()) {
     const std::string key = lower(trimmed(metadata.text(0))), value = metadata.text(1);
     double number = 0;
     constexpr const char* kFps = "fps in the table metadata";
-    if (key == "fps") state_rate(facts.fps, foreign_rate(value, kFps, options), kFps, options);
+    if (key == "fps") state_rate(facts.fps, parsed_rate(value, kFps, options), kFps, options);
     if (key == "unit" || key == "units" || key == "length_unit")
       state_unit(unit, bare_unit(value), key + " in the table metadata", options);
     if (key == "version" && !parse_number(trimmed(value), number))
-      throw Refusal("a number as version in the table metadata", in_quotes(value));
+      throw ParseFailure("a number as version in the table metadata", in_quotes(value));
     // A kind is named by it, no more.
     if (key == "version" && number >= 1 && number < 1000)
       facts.version = static_cast<int64_t>(number);
@@ -146,25 +146,25 @@ void expect_number(const Statement& row, int column, bool is_whole, int64_t coun
   const int type = row.type(column);
   if (!is_whole && is_missing_in(row, column)) return;
   if (type == SQLITE_INTEGER || (type == SQLITE_FLOAT && !is_whole)) return;
-  throw Refusal(fmt::format("a {}number as {} in row {} of trajectory_data",
-                            is_whole ? "whole " : "", row.name(column), count),
-                type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
+  throw ParseFailure(fmt::format("a {}number as {} in row {} of trajectory_data",
+                                 is_whole ? "whole " : "", row.name(column), count),
+                     type == SQLITE_NULL ? "nothing" : in_quotes(row.text(column)));
 }
 
 void parse_database(const RegularFile& file, const RecordingOptions& options,
-                    ForeignSender& sender) {
+                    SampleSender& sender) {
   const Database database(file);
   const std::vector<std::string> tables = database.tables();
   if (!has(tables, "trajectory_data") || !has(tables, "metadata"))
-    throw Refusal(
+    throw ParseFailure(
         "the tables trajectory_data and metadata, as JuPedSim writes them",
         tables.empty() ? "none" : in_quotes(fmt::format("{}", fmt::join(tables, ", "))) + " alone");
   sender.facts(facts_of(database, tables, options));
   const std::vector<std::string> columns = database.columns("trajectory_data");
   for (const char* column : {"frame", "id", "pos_x", "pos_y"})
     if (!has(columns, column))
-      throw Refusal(fmt::format("a column {} in trajectory_data", column),
-                    in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
+      throw ParseFailure(fmt::format("a column {} in trajectory_data", column),
+                         in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
   // Our own headings are as exact as they were written.
   const bool has_motion = has(tables, "throng_motion");
   const bool has_orientation = !has_motion && has(columns, "ori_x") && has(columns, "ori_y");
@@ -180,10 +180,10 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
   for (int64_t count = 1; rows.step(); ++count) {
     for (const int column : {0, 1}) expect_number(rows, column, true, count);
     for (const int column : {2, 3}) expect_number(rows, column, false, count);
-    ForeignSample sample{.id = rows.whole(1),
-                         .frame = rows.whole(0),
-                         .x = position_of(rows, 2),
-                         .y = position_of(rows, 3)};
+    ParsedSample sample{.id = rows.whole(1),
+                        .frame = rows.whole(0),
+                        .x = position_of(rows, 2),
+                        .y = position_of(rows, 3)};
     if (has_orientation) {
       const double x = rows.number(4), y = rows.number(5);
       // Who has not moved yet looks nowhere.
@@ -207,12 +207,12 @@ class JupedsimSqlite final : public RecordingReader {
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
     refuse_packed(source, *this);
     refuse_unfinished(source.file().path());
-    const ForeignKind foreign{
+    const SandboxedKind foreign{
         .parser = {.library = "SQLite",
                    .expected = kExpectedSqlite,
-                   .way_out = "`sqlite3 FILE .recover` may save what is in it"},
+                   .remedy = "`sqlite3 FILE .recover` may save what is in it"},
         .kind = kind()};
-    read_apart(source, foreign, parse_database, builder);
+    read_sandboxed(source, foreign, parse_database, builder);
   }
 
  private:

@@ -30,7 +30,7 @@ class RecordingSource {
   /// Not one of the binary kinds.
   bool is_text() const { return head_.find('\0') == std::string::npos; }
   /// Gives all lines, unpacked.
-  void lines(LineTaker& taker) const;
+  void lines(LineHandler& handler) const;
 
  private:
   RegularFile file_;

@@ -14,22 +14,22 @@
 #include <vector>
 
 #include "base/errors.h"
-#include "base/files/foreign.h"
 #include "base/files/regular_file.h"
+#include "base/files/sandboxed_parser.h"
 #include "recordings/readers/recording_reader.h"
 
 namespace throng {
 
 // What a gzip file holds.
-// One rule: zlib sees it in a child process, behind base/files/foreign.h; a file that claims to
-// hold a thousand times what tables compress to is refused.
+// One rule: zlib sees it in a child process, behind base/files/sandboxed_parser.h; a file that
+// claims to hold a thousand times what tables compress to is refused.
 
 bool is_gzip(std::string_view head);
 
 /// Gives what it holds piece by piece, at most `most` bytes of it. Throws InputError for a file
 /// that is damaged, cut short or a bomb; what was given before that is no part of anything.
 void unpack(const RegularFile& file, const std::function<void(std::string_view)>& take,
-            uint64_t most = std::numeric_limits<uint64_t>::max());
+            uint64_t max = std::numeric_limits<uint64_t>::max());
 
 namespace {
 
@@ -59,8 +59,8 @@ RecordingSource::RecordingSource(const std::filesystem::path& path)
       kHeadBytes);
 }
 
-void RecordingSource::lines(LineTaker& taker) const {
-  LineCutter cutter(file_.path(), taker);
+void RecordingSource::lines(LineHandler& handler) const {
+  LineSplitter cutter(file_.path(), handler);
   if (is_packed_) {
     unpack(file_, [&](std::string_view piece) { cutter.push(piece); });
     cutter.end();
@@ -80,7 +80,7 @@ namespace {
 constexpr std::string_view kMagic = "\x1f\x8b";
 constexpr const char* kExpectedGzip = "a gzip file";
 /// Tables of numbers shrink to a third or a tenth; the most that the format can do is 1032.
-constexpr uint64_t kMostRatio = 300;
+constexpr uint64_t kMaxRatio = 300;
 constexpr uint64_t kAnyRatioBytes = 16 << 20;
 constexpr size_t kUnpackedBytes = 256 << 10;
 
@@ -96,13 +96,13 @@ struct Inflater {
 };
 
 /// In the child.
-void inflate_all(const RegularFile& file, uint64_t most, const SendPiece& send) {
+void inflate_all(const RegularFile& file, uint64_t max, const SendPiece& send) {
   Inflater inflater;
   z_stream& stream = inflater.stream;
   std::vector<uint8_t> in(kUnpackedBytes), out(kUnpackedBytes);
   uint64_t read = 0, made = 0;
   int result = Z_STREAM_END;
-  while (made < most) {
+  while (made < max) {
     if (stream.avail_in == 0) {
       const ssize_t count =
           ::pread(file.descriptor(), in.data(), in.size(), static_cast<off_t>(read));
@@ -120,20 +120,19 @@ void inflate_all(const RegularFile& file, uint64_t most, const SendPiece& send) 
     stream.avail_out = static_cast<uInt>(out.size());
     result = inflate(&stream, Z_NO_FLUSH);
     if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
-      throw Refusal(kExpectedGzip,
-                    fmt::format("one that is damaged after {} bytes of what it holds: {}", made,
-                                stream.msg != nullptr ? stream.msg : "bad data"));
+      throw ParseFailure(kExpectedGzip,
+                         fmt::format("one that is damaged after {} bytes of what it holds: {}",
+                                     made, stream.msg != nullptr ? stream.msg : "bad data"));
     const size_t count = out.size() - stream.avail_out;
     made += count;
-    if (made > kAnyRatioBytes && made > kMostRatio * file.size())
-      throw Refusal(
-          fmt::format("{} that holds at most {} times its size", kExpectedGzip, kMostRatio),
-          "more");
+    if (made > kAnyRatioBytes && made > kMaxRatio * file.size())
+      throw ParseFailure(
+          fmt::format("{} that holds at most {} times its size", kExpectedGzip, kMaxRatio), "more");
     send(std::span(out).first(count));
   }
-  if (made < most && result != Z_STREAM_END)
-    throw Refusal(fmt::format("{} to its end", kExpectedGzip),
-                  fmt::format("one that is cut short after {} bytes of what it holds", made));
+  if (made < max && result != Z_STREAM_END)
+    throw ParseFailure(fmt::format("{} to its end", kExpectedGzip),
+                       fmt::format("one that is cut short after {} bytes of what it holds", made));
 }
 
 }  // namespace
@@ -141,16 +140,16 @@ void inflate_all(const RegularFile& file, uint64_t most, const SendPiece& send) 
 bool is_gzip(std::string_view head) { return head.starts_with(kMagic); }
 
 void unpack(const RegularFile& file, const std::function<void(std::string_view)>& take,
-            uint64_t most) {
-  const ForeignParser zlib{
-      .library = "zlib", .expected = kExpectedGzip, .way_out = "unpack it first"};
-  const ForeignLimits limits{.max_file_bytes = uint64_t{64} << 30,
+            uint64_t max) {
+  const SandboxedParser zlib{
+      .library = "zlib", .expected = kExpectedGzip, .remedy = "unpack it first"};
+  const SandboxLimits limits{.max_file_bytes = uint64_t{64} << 30,
                              .max_memory_bytes = 64 << 20,
                              .memory_per_file_byte = 0,
                              .max_result_bytes = uint64_t{1} << 40};
-  parse_apart_in_pieces(
+  parse_sandboxed_in_pieces(
       file, zlib, limits,
-      [&](const RegularFile& opened, const SendPiece& send) { inflate_all(opened, most, send); },
+      [&](const RegularFile& opened, const SendPiece& send) { inflate_all(opened, max, send); },
       [&](std::span<const uint8_t> piece) {
         take({reinterpret_cast<const char*>(piece.data()), piece.size()});
       });

@@ -185,7 +185,7 @@ TableColumns columns_by_name(const std::vector<std::string>& names,
 
 char separator_of(std::string_view line) {
   char best = ' ';
-  ptrdiff_t most = 0;
+  ptrdiff_t max = 0;
   bool is_quoted = false;
   std::string bare;
   for (const char c : line) {
@@ -194,9 +194,9 @@ char separator_of(std::string_view line) {
   }
   for (const char c : {';', ',', '\t'}) {
     const ptrdiff_t count = std::count(bare.begin(), bare.end(), c);
-    if (count > most) {
+    if (count > max) {
       best = c;
-      most = count;
+      max = count;
     }
   }
   return best;

@@ -20,12 +20,12 @@ namespace throng {
 namespace {
 
 /// A turn, as it may be rounded. Degrees go further.
-constexpr double kWidestHeading_rad = 2 * std::numbers::pi + 1e-3;
+constexpr double kMaxHeading_rad = 2 * std::numbers::pi + 1e-3;
 constexpr std::string_view kViswalkColumns = "$PEDESTRIAN:";
 constexpr std::string_view kViswalkFirst = "$VISION";
 
 /// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
-bool says_nothing(std::string_view line) {
+bool is_uninformative(std::string_view line) {
   return trimmed(line).empty() || is_comment(line) || line.starts_with('*') ||
          (line.starts_with('$') && !line.starts_with(kViswalkColumns));
 }
@@ -56,7 +56,7 @@ std::string kind_of(std::string_view line) {
   return "table";
 }
 
-class Rows final : public LineTaker {
+class Rows final : public LineHandler {
  public:
   explicit Rows(RecordingBuilder& builder)
       : builder_(builder), wanted_(parse_columns_option(builder.options().columns)) {}
@@ -64,7 +64,7 @@ class Rows final : public LineTaker {
   void take(std::string_view line, int64_t number) override {
     if (separator_ != 0 ? is_empty_row(line, separator_) : is_empty_row_above(line)) {
       builder_.skip_empty_row(number);
-    } else if (says_nothing(line)) {
+    } else if (is_uninformative(line)) {
       if (!is_settled_) comments_.read(line, number);
     } else if (names_.empty()) {
       begin(line, number);
@@ -221,7 +221,7 @@ class Rows final : public LineTaker {
   float heading(int64_t line) const {
     if (!columns_.has(ColumnRole::kHeading)) return static_cast<float>(kMissing);
     const double value = number_or_missing(ColumnRole::kHeading, line);
-    if (!scales_.has_heading && std::abs(value) > kWidestHeading_rad)
+    if (!scales_.has_heading && std::abs(value) > kMaxHeading_rad)
       builder_.refuse(
           line,
           fmt::format("headings from -2 pi to 2 pi rad in the column {}, which has no unit",
@@ -303,8 +303,8 @@ class TableText final : public RecordingReader {
       const size_t length = head.find('\n');
       const std::string_view line = trimmed(head.substr(0, length));
       head.remove_prefix(length == std::string_view::npos ? head.size() : length + 1);
-      if (says_nothing(line) || is_empty_row_above(line)) continue;
-      return line.size() < LineCutter::kLongest &&
+      if (is_uninformative(line) || is_empty_row_above(line)) continue;
+      return line.size() < LineSplitter::kMaxLineBytes &&
              columns_by_name(names_of(line, separator_of(names_in(line))), {}, "")
                  .missing()
                  .empty();

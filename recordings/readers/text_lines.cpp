@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 /// Doubles count so far.
-constexpr double kMostWhole = 9e15;
+constexpr double kMaxWhole = 9e15;
 /// In small letters, without "<" and ">" around. Those with a '#' are errors of spreadsheets.
 constexpr std::string_view kMissingWords[] = {
     "",        "na",     "n/a",   "n.a.",    "nat",   "null",   "nil",    "none",
@@ -26,42 +26,42 @@ constexpr std::string_view kMissingWords[] = {
 
 }  // namespace
 
-void LineCutter::refuse_long() const {
+void LineSplitter::refuse_long() const {
   throw InputError(fmt::format("{}:{}", file_.string(), number_ + 1),
-                   fmt::format("lines of at most {} KiB", kLongest >> 10), "a longer one");
+                   fmt::format("lines of at most {} KiB", kMaxLineBytes >> 10), "a longer one");
 }
 
-void LineCutter::give(std::string_view line) {
-  if (line.size() > kLongest) refuse_long();
+void LineSplitter::give(std::string_view line) {
+  if (line.size() > kMaxLineBytes) refuse_long();
   ++number_;
   if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
-  taker_.take(line, number_);
+  handler_.take(line, number_);
 }
 
-void LineCutter::push(std::string_view bytes) {
+void LineSplitter::push(std::string_view bytes) {
   while (!bytes.empty()) {
     const void* const end = std::memchr(bytes.data(), '\n', bytes.size());
     if (end == nullptr) {
-      if (torn_.size() + bytes.size() > kLongest) refuse_long();
-      torn_ += bytes;
+      if (partial_line_.size() + bytes.size() > kMaxLineBytes) refuse_long();
+      partial_line_ += bytes;
       return;
     }
     const auto length = static_cast<size_t>(static_cast<const char*>(end) - bytes.data());
-    if (torn_.empty()) {
+    if (partial_line_.empty()) {
       give(bytes.substr(0, length));
     } else {
-      torn_ += bytes.substr(0, length);
-      give(torn_);
-      torn_.clear();
+      partial_line_ += bytes.substr(0, length);
+      give(partial_line_);
+      partial_line_.clear();
     }
     bytes.remove_prefix(length + 1);
   }
 }
 
-void LineCutter::end() {
-  if (!torn_.empty()) give(torn_);
-  torn_.clear();
+void LineSplitter::end() {
+  if (!partial_line_.empty()) give(partial_line_);
+  partial_line_.clear();
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -89,14 +89,14 @@ bool parse_whole(std::string_view text, int64_t& out) {
   const auto [stop, error] = std::from_chars(text.data(), end, out);
   if (error == std::errc() && stop == end && !text.empty()) return true;
   double value = 0;
-  if (!parse_number(text, value) || !(std::abs(value) <= kMostWhole)) return false;
+  if (!parse_number(text, value) || !(std::abs(value) <= kMaxWhole)) return false;
   out = static_cast<int64_t>(value);
   return static_cast<double>(out) == value;
 }
 
 std::string defect_of_whole(std::string_view text) {
   double value = 0;
-  if (!text.empty() && parse_number(text, value) && std::abs(value) > kMostWhole)
+  if (!text.empty() && parse_number(text, value) && std::abs(value) > kMaxWhole)
     return in_quotes(text) + ", which is beyond what is counted in";
   return text.empty() ? "nothing" : in_quotes(text);
 }
@@ -143,8 +143,8 @@ void fields_of(std::string_view line, size_t columns, std::vector<std::string_vi
 }
 
 bool is_missing(std::string_view text) {
-  constexpr size_t kLongest = 16;
-  if (text.size() > kLongest) return false;
+  constexpr size_t kMaxLineBytes = 16;
+  if (text.size() > kMaxLineBytes) return false;
   std::string word = lower(text);
   // What C prints, on one system or another: "-nan(ind)", "1.#QNAN0", "-1.#IND00".
   std::string_view number = word;

@@ -14,20 +14,21 @@
 namespace throng {
 
 /// What lines are given to.
-class LineTaker {
+class LineHandler {
  public:
-  virtual ~LineTaker() = default;
+  virtual ~LineHandler() = default;
   /// Without its end; `number` from 1.
   virtual void take(std::string_view line, int64_t number) = 0;
 };
 
 /// Cuts bytes into lines: "\n" or "\r\n", the last one with or without. Leaves out a byte order
 /// mark. Throws InputError for a line longer than any table has.
-class LineCutter {
+class LineSplitter {
  public:
-  static constexpr size_t kLongest = 64 << 10;
+  static constexpr size_t kMaxLineBytes = 64 << 10;
 
-  LineCutter(const std::filesystem::path& file, LineTaker& taker) : file_(file), taker_(taker) {}
+  LineSplitter(const std::filesystem::path& file, LineHandler& handler)
+      : file_(file), handler_(handler) {}
   void push(std::string_view bytes);
   void end();
   int64_t lines() const { return number_; }
@@ -37,8 +38,8 @@ class LineCutter {
   [[noreturn]] void refuse_long() const;
 
   const std::filesystem::path& file_;
-  LineTaker& taker_;
-  std::string torn_;  ///< the beginning of a line whose end has not come
+  LineHandler& handler_;
+  std::string partial_line_;  ///< the beginning of a line whose end has not come
   int64_t number_ = 0;
 };
 

@@ -58,7 +58,7 @@ struct Footsteps {
 
 bool is_silent(std::string_view line) { return trimmed(line).empty() || is_comment(line); }
 
-class Steps final : public LineTaker {
+class Steps final : public LineHandler {
  public:
   explicit Steps(RecordingBuilder& builder) : builder_(builder) {}
 

@@ -24,15 +24,15 @@ void require_parts_of_size(const Fields& fields, const Model& body) {
             fmt::format("one at {:g} m in '{}'; is it in other units?", vertex.norm(), part.name));
 }
 
-void read_box_model(Reading& reading, Fields& fields, PartsBox& box) {
-  box.model = read_model_file(reading, fields);
-  std::shared_ptr<const Model>& body = reading.bodies[box.model.string()];
+void read_box_model(ReadContext& context, Fields& fields, PartsBox& box) {
+  box.model = read_model_file(context, fields);
+  std::shared_ptr<const Model>& body = context.bodies[box.model.string()];
   if (body == nullptr) body = load_model(box.model);
   box.body = body;
   require_parts_of_size(fields, *box.body);
 }
 
-void complete_box(Reading&, const Fields& fields, PartsBox& box) {
+void complete_box(ReadContext&, const Fields& fields, PartsBox& box) {
   if (box.min_speed_mps > box.max_speed_mps)
     throw InputError(fields.where(), "min_speed_mps of at most max_speed_mps",
                      fmt::format("{} and {}", box.min_speed_mps, box.max_speed_mps));
@@ -60,11 +60,11 @@ const KeyTable<PartsBox>& box_keys() {
                   kFlightRange),
            number("max_speed_mps", "speeds are uniform up to it", &PartsBox::max_speed_mps,
                   kFlightRange),
-           own_key<PartsBox>("model",
-                             "whose parts: `adult`, or a URDF file relative to the scene file",
-                             "`adult`", {})
-               .reading(read_box_model)
-               .hashing([](Hasher& hash, const PartsBox& box) {
+           custom_key<PartsBox>("model",
+                                "whose parts: `adult`, or a URDF file relative to the scene file",
+                                "`adult`", {})
+               .with_reader(read_box_model)
+               .with_hash([](Hasher& hash, const PartsBox& box) {
                  hash.add(box.body == nullptr ? 0 : box.body->content_hash);
                })},
       .complete = complete_box};

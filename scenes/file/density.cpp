@@ -11,11 +11,11 @@ namespace {
 /// The steering disc of a person of 1.70 m, which keeps off walls.
 constexpr double kWallGap_m = 0.22;
 constexpr double kSample_m = 0.05;
-constexpr double kMostSamples = 4e6;
+constexpr double kMaxSamples = 4e6;
 
 }  // namespace
 
-double standing_room_m2(const Scene& scene, const Rectangle& area) {
+double standing_area_m2(const Scene& scene, const Rectangle& area) {
   const Rectangle reach = area.grown(kWallGap_m);
   std::vector<std::vector<Eigen::Vector2d>> near;
   for (Footprint& each : footprints_of(scene)) {
@@ -26,7 +26,7 @@ double standing_room_m2(const Scene& scene, const Rectangle& area) {
   }
   const Rectangle inside = scene.ground.grown(-kWallGap_m);
   const Eigen::Vector2d size = area.size_m();
-  const double sample_m = std::max(kSample_m, std::sqrt(area.area_m2() / kMostSamples));
+  const double sample_m = std::max(kSample_m, std::sqrt(area.area_m2() / kMaxSamples));
   const int columns = std::max(1, static_cast<int>(std::ceil(size.x() / sample_m)));
   const int rows = std::max(1, static_cast<int>(std::ceil(size.y() / sample_m)));
   int64_t free = 0;
@@ -50,7 +50,7 @@ double standing_room_m2(const Scene& scene, const Rectangle& area) {
 }
 
 int64_t count_by_density(const Scene& scene, const Group& group) {
-  return std::llround(group.density_per_m2 * standing_room_m2(scene, group.spawn));
+  return std::llround(group.density_per_m2 * standing_area_m2(scene, group.spawn));
 }
 
 }  // namespace throng

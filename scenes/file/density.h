@@ -14,7 +14,7 @@ inline constexpr double kMaxDensity_per_m2 = 6;
 
 /// The part of a spawn area, in m2, that is free to stand on: half a metre of shoulders keeps off
 /// obstacles and the edges of the ground.
-double standing_room_m2(const Scene& scene, const Rectangle& area);
+double standing_area_m2(const Scene& scene, const Rectangle& area);
 
 /// Of a group with a density: how many that makes.
 int64_t count_by_density(const Scene& scene, const Group& group);

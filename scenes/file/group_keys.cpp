@@ -14,53 +14,57 @@ namespace {
 
 constexpr Range kShareRange{0, 1};
 /// Numbers of parties, relative to each other.
-constexpr Range kPartiesRange{0, 1e6};
+constexpr Range kGroupSizeShareRange{0, 1e6};
 
-Key<Companions> parties_key(const std::string& name, const std::string& meaning, size_t index) {
-  return own_key<Companions>(name, meaning, fmt::format("{}", Companions{}.sizes[index]),
-                             {.kind = Rule::Kind::kNumber, .range = kPartiesRange})
-      .reading([name, index](Reading&, Fields& fields, Companions& companions) {
-        double& parties = companions.sizes[index];
-        parties = fields.number_or(name, kPartiesRange, parties);
+Key<SocialGroupRule> group_size_key(const std::string& name, const std::string& meaning,
+                                    size_t index) {
+  return custom_key<SocialGroupRule>(name, meaning,
+                                     fmt::format("{}", SocialGroupRule{}.sizes[index]),
+                                     {.kind = Rule::Kind::kNumber, .range = kGroupSizeShareRange})
+      .with_reader([name, index](ReadContext&, Fields& fields, SocialGroupRule& social_groups) {
+        double& share = social_groups.sizes[index];
+        share = fields.number_or(name, kGroupSizeShareRange, share);
       })
-      .hashing([index](Hasher& hash, const Companions& companions) {
-        hash.add(companions.sizes[index]);
+      .with_hash([index](Hasher& hash, const SocialGroupRule& social_groups) {
+        hash.add(social_groups.sizes[index]);
       });
 }
 
-void complete_companions(Reading&, const Fields& fields, Companions& companions) {
-  const auto& sizes = companions.sizes;
-  if (std::all_of(sizes.begin(), sizes.end(), [](double parties) { return parties == 0; }))
+void complete_social_groups(ReadContext&, const Fields& fields, SocialGroupRule& social_groups) {
+  const auto& sizes = social_groups.sizes;
+  if (std::all_of(sizes.begin(), sizes.end(), [](double share) { return share == 0; }))
     throw InputError(fields.where(), "one of 'pairs', 'threes' and 'fours' above 0", "none");
 }
 
 }  // namespace
 
-const KeyTable<Companions>& companion_keys() {
-  static const KeyTable<Companions> table = {
-      .text = {.name = "companions",
+const KeyTable<SocialGroupRule>& social_group_keys() {
+  static const KeyTable<SocialGroupRule> table = {
+      .text = {.name = "social_groups",
                .meaning = "Who walks with whom: the share of the people, or a map",
                .or_number = true},
-      .title = "companions",
+      .title = "social_groups",
       .keys = {number("share", "of the people, how many walk in a party of two to four, 0 to 1",
-                      &Companions::share, kShareRange),
-               parties_key("pairs", "how many parties are of two, relative to the others", 0),
-               parties_key("threes", "of three", 1), parties_key("fours", "of four", 2)},
-      .complete = complete_companions};
+                      &SocialGroupRule::share, kShareRange),
+               group_size_key("pairs", "how many parties are of two, relative to the others", 0),
+               group_size_key("threes", "of three", 1), group_size_key("fours", "of four", 2)},
+      .complete = complete_social_groups};
   return table;
 }
 
-Companions read_companions(Reading& reading, const std::string& file, const YamlNode& node) {
-  Companions companions;
+SocialGroupRule read_social_groups(ReadContext& context, const std::string& file,
+                                   const YamlNode& node) {
+  SocialGroupRule social_groups;
   if (node.kind == YamlNode::Kind::kScalar) {
     const YamlNode wrapper{
-        YamlNode::Kind::kMap, node.line, "", false, {}, {{"companions", node.line, node}}};
-    companions.share = Fields(file, wrapper, "companions").number("companions", kShareRange);
-    return companions;
+        YamlNode::Kind::kMap, node.line, "", false, {}, {{"social_groups", node.line, node}}};
+    social_groups.share =
+        Fields(file, wrapper, "social_groups").number("social_groups", kShareRange);
+    return social_groups;
   }
-  Fields fields(file, node, companion_keys().title);
-  read_keys(companion_keys(), reading, fields, companions);
-  return companions;
+  Fields fields(file, node, social_group_keys().title);
+  read_keys(social_group_keys(), context, fields, social_groups);
+  return social_groups;
 }
 
 namespace {
@@ -70,16 +74,16 @@ constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
 constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
 constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
 
-void read_group_name(Reading& reading, Fields& fields, Group& group) {
-  group.name = fields.name_or("name", fmt::format("group {}", reading.scene.groups.size() + 1));
-  require_new(fields, group.name, reading.group_names);
+void read_group_name(ReadContext& context, Fields& fields, Group& group) {
+  group.name = fields.name_or("name", fmt::format("group {}", context.scene.groups.size() + 1));
+  require_new(fields, group.name, context.group_names);
 }
 
 /// A group whose people all come from sources has none at the start.
 bool may_be_none(const Fields& fields) { return fields.find("sources") != nullptr; }
 bool has_density(const Fields& fields) { return fields.find("density_per_m2") != nullptr; }
 
-void read_count(Reading&, Fields& fields, Group& group) {
+void read_count(ReadContext&, Fields& fields, Group& group) {
   if (has_density(fields)) {
     if (const YamlNode* count = fields.find("count"))
       throw InputError(fields.where(*count), "either 'count' or 'density_per_m2'", "both");
@@ -89,8 +93,8 @@ void read_count(Reading&, Fields& fields, Group& group) {
   group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, 0));
 }
 
-void read_spawn(Reading& reading, Fields& fields, Group& group) {
-  const Rectangle& ground = reading.scene.ground;
+void read_spawn(ReadContext& context, Fields& fields, Group& group) {
+  const Rectangle& ground = context.scene.ground;
   if (fields.find("spawn") == nullptr && group.count == 0 && may_be_none(fields) &&
       !has_density(fields))
     group.spawn = ground;
@@ -98,9 +102,9 @@ void read_spawn(Reading& reading, Fields& fields, Group& group) {
     group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
 }
 
-void read_group_model(Reading& reading, Fields& fields, Group& group) {
-  group.model = read_model_file(reading, fields);
-  std::shared_ptr<const Model>& body = reading.bodies[group.model.string()];
+void read_group_model(ReadContext& context, Fields& fields, Group& group) {
+  group.model = read_model_file(context, fields);
+  std::shared_ptr<const Model>& body = context.bodies[group.model.string()];
   if (body == nullptr) body = load_model(group.model);
   group.body = body;
   if (!(body->height_m > 0))
@@ -110,52 +114,54 @@ void read_group_model(Reading& reading, Fields& fields, Group& group) {
 }
 
 /// Those of a driven group follow from its channel.
-void read_goals(Reading& reading, Fields& fields, Group& group) {
-  if (fields.find("driven") != nullptr) return;
-  read_items(goal_keys(), "goals", true, reading, fields, group.goals);
+void read_goals(ReadContext& context, Fields& fields, Group& group) {
+  if (fields.find("control_channel") != nullptr) return;
+  read_items(goal_keys(), "goals", true, context, fields, group.goals);
 }
 
-void read_driven(Reading&, Fields& fields, Group& group) {
-  const YamlNode* node = fields.find("driven");
+void read_driven(ReadContext&, Fields& fields, Group& group) {
+  const YamlNode* node = fields.find("control_channel");
   if (node == nullptr) return;
-  group.driven = fields.text("driven");
+  group.control_channel = fields.text("control_channel");
   const auto is_fine = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
   };
   // liblcm refuses channels of more than 63 characters.
-  if (group.driven.empty() || group.driven.size() > 63 || group.driven.starts_with("THRONG_") ||
-      !std::all_of(group.driven.begin(), group.driven.end(), is_fine))
-    throw InputError(fields.where(*node),
-                     "an LCM channel of your own for 'driven': 1 to 63 letters, digits or '_', "
-                     "not beginning with THRONG_",
-                     fmt::format("'{}'", group.driven));
-  for (const char* key : {"goals", "on_arrival", "sources", "delay_s", "face", "after",
-                          "density_per_m2", "companions"})
+  if (group.control_channel.empty() || group.control_channel.size() > 63 ||
+      group.control_channel.starts_with("THRONG_") ||
+      !std::all_of(group.control_channel.begin(), group.control_channel.end(), is_fine))
+    throw InputError(
+        fields.where(*node),
+        "an LCM channel of your own for 'control_channel': 1 to 63 letters, digits or '_', "
+        "not beginning with THRONG_",
+        fmt::format("'{}'", group.control_channel));
+  for (const char* key : {"goals", "on_arrival", "sources", "premovement_s", "look_at", "after",
+                          "density_per_m2", "social_groups"})
     if (const YamlNode* other = fields.find(key))
       throw InputError(fields.where(*other), "no goals and no sources for a driven group",
                        fmt::format("'{}'", key));
   group.goals.emplace_back().areas.push_back(group.spawn);
 }
 
-void read_face(Reading&, Fields& fields, Group& group) {
-  if (fields.find("face") == nullptr) return;
+void read_face(ReadContext&, Fields& fields, Group& group) {
+  if (fields.find("look_at") == nullptr) return;
   const std::vector<double> point =
-      fields.numbers("face", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
-  group.face_m = {point[0], point[1]};
+      fields.numbers("look_at", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
+  group.look_at_m = {point[0], point[1]};
 }
 
-void read_company(Reading& reading, Fields& fields, Group& group) {
-  const YamlNode* node = fields.find("companions");
+void read_company(ReadContext& context, Fields& fields, Group& group) {
+  const YamlNode* node = fields.find("social_groups");
   if (node == nullptr) return;
   if (has_density(fields))
-    throw InputError(fields.where(*node), "either 'companions' or 'density_per_m2'", "both");
-  group.companions = read_companions(reading, fields.file(), *node);
+    throw InputError(fields.where(*node), "either 'social_groups' or 'density_per_m2'", "both");
+  group.social_groups = read_social_groups(context, fields.file(), *node);
 }
 
-void read_delay(Reading&, Fields& fields, Group& group) {
-  if (const YamlNode* node = fields.find("delay_s"))
-    group.delay_s =
-        read_distribution(fields.file(), *node, "delay_s", {0, 0, 0, kTimeRange.max}, kTimeRange);
+void read_delay(ReadContext&, Fields& fields, Group& group) {
+  if (const YamlNode* node = fields.find("premovement_s"))
+    group.premovement_s = read_distribution(fields.file(), *node, "premovement_s",
+                                            {0, 0, 0, kTimeRange.max}, kTimeRange);
 }
 
 /// What the distributions of speed and height leave out is that of the only age, or of adults.
@@ -163,14 +169,14 @@ const AgeGroup& base_of(const Fields& fields) {
   return age_group(only_age(read_ages(fields)).value_or(Age::kAdult));
 }
 
-void read_speed(Reading&, Fields& fields, Group& group) {
-  if (const YamlNode* node = fields.find("speed_mps"))
-    group.speed_mps = read_distribution(fields.file(), *node, "speed_mps",
+void read_speed(ReadContext&, Fields& fields, Group& group) {
+  if (const YamlNode* node = fields.find("desired_speed_mps"))
+    group.speed_mps = read_distribution(fields.file(), *node, "desired_speed_mps",
                                         base_of(fields).speed_mps, kSpeedRange);
 }
 
 /// What a robot's leaves out is its own height, and no limit.
-void read_height(Reading&, Fields& fields, Group& group) {
+void read_height(ReadContext&, Fields& fields, Group& group) {
   const YamlNode* node = fields.find("height_m");
   if (node == nullptr) return;
   const auto height_m = static_cast<double>(group.body->height_m);
@@ -195,11 +201,11 @@ void require_scale(const Fields& fields, const Group& group) {
                      fmt::format("a model at least {:g} m tall for avatars of {:g} m",
                                  tallest_m / static_cast<double>(kMaxScale), tallest_m),
                      fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
-  const double least_m = group.height_m ? group.height_m->min : kMinPerson_m;
-  if (!(least_m / own_m >= 1 / kMaxDescribed))
+  const double min_height_m = group.height_m ? group.height_m->min : kMinPerson_m;
+  if (!(min_height_m / own_m >= 1 / kMaxDescribed))
     throw InputError(fields.where(),
                      fmt::format("a model at most {:g} m tall for avatars of {:g} m",
-                                 least_m * kMaxDescribed, least_m),
+                                 min_height_m * kMaxDescribed, min_height_m),
                      fmt::format("'{}' of {:g} m; is it in other units?", body.name, own_m));
   const double reach_m = static_cast<double>(scale) * static_cast<double>(reach_of(body));
   if (!(reach_m <= kMaxReach_m))
@@ -209,14 +215,14 @@ void require_scale(const Fields& fields, const Group& group) {
                                  body.name, reach_m));
 }
 
-void complete_group(Reading& reading, const Fields& fields, Group& group) {
+void complete_group(ReadContext& context, const Fields& fields, Group& group) {
   if (group.density_per_m2 > 0 && !has_people(group))
     throw InputError(fields.where(), "a model with human legs for 'density_per_m2'",
                      fmt::format("'{}'", group.body->name));
   keep_own_size(group);
   require_scale(fields, group);
-  reading.people += group.total();
-  require_few(fields.where(), reading.people);
+  context.people += group.total();
+  require_few(fields.where(), context.people);
 }
 
 template <typename Shares>
@@ -239,129 +245,135 @@ const Distribution& height_of(const Group& group) {
 
 std::vector<Key<Group>> rows_of_groups() {
   return {
-      own_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
-          .reading(read_group_name)
-          .hashing(&Group::name),
+      custom_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
+          .with_reader(read_group_name)
+          .with_hash(&Group::name),
       whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
-          .stating("required, unless there are sources or a density")
-          .reading(read_count),
-      own_key<Group>("model",
-                     "`adult`, or a URDF file relative to the scene file; its "
-                     "[meshes](reliability.md#files-that-a-foreign-library-parses) may be `.tri`, "
-                     "`.stl`, `.obj`, `.dae` and many others",
-                     "`adult`", {})
-          .reading(read_group_model)
-          .hashing([](Hasher& hash, const Group& group) {
+          .with_fallback("required, unless there are sources or a density")
+          .with_reader(read_count),
+      custom_key<Group>(
+          "model",
+          "`adult`, or a URDF file relative to the scene file; its "
+          "[meshes](reliability.md#files-that-a-foreign-library-parses) may be `.tri`, "
+          "`.stl`, `.obj`, `.dae` and many others",
+          "`adult`", {})
+          .with_reader(read_group_model)
+          .with_hash([](Hasher& hash, const Group& group) {
             hash.add(group.body == nullptr ? 0 : group.body->content_hash);
           }),
-      own_key<Group>("spawn", "the rectangle they start in", "required, if there is a count",
-                     map_rule("area"))
-          .reading(read_spawn)
-          .hashing(&Group::spawn),
-      own_key<Group>("goals", "where they go, in order", "required, unless `driven`",
-                     list_rule("goal", 1))
-          .reading(read_goals)
-          .hashing(
+      custom_key<Group>("spawn", "the rectangle they start in", "required, if there is a count",
+                        map_rule("area"))
+          .with_reader(read_spawn)
+          .with_hash(&Group::spawn),
+      custom_key<Group>("goals", "where they go, in order", "required, unless `control_channel`",
+                        list_rule("goal", 1))
+          .with_reader(read_goals)
+          .with_hash(
               [](Hasher& hash, const Group& group) { add_items(goal_keys(), hash, group.goals); }),
       word<Group, OnArrival>(
           "on_arrival",
           "after the last goal: `loop` (over again), `stay` there, or `leave` the scene",
           &Group::on_arrival,
           {{"loop", OnArrival::kLoop}, {"stay", OnArrival::kStay}, {"leave", OnArrival::kLeave}}),
-      own_key<Group>("sources", "where more of them enter later", "none", list_rule("source"))
-          .reading([](Reading& reading, Fields& fields, Group& group) {
-            read_items(source_keys(), "sources", false, reading, fields, group.sources);
+      custom_key<Group>("sources", "where more of them enter later", "none", list_rule("source"))
+          .with_reader([](ReadContext& context, Fields& fields, Group& group) {
+            read_items(source_keys(), "sources", false, context, fields, group.sources);
           })
-          .hashing([](Hasher& hash, const Group& group) {
+          .with_hash([](Hasher& hash, const Group& group) {
             add_items(source_keys(), hash, group.sources);
           }),
-      own_key<Group>("delay_s",
-                     "how long they stand before setting out: `{mean, deviation, min, max}`, or "
-                     "one number",
-                     "0", map_rule("distribution"))
-          .reading(read_delay)
-          .hashing(&Group::delay_s),
-      own_key<Group>("speed_mps",
-                     "free speed, 0.1 to 4, whatever the age: `{mean, deviation, min, max}`, or "
-                     "one number for everybody",
-                     "by age", map_rule("distribution"))
-          .reading(read_speed)
-          .hashing([](Hasher& hash, const Group& group) { add_value(hash, speed_of(group)); }),
-      own_key<Group>("height_m",
-                     "body height, the same way; the model is scaled to it; people 0.5 to 2.5, "
-                     "robots 0.01 to 100",
-                     "people: by age; robots: their own, see "
-                     "[People and robots](#people-and-robots)",
-                     map_rule("distribution"))
-          .reading(read_height)
-          .hashing([](Hasher& hash, const Group& group) { add_value(hash, height_of(group)); }),
-      own_key<Group>("ages", "how old people are, which says how fast and how tall, see below",
-                     "`adults`", map_rule("ages"))
-          .reading([](Reading&, Fields& fields, Group& group) { group.ages = read_ages(fields); })
-          .hashing(add_ages),
-      own_key<Group>("styles", "how people walk, see below", "by age", map_rule("styles"))
-          .reading([](Reading&, Fields& fields, Group& group) {
-            if (const YamlNode* node = fields.find("styles"))
-              group.styles = read_styles(fields, *node);
+      custom_key<Group>("premovement_s",
+                        "how long they stand before setting out: `{mean, deviation, min, max}`, or "
+                        "one number",
+                        "0", map_rule("distribution"))
+          .with_reader(read_delay)
+          .with_hash(&Group::premovement_s),
+      custom_key<Group>("desired_speed_mps",
+                        "free speed, 0.1 to 4, whatever the age: `{mean, deviation, min, max}`, or "
+                        "one number for everybody",
+                        "by age", map_rule("distribution"))
+          .with_reader(read_speed)
+          .with_hash([](Hasher& hash, const Group& group) { add_value(hash, speed_of(group)); }),
+      custom_key<Group>("height_m",
+                        "body height, the same way; the model is scaled to it; people 0.5 to 2.5, "
+                        "robots 0.01 to 100",
+                        "people: by age; robots: their own, see "
+                        "[People and robots](#people-and-robots)",
+                        map_rule("distribution"))
+          .with_reader(read_height)
+          .with_hash([](Hasher& hash, const Group& group) { add_value(hash, height_of(group)); }),
+      custom_key<Group>("ages", "how old people are, which says how fast and how tall, see below",
+                        "`adults`", map_rule("ages"))
+          .with_reader(
+              [](ReadContext&, Fields& fields, Group& group) { group.ages = read_ages(fields); })
+          .with_hash(add_ages),
+      custom_key<Group>("gait_styles", "how people walk, see below", "by age",
+                        map_rule("gait_styles"))
+          .with_reader([](ReadContext&, Fields& fields, Group& group) {
+            if (const YamlNode* node = fields.find("gait_styles"))
+              group.gait_styles = read_styles(fields, *node);
           })
-          .hashing([](Hasher& hash, const Group& group) {
-            if (group.styles) add_shares(hash.add("styles"), *group.styles);
+          .with_hash([](Hasher& hash, const Group& group) {
+            if (group.gait_styles) add_shares(hash.add("gait_styles"), *group.gait_styles);
           }),
       number("radius_m", "of the disc that steering keeps clear of others", &Group::radius_m,
              kRadiusRange)
-          .stating("people: 0.22 for 1.70 m, growing with height; robots: all of them as they "
-                   "start, within 0.05 to 2"),
-      own_key<Group>("driven",
-                     "LCM channel that [moves the group from "
-                     "outside](lcm.md#a-group-driven-from-outside); then no goals and no sources, "
-                     "and the model's own height",
-                     "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
-          .reading(read_driven)
-          .hashing([](Hasher& hash, const Group& group) {
-            if (!group.driven.empty()) hash.add("driven").add(group.driven);
+          .with_fallback(
+              "people: 0.22 for 1.70 m, growing with height; robots: all of them as they "
+              "start, within 0.05 to 2"),
+      custom_key<Group>(
+          "control_channel",
+          "LCM channel that [moves the group from "
+          "outside](lcm.md#a-group-driven-from-outside); then no goals and no sources, "
+          "and the model's own height",
+          "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
+          .with_reader(read_driven)
+          .with_hash([](Hasher& hash, const Group& group) {
+            if (!group.control_channel.empty())
+              hash.add("control_channel").add(group.control_channel);
           })};
 }
 
 std::vector<Key<Group>> later_rows_of_groups() {
   Key<Group> face =
-      own_key<Group>("face",
-                     "`[x, y]` of what they look at while they stand, in m: a stage, a counter; "
-                     "before they set out, where they wait, and where they stay",
-                     "where they go next",
-                     {.kind = Rule::Kind::kNumbers,
-                      .range = {-kMaxCoordinate_m, kMaxCoordinate_m},
-                      .least = 2,
-                      .most = 2})
-          .reading(read_face)
-          .hashing([](Hasher& hash, const Group& group) {
-            hash.add(group.face_m->x()).add(group.face_m->y());
+      custom_key<Group>("look_at",
+                        "`[x, y]` of what they look at while they stand, in m: a stage, a counter; "
+                        "before they set out, where they wait, and where they stay",
+                        "where they go next",
+                        {.kind = Rule::Kind::kNumbers,
+                         .range = {-kMaxCoordinate_m, kMaxCoordinate_m},
+                         .min = 2,
+                         .max = 2})
+          .with_reader(read_face)
+          .with_hash([](Hasher& hash, const Group& group) {
+            hash.add(group.look_at_m->x()).add(group.look_at_m->y());
           });
-  face.is_default = [](const Group& group) { return !group.face_m; };
+  face.is_default = [](const Group& group) { return !group.look_at_m; };
   Key<Group> after =
-      own_key<Group>("after",
-                     "a [cue](#cues), before which nobody sets out; `delay_s` begins with it",
-                     "the start, or entering", map_rule("cue"))
-          .reading([](Reading& reading, Fields& fields, Group& group) {
+      custom_key<Group>(
+          "after", "a [cue](#cues), before which nobody sets out; `premovement_s` begins with it",
+          "the start, or entering", map_rule("cue"))
+          .with_reader([](ReadContext& context, Fields& fields, Group& group) {
             if (const YamlNode* node = fields.find("after"))
-              group.after = read_cue(reading, fields.file(), *node);
+              group.after = read_trigger(context, fields.file(), *node);
           })
-          .hashing([](Hasher& hash, const Group& group) { add_cue(hash, *group.after); });
+          .with_hash([](Hasher& hash, const Group& group) { add_trigger(hash, *group.after); });
   after.is_default = [](const Group& group) { return !group.after; };
-  Key<Group> companions =
-      own_key<Group>("companions", "who walks with whom, see [Companions](#companions)",
-                     "everybody walks alone", map_rule("companions"))
-          .reading(read_company)
-          .hashing([](Hasher& hash, const Group& group) {
-            add_keys(companion_keys(), hash, *group.companions);
+  Key<Group> social_groups =
+      custom_key<Group>("social_groups", "who walks with whom, see [Companions](#companions)",
+                        "everybody walks alone", map_rule("social_groups"))
+          .with_reader(read_company)
+          .with_hash([](Hasher& hash, const Group& group) {
+            add_keys(social_group_keys(), hash, *group.social_groups);
           });
-  companions.is_default = [](const Group& group) { return !group.companions; };
+  social_groups.is_default = [](const Group& group) { return !group.social_groups; };
   return {face,
           number("density_per_m2",
                  "how close together they stand at the start, at most 6: what `spawn` has of free "
                  "ground says how many they are; bodies are placed, not discs",
                  &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
-              .stating("`count` says how many"),
-          after, companions};
+              .with_fallback("`count` says how many"),
+          after, social_groups};
 }
 
 }  // namespace
@@ -369,7 +381,7 @@ std::vector<Key<Group>> later_rows_of_groups() {
 const KeyTable<Group>& group_keys() {
   static const KeyTable<Group> table = {.text = {.name = "group",
                                                  .meaning = "People of one model",
-                                                 .choices = {{"goals"}, {"driven"}}},
+                                                 .choices = {{"goals"}, {"control_channel"}}},
                                         .title = "a group",
                                         .keys = rows_of_groups(),
                                         .later = later_rows_of_groups(),

@@ -35,8 +35,8 @@ struct Rule {
     kList
   };
   Kind kind = Kind::kText;
-  Range range{};                ///< kNumber; each of kNumbers; coordinates of kPoints
-  int64_t least = 0, most = 0;  ///< kWhole; how many in kNumbers, kPoints and kList, `most` 0: any
+  Range range{};             ///< kNumber; each of kNumbers; coordinates of kPoints
+  int64_t min = 0, max = 0;  ///< kWhole; how many in kNumbers, kPoints and kList, `max` 0: any
   std::vector<std::string> words = {};  ///< kWord
   std::string map = {};                 ///< kMap, and each of kList: its name in scene_maps()
   std::string pattern = {};             ///< kText, where not every text will do
@@ -68,7 +68,7 @@ struct MapText {
 using LoadedModels = std::map<std::string, std::shared_ptr<const Model>>;
 
 /// What readers of keys share: the scene so far, and what it has loaded.
-struct Reading {
+struct ReadContext {
   std::filesystem::path folder;  ///< of the scene file; names of files are relative to it
   Scene scene;
   LoadedModels bodies;
@@ -76,9 +76,9 @@ struct Reading {
   std::set<std::string> obstacle_names;
   std::set<std::string> door_names;
   /// What waits for somebody, and where the file says so.
-  std::vector<std::pair<std::string, Cue>> cues;
+  std::vector<std::pair<std::string, TriggerRule>> triggers;
   /// Goals with a queue, and where the file says so.
-  std::vector<std::pair<std::string, Goal>> limited;
+  std::vector<std::pair<std::string, Goal>> queued_goals;
   int64_t people = 0;  ///< of the groups so far
 };
 
@@ -91,39 +91,39 @@ inline void add_value(Hasher& hash, const Rectangle& r) {
   hash.add(r.min_m.x()).add(r.min_m.y()).add(r.max_m.x()).add(r.max_m.y());
 }
 inline void add_value(Hasher& hash, const Distribution& d) {
-  hash.add(d.mean).add(d.deviation).add(d.min).add(d.max);
+  hash.add(d.mean).add(d.std_dev).add(d.min).add(d.max);
 }
 
 /// A row of a table: a key of maps that are read into a T.
 template <typename T>
 struct Key {
   KeyText text;
-  std::function<void(Reading&, Fields&, T&)> read;
+  std::function<void(ReadContext&, Fields&, T&)> read;
   std::function<void(Hasher&, const T&)> hash;    ///< empty: the key changes no frame
   std::function<bool(const T&)> is_default = {};  ///< needed of a later key, see KeyTable
 
-  Key required() && { return std::move(*this).stating("required", true); }
+  Key required() && { return std::move(*this).with_fallback("required", true); }
   /// Says in other words what holds without the key.
-  Key stating(std::string fallback, bool required = false) && {
+  Key with_fallback(std::string fallback, bool required = false) && {
     text.fallback = std::move(fallback);
     text.required = required;
     return std::move(*this);
   }
-  Key reading(std::function<void(Reading&, Fields&, T&)> other) && {
+  Key with_reader(std::function<void(ReadContext&, Fields&, T&)> other) && {
     read = std::move(other);
     return std::move(*this);
   }
-  Key hashing(std::function<void(Hasher&, const T&)> other) && {
+  Key with_hash(std::function<void(Hasher&, const T&)> other) && {
     hash = std::move(other);
     return std::move(*this);
   }
   /// The value of one member.
   template <typename Value, typename Owner>
-  Key hashing(Value Owner::*member) && {
+  Key with_hash(Value Owner::*member) && {
     hash = [member](Hasher& hasher, const T& value) { add_value(hasher, value.*member); };
     return std::move(*this);
   }
-  Key without_hash() && { return std::move(*this).hashing({}); }
+  Key without_hash() && { return std::move(*this).with_hash({}); }
 };
 
 /// The keys of a map.
@@ -137,7 +137,7 @@ struct KeyTable {
   /// scenes without it keep their hash.
   std::vector<Key<T>> later = {};
   /// What follows from all keys together, and whether they fit each other.
-  std::function<void(Reading&, const Fields&, T&)> complete = {};
+  std::function<void(ReadContext&, const Fields&, T&)> complete = {};
 
   /// In the order of the documentation.
   template <typename Visit>
@@ -161,13 +161,13 @@ MapText text_of(const KeyTable<T>& table) {
 
 /// Reads a map; throws InputError for a key that it does not have, before anything that is missing.
 template <typename T>
-void read_keys(const KeyTable<T>& table, Reading& reading, Fields& fields, T& out) {
+void read_keys(const KeyTable<T>& table, ReadContext& context, Fields& fields, T& out) {
   fields.expect_keys(table.names());
   table.for_each([&](const Key<T>& key) {
     if (key.text.required) fields.require(key.text.name);
-    if (key.read) key.read(reading, fields, out);
+    if (key.read) key.read(context, fields, out);
   });
-  if (table.complete) table.complete(reading, fields, out);
+  if (table.complete) table.complete(context, fields, out);
 }
 
 /// Throws InputError for a key that the map does not have beside what else it says.
@@ -199,33 +199,33 @@ Key<T> key_of(std::string name, std::string meaning, Value T::*member, Rule rule
   key.text = {std::move(name), std::move(meaning), fmt::format("{}", T{}.*member), false,
               std::move(rule)};
   key.is_default = [member](const T& value) { return value.*member == T{}.*member; };
-  return std::move(key).hashing(member);
+  return std::move(key).with_hash(member);
 }
 
 template <typename T>
 Key<T> number(const std::string& name, std::string meaning, double T::*member, Range range) {
   Rule rule{.kind = Rule::Kind::kNumber, .range = range};
   return key_of(name, std::move(meaning), member, std::move(rule))
-      .reading([name, member, range](Reading&, Fields& fields, T& out) {
+      .with_reader([name, member, range](ReadContext&, Fields& fields, T& out) {
         out.*member = fields.number_or(name, range, out.*member);
       });
 }
 
 template <typename T, typename Whole>
-Key<T> whole(const std::string& name, std::string meaning, Whole T::*member, int64_t least,
-             int64_t most) {
-  Rule rule{.kind = Rule::Kind::kWhole, .least = least, .most = most};
+Key<T> whole(const std::string& name, std::string meaning, Whole T::*member, int64_t min,
+             int64_t max) {
+  Rule rule{.kind = Rule::Kind::kWhole, .min = min, .max = max};
   return key_of(name, std::move(meaning), member, std::move(rule))
-      .reading([name, member, least, most](Reading&, Fields& fields, T& out) {
+      .with_reader([name, member, min, max](ReadContext&, Fields& fields, T& out) {
         out.*member = static_cast<Whole>(
-            fields.integer_or(name, least, most, static_cast<int64_t>(out.*member)));
+            fields.integer_or(name, min, max, static_cast<int64_t>(out.*member)));
       });
 }
 
 template <typename T>
 Key<T> flag(const std::string& name, std::string meaning, bool T::*member) {
   return key_of(name, std::move(meaning), member, {.kind = Rule::Kind::kFlag})
-      .reading([name, member](Reading&, Fields& fields, T& out) {
+      .with_reader([name, member](ReadContext&, Fields& fields, T& out) {
         out.*member = fields.boolean_or(name, out.*member);
       });
 }
@@ -240,7 +240,8 @@ Key<T> word(const std::string& name, std::string meaning, Value T::*member,
     key.text.rule.words.push_back(word);
     if (value == T{}.*member) key.text.fallback = fmt::format("`{}`", word);
   }
-  key.read = [name, member, values, words = key.text.rule.words](Reading&, Fields& fields, T& out) {
+  key.read = [name, member, values, words = key.text.rule.words](ReadContext&, Fields& fields,
+                                                                 T& out) {
     if (const auto found = fields.word(name, words)) out.*member = values[*found].second;
   };
   key.hash = [member](Hasher& hash, const T& value) {
@@ -252,15 +253,15 @@ Key<T> word(const std::string& name, std::string meaning, Value T::*member,
 
 /// A key that none of the above fits: read() and hash() are given by Key's functions.
 template <typename T>
-Key<T> own_key(std::string name, std::string meaning, std::string fallback, Rule rule) {
+Key<T> custom_key(std::string name, std::string meaning, std::string fallback, Rule rule) {
   Key<T> key;
   key.text = {std::move(name), std::move(meaning), std::move(fallback), false, std::move(rule)};
   return key;
 }
 
 inline Rule map_rule(std::string map) { return {.kind = Rule::Kind::kMap, .map = std::move(map)}; }
-inline Rule list_rule(std::string map, int64_t least = 0, int64_t most = 0) {
-  return {.kind = Rule::Kind::kList, .least = least, .most = most, .map = std::move(map)};
+inline Rule list_rule(std::string map, int64_t min = 0, int64_t max = 0) {
+  return {.kind = Rule::Kind::kList, .min = min, .max = max, .map = std::move(map)};
 }
 
 }  // namespace throng

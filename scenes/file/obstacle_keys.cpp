@@ -23,10 +23,10 @@ double lowest_m(const Mesh& mesh) {
   return static_cast<double>(lowest);
 }
 
-void read_obstacle_name(Reading& reading, Fields& fields, Obstacle& obstacle) {
+void read_obstacle_name(ReadContext& context, Fields& fields, Obstacle& obstacle) {
   obstacle.name =
-      fields.name_or("name", fmt::format("obstacle {}", reading.scene.obstacles.size() + 1));
-  require_new(fields, obstacle.name, reading.obstacle_names);
+      fields.name_or("name", fmt::format("obstacle {}", context.scene.obstacles.size() + 1));
+  require_new(fields, obstacle.name, context.obstacle_names);
 }
 
 void measure_mesh(const Fields& fields, Obstacle& obstacle) {
@@ -49,7 +49,7 @@ void measure_mesh(const Fields& fields, Obstacle& obstacle) {
                                  obstacle.size_m.z()));
 }
 
-void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle) {
+void make_shape(const ReadContext& context, const Fields& fields, Obstacle& obstacle) {
   switch (obstacle.kind) {
     case Obstacle::Kind::kBox: {
       expect_keys_without({"diameter_m", "height_m", "file"}, obstacle_keys(), fields);
@@ -67,7 +67,7 @@ void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle
     }
     case Obstacle::Kind::kMesh: {
       expect_keys_without({"size_m", "diameter_m", "height_m"}, obstacle_keys(), fields);
-      obstacle.mesh_file = existing_file(reading, fields, fields.require("file"), "a .tri file");
+      obstacle.mesh_file = existing_file(context, fields, fields.require("file"), "a .tri file");
       obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
       measure_mesh(fields, obstacle);
       break;
@@ -75,17 +75,18 @@ void make_shape(const Reading& reading, const Fields& fields, Obstacle& obstacle
   }
 }
 
-void complete_obstacle(Reading& reading, const Fields& fields, Obstacle& obstacle) {
-  make_shape(reading, fields, obstacle);
+void complete_obstacle(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  make_shape(context, fields, obstacle);
   const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
-  const Rectangle& ground = reading.scene.ground;
+  const Rectangle& ground = context.scene.ground;
   const std::vector<Eigen::Vector2d> footprint = footprint_of(obstacle);
   if (clipped(footprint, ground).empty())
-    throw InputError(fields.where(),
-                     fmt::format("obstacle '{}' on the ground ({})", obstacle.name, show(ground)),
-                     fmt::format("all of it beside, {}; move it or make the ground larger",
-                                 show(bounds_of(footprint))));
+    throw InputError(
+        fields.where(),
+        fmt::format("obstacle '{}' on the ground ({})", obstacle.name, to_text(ground)),
+        fmt::format("all of it beside, {}; move it or make the ground larger",
+                    to_text(bounds_of(footprint))));
 }
 
 void add_mesh(Hasher& hash, const Obstacle& obstacle) {
@@ -99,53 +100,53 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
   const auto size_rule = [](int64_t count) {
     return Rule{.kind = count == 1 ? Rule::Kind::kNumber : Rule::Kind::kNumbers,
                 .range = kSizeRange,
-                .least = count,
-                .most = count};
+                .min = count,
+                .max = count};
   };
-  return {
-      own_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
-          .reading(read_obstacle_name)
-          .hashing(&Obstacle::name),
-      word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
-                                     {{"box", Obstacle::Kind::kBox},
-                                      {"cylinder", Obstacle::Kind::kCylinder},
-                                      {"mesh", Obstacle::Kind::kMesh}})
-          .required(),
-      own_key<Obstacle>("heading_deg", "turn about z, counter-clockwise", "0",
-                        {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
-          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
-            const double heading_deg = fields.number_or("heading_deg", kHeadingRange, 0);
-            obstacle.heading_rad = heading_deg * (std::numbers::pi / 180);
-          })
-          .hashing(&Obstacle::heading_rad),
-      own_key<Obstacle>("position_m", "`[x, y]` of its middle; of a mesh, where its origin lies",
-                        "",
-                        {.kind = Rule::Kind::kNumbers, .range = kPlaceRange, .least = 2, .most = 2})
-          .required()
-          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
-            const std::vector<double> place = fields.numbers("position_m", 2, kPlaceRange);
-            obstacle.centre_m = {place[0], place[1], 0};
-          })
-          .hashing([](Hasher& hash, const Obstacle& obstacle) {
-            for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
-          }),
-      own_key<Obstacle>(
-          "bottom_m",
-          "height of its lower end over the ground, of a mesh of its lowest vertex, "
-          "wherever its origin lies; people walk under what hangs 0.1 m above the tallest "
-          "of the scene, and higher",
-          "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
-          .reading([](Reading&, Fields& fields, Obstacle& obstacle) {
-            obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
-          }),
-      own_key<Obstacle>("size_m", "box: `[x, y, z]` edges, from 1 mm", "required of a box",
-                        size_rule(3)),
-      own_key<Obstacle>("diameter_m", "cylinder: across", "required of a cylinder", size_rule(1)),
-      own_key<Obstacle>("height_m", "cylinder: from end to end", "required of a cylinder",
-                        size_rule(1)),
-      own_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
-                        "required of a mesh", {})
-          .hashing(add_mesh)};
+  return {custom_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
+              .with_reader(read_obstacle_name)
+              .with_hash(&Obstacle::name),
+          word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
+                                         {{"box", Obstacle::Kind::kBox},
+                                          {"cylinder", Obstacle::Kind::kCylinder},
+                                          {"mesh", Obstacle::Kind::kMesh}})
+              .required(),
+          custom_key<Obstacle>("yaw_deg", "turn about z, counter-clockwise", "0",
+                               {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
+              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+                const double yaw_deg = fields.number_or("yaw_deg", kHeadingRange, 0);
+                obstacle.heading_rad = yaw_deg * (std::numbers::pi / 180);
+              })
+              .with_hash(&Obstacle::heading_rad),
+          custom_key<Obstacle>(
+              "position_m", "`[x, y]` of its middle; of a mesh, where its origin lies", "",
+              {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
+              .required()
+              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+                const std::vector<double> place = fields.numbers("position_m", 2, kPositionRange);
+                obstacle.centre_m = {place[0], place[1], 0};
+              })
+              .with_hash([](Hasher& hash, const Obstacle& obstacle) {
+                for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
+              }),
+          custom_key<Obstacle>(
+              "bottom_m",
+              "height of its lower end over the ground, of a mesh of its lowest vertex, "
+              "wherever its origin lies; people walk under what hangs 0.1 m above the tallest "
+              "of the scene, and higher",
+              "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
+              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+                obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
+              }),
+          custom_key<Obstacle>("size_m", "box: `[x, y, z]` edges, from 1 mm", "required of a box",
+                               size_rule(3)),
+          custom_key<Obstacle>("diameter_m", "cylinder: across", "required of a cylinder",
+                               size_rule(1)),
+          custom_key<Obstacle>("height_m", "cylinder: from end to end", "required of a cylinder",
+                               size_rule(1)),
+          custom_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
+                               "required of a mesh", {})
+              .with_hash(add_mesh)};
 }
 
 }  // namespace

@@ -55,12 +55,12 @@ std::string take_name(std::string_view& rest, bool is_of_bodies) {
     return taken;
   };
   if (const size_t end = prefix + quotes, stop = stop_from(end);
-      quotes > 0 && without_blanks_around(rest.substr(end, stop - end)).empty()) {
+      quotes > 0 && stripped(rest.substr(end, stop - end)).empty()) {
     const std::string name = without_quotes(rest.substr(prefix, quotes));
     const std::string_view written = take(stop);
     return name.empty() ? "" : std::string(written.substr(0, prefix)) + name;
   }
-  const std::string name(without_blanks_around(take(stop_from(prefix))));
+  const std::string name(stripped(take(stop_from(prefix))));
   const bool is_name =
       is_of_bodies ? name.find('\n') == std::string::npos : !part_words(name).empty();
   return is_name ? name : "";
@@ -79,10 +79,9 @@ PairRules rules_of(std::string_view text, std::string_view where, bool is_of_bod
     if (rule.left.empty() || rule.right.empty() || rest.starts_with(':'))
       throw InputError(
           where, "names, or pairs of names, as in 'robots: people, hands'",
-          fmt::format(
-              "'{}'{}",
-              without_blanks_around(entry.substr(0, entry.find(',', entry.size() - rest.size()))),
-              is_of_bodies ? "; a name that has ':' or ',' stands in quotes" : ""));
+          fmt::format("'{}'{}",
+                      stripped(entry.substr(0, entry.find(',', entry.size() - rest.size()))),
+                      is_of_bodies ? "; a name that has ':' or ',' stands in quotes" : ""));
     rules.push_back(std::move(rule));
     goes_on = rest.starts_with(',');
     if (goes_on) rest.remove_prefix(1);
@@ -106,16 +105,16 @@ PairRules part_rules_of(std::string_view text, std::string_view where) {
 std::string to_text(const PairRules& rules) {
   std::string text;
   for (const PairRule& rule : rules)
-    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", in_rules(rule.left),
-                        in_rules(rule.right));
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", rule_name(rule.left),
+                        rule_name(rule.right));
   return text;
 }
 
-std::string in_rules(std::string_view name) {
+std::string rule_name(std::string_view name) {
   const std::string_view prefix = name.substr(0, prefix_of(name));
   const std::string_view bare = name.substr(prefix.size());
   if (bare.find_first_of(":,\n") == std::string_view::npos && quotes_of(bare) == 0 &&
-      bare == without_blanks_around(bare))
+      bare == stripped(bare))
     return std::string(name);
   std::string text = std::string(prefix) + '"';
   for (const char c : bare) text += c == '"' ? "\"\"" : std::string(1, c);

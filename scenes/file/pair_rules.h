@@ -28,6 +28,6 @@ PairRules pair_rules_of(std::string_view text, std::string_view where);
 PairRules part_rules_of(std::string_view text, std::string_view where);
 std::string to_text(const PairRules& rules);
 /// The name of a rule as pair_rules_of() reads it.
-std::string in_rules(std::string_view name);
+std::string rule_name(std::string_view name);
 
 }  // namespace throng

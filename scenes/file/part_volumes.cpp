@@ -14,8 +14,8 @@ namespace throng {
 namespace {
 
 constexpr std::string_view kDefault = "default";
-constexpr size_t kMostNamed = 32;
-constexpr size_t kMostNamesShown = 12;
+constexpr size_t kMaxNamed = 32;
+constexpr size_t kMaxNamesShown = 12;
 
 VolumeKind volume_named(std::string_view name, std::string_view where) {
   if (const auto volume = volume_of(name)) return *volume;
@@ -54,8 +54,8 @@ void add_part_volume(std::string_view words, std::string_view volume, std::strin
   const auto is_same = [&](const auto& each) { return each.words == words; };
   if (std::any_of(volumes.named.begin(), volumes.named.end(), is_same))
     throw InputError(where, "each part named once", fmt::format("'{}' twice", words));
-  if (volumes.named.size() >= kMostNamed)
-    throw InputError(where, fmt::format("at most {} volumes of parts", kMostNamed), "more");
+  if (volumes.named.size() >= kMaxNamed)
+    throw InputError(where, fmt::format("at most {} volumes of parts", kMaxNamed), "more");
   volumes.named.push_back({std::string(words), kind});
 }
 
@@ -64,13 +64,13 @@ PartVolumes part_volumes_of(std::string_view text, std::string_view where) {
   PartVolumes volumes;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string_view entry = without_blanks_around(text.substr(begin, end - begin));
+    const std::string_view entry = stripped(text.substr(begin, end - begin));
     const size_t colon = entry.find(':');
     if (colon == std::string_view::npos)
       throw InputError(where, "a volume, or 'hands: sphere, default: ordop26'",
                        fmt::format("'{}'", entry));
-    add_part_volume(without_blanks_around(entry.substr(0, colon)),
-                    without_blanks_around(entry.substr(colon + 1)), where, volumes);
+    add_part_volume(stripped(entry.substr(0, colon)), stripped(entry.substr(colon + 1)), where,
+                    volumes);
     begin = end + 1;
   }
   return volumes;
@@ -89,8 +89,8 @@ void require_parts(const PartVolumes& volumes, std::vector<std::string> part_nam
     const auto is_taken = [&](const std::string& name) { return has_words(name, named.words); };
     if (std::any_of(part_names.begin(), part_names.end(), is_taken)) continue;
     const std::string nearest = did_you_mean(named.words, part_names);
-    if (part_names.size() > kMostNamesShown) {
-      part_names.resize(kMostNamesShown);
+    if (part_names.size() > kMaxNamesShown) {
+      part_names.resize(kMaxNamesShown);
       part_names.emplace_back("...");
     }
     throw InputError("part_volume", fmt::format("words of a part: {}", fmt::join(part_names, ", ")),

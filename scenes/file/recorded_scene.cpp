@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "avatars/mesh/primitives.h"
-#include "base/elementary.h"
 #include "base/errors.h"
+#include "base/portable_math.h"
 #include "base/text.h"
 #include "crowd/crowd_plan.h"
 #include "recordings/area_union.h"
@@ -17,13 +17,13 @@ namespace throng {
 namespace {
 
 /// Steps between recorded frames are at most so long.
-constexpr double kLongestStep_s = 1.0 / 60;
+constexpr double kMaxStep_s = 1.0 / 60;
 /// Bodies reach beyond recorded positions.
 constexpr double kMargin_m = 1;
 // Of the walls around a walkable area: as high as a room, outside of it.
 constexpr double kWallHeight_m = 2.5;
 constexpr double kWallThickness_m = 0.05;
-constexpr double kShortestWall_m = 1e-3;
+constexpr double kMinWall_m = 1e-3;
 
 double step_of(const RecordingFacts& facts, const RecordedPeople& people,
                const std::string& where) {
@@ -31,10 +31,10 @@ double step_of(const RecordingFacts& facts, const RecordedPeople& people,
     if (people.recorded_frames)
       throw InputError(where, "a recording with frames for steps of its own",
                        "footsteps, which begin and end at any time");
-    return kLongestStep_s;
+    return kMaxStep_s;
   }
   if (people.recorded_frames) return 1 / facts.fps;
-  const double steps = std::ceil(1 / (facts.fps * kLongestStep_s) - 1e-9);
+  const double steps = std::ceil(1 / (facts.fps * kMaxStep_s) - 1e-9);
   return 1 / (facts.fps * std::max(1.0, steps));
 }
 
@@ -67,7 +67,7 @@ void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
   if ((doubled_area(ring) > 0) != walkable_inside) std::reverse(ring.begin(), ring.end());
   std::vector<Eigen::Vector2d> corners;
   for (const Eigen::Vector2d& corner : ring)
-    if (corners.empty() || (corner - corners.back()).norm() >= kShortestWall_m)
+    if (corners.empty() || (corner - corners.back()).norm() >= kMinWall_m)
       corners.push_back(corner);
   const size_t count = corners.size();
   for (size_t i = 0; i < count && count > 1; ++i) {
@@ -135,7 +135,7 @@ void take_people(const Recording& recording, Group& group) {
   }
 }
 
-void take_recording(Scene& scene, bool has_ground, const std::string& where) {
+void apply_recording(Scene& scene, bool has_ground, const std::string& where) {
   RecordedPeople& people = *scene.recorded;
   people.recording = read_recording(people.options);
   const RecordingFacts& facts = people.recording->facts();
@@ -155,7 +155,7 @@ Scene recorded_scene(const RecordingOptions& options, bool recorded_frames) {
   scene.recorded.emplace().options = options;
   scene.recorded->recorded_frames = recorded_frames;
   scene.groups.push_back(recorded_group());
-  take_recording(scene, false, options.file.string());
+  apply_recording(scene, false, options.file.string());
   scene.description = scene.recorded->recording->facts().kind;
   scene.content_hash = content_hash_of(scene);
   return scene;

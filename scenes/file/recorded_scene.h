@@ -15,7 +15,7 @@ Scene recorded_scene(const RecordingOptions& options, bool recorded_frames = fal
 
 /// Reads scene.recorded->options.file and sets what follows: step, duration, walls, and the ground
 /// unless the scene has one. `where` begins the errors of a scene that does not fit it.
-void take_recording(Scene& scene, bool has_ground, const std::string& where);
+void apply_recording(Scene& scene, bool has_ground, const std::string& where);
 
 /// The group of the recorded people: adults without goals. Always the scene's last one.
 Group recorded_group();

@@ -56,13 +56,13 @@ struct Scene : CrowdPlan {
   SteeringRule steering;
   PartVolumes part_volume;
   bool exact = false;
-  double near_m = 0;         ///< pairs of parts within it are listed with their distance; 0: none
-  double person_near_m = 0;  ///< of each two people within it the nearest parts; 0: none
+  double proximity_m = 0;      ///< pairs of parts within it are listed with their distance; 0: none
+  double closest_parts_m = 0;  ///< of each two people within it the nearest parts; 0: none
   bool contact_points = false;  ///< of what touches a point, its direction and depth; needs exact
-  PairRules between, parts;     ///< the pairs asked for, of groups and of parts; empty: all
-  std::optional<SeparationRule> separation;  ///< of robots from people; needs near_m
+  PairRules group_filter, part_filter;  ///< the pairs asked for, of groups and of parts; empty: all
+  std::optional<SeparationRule> separation;  ///< of robots from people; needs proximity_m
   bool planted_feet = true;                  ///< feet stay where they are put on curves, too
-  bool yielding = true;  ///< bodies give way to what is near; who stands breathes and sways
+  bool body_avoidance = true;  ///< bodies give way to what is near; who stands breathes and sways
   std::vector<std::string> notes;  ///< what is not as the file says; a line each
   uint64_t content_hash =
       0;  ///< of what the file says and of what it refers to, not of where it lies

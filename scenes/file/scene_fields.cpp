@@ -154,11 +154,11 @@ std::vector<double> Fields::numbers(const std::string& key, int count, const Ran
   return values;
 }
 
-std::vector<Eigen::Vector2d> Fields::points(const std::string& key, size_t least,
+std::vector<Eigen::Vector2d> Fields::points(const std::string& key, size_t min,
                                             const Range& range) const {
   const YamlNode& node = require(key);
-  if (node.kind != YamlNode::Kind::kList || node.items.size() < least)
-    throw InputError(where(node), fmt::format("a list of at least {} points for '{}'", least, key),
+  if (node.kind != YamlNode::Kind::kList || node.items.size() < min)
+    throw InputError(where(node), fmt::format("a list of at least {} points for '{}'", min, key),
                      describe(node));
   std::vector<Eigen::Vector2d> points;
   for (const YamlNode& item : node.items) {

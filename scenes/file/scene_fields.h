@@ -46,8 +46,7 @@ class Fields {
   /// `count` numbers in a list.
   std::vector<double> numbers(const std::string& key, int count, const Range& range) const;
   /// At least `least` points in a list, each a list of two numbers.
-  std::vector<Eigen::Vector2d> points(const std::string& key, size_t least,
-                                      const Range& range) const;
+  std::vector<Eigen::Vector2d> points(const std::string& key, size_t min, const Range& range) const;
   /// Which of the words stands there; none if the key is absent.
   std::optional<size_t> word(const std::string& key, const std::vector<std::string>& words) const;
   /// The items of a list; none if the key is absent. A required list has at least one.

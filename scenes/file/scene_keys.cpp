@@ -32,7 +32,7 @@ bool is_box(const Fields& fields) { return is_kind(fields, "box"); }
 bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 
 /// A box has no ground, a crowd no box: the keys of other kinds are none.
-void read_kind(Reading&, Fields& fields, Scene&) {
+void read_kind(ReadContext&, Fields& fields, Scene&) {
   std::vector<std::string> absent = {"box", "recording"};
   if (is_box(fields))
     absent = {"ground", "groups", "obstacles", "recording", "doors", "separation"};
@@ -41,11 +41,12 @@ void read_kind(Reading&, Fields& fields, Scene&) {
 }
 
 /// A map of its own whose values are the scene's.
-void read_part(const KeyTable<Scene>& table, Reading& reading, const Fields& fields, Scene& scene) {
+void read_part(const KeyTable<Scene>& table, ReadContext& context, const Fields& fields,
+               Scene& scene) {
   const YamlNode* node = fields.find(table.text.name);
   if (node == nullptr) return;
   Fields inner(fields.file(), *node, table.title);
-  read_keys(table, reading, inner, scene);
+  read_keys(table, context, inner, scene);
 }
 
 void require_possible_ground(const Fields& fields, const Scene& scene) {
@@ -61,27 +62,27 @@ void require_possible_ground(const Fields& fields, const Scene& scene) {
   if (!scene.recorded) return;
   const Rectangle& bounds = scene.recorded->recording->facts().bounds;
   if (!scene.ground.contains(bounds.min_m) || !scene.ground.contains(bounds.max_m))
-    throw InputError(where, fmt::format("a ground that holds the recording ({})", show(bounds)),
-                     show(scene.ground));
+    throw InputError(where, fmt::format("a ground that holds the recording ({})", to_text(bounds)),
+                     to_text(scene.ground));
 }
 
 /// Before all that has to lie on the ground, which may follow from it.
-void read_recorded(Reading& reading, const Fields& fields, Scene& scene) {
+void read_recorded(ReadContext& context, const Fields& fields, Scene& scene) {
   const YamlNode& node = fields.require("recording");
   scene.recorded.emplace();
   scene.groups.push_back(recorded_group());
   Fields inner(fields.file(), node, recording_keys().title);
-  read_keys(recording_keys(), reading, inner, scene);
+  read_keys(recording_keys(), context, inner, scene);
   const double duration_s = scene.duration_s;
-  take_recording(scene, fields.find("ground") != nullptr, inner.where());
+  apply_recording(scene, fields.find("ground") != nullptr, inner.where());
   if (fields.find("duration_s") != nullptr) scene.duration_s = duration_s;
-  reading.people += scene.groups.back().recorded;
-  for (const Obstacle& wall : scene.obstacles) reading.obstacle_names.insert(wall.name);
+  context.people += scene.groups.back().recorded;
+  for (const Obstacle& wall : scene.obstacles) context.obstacle_names.insert(wall.name);
 }
 
-void read_ground(Reading& reading, Fields& fields, Scene& scene) {
+void read_ground(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
-  if (is_recorded(fields)) read_recorded(reading, fields, scene);
+  if (is_recorded(fields)) read_recorded(context, fields, scene);
   if (fields.find("ground") != nullptr || !is_recorded(fields))
     scene.ground = read_rectangle(fields.file(), fields.require("ground"), "ground");
   // Only those who steer need a ground of limited size.
@@ -89,20 +90,20 @@ void read_ground(Reading& reading, Fields& fields, Scene& scene) {
     require_possible_ground(fields, scene);
 }
 
-void expect_at_most(int64_t most, const std::string& key, const Fields& fields) {
+void expect_at_most(int64_t max, const std::string& key, const Fields& fields) {
   const YamlNode* node = fields.find(key);
-  if (node != nullptr && static_cast<int64_t>(node->items.size()) > most)
-    throw InputError(fields.where(*node), fmt::format("at most {} {}", most, key),
+  if (node != nullptr && static_cast<int64_t>(node->items.size()) > max)
+    throw InputError(fields.where(*node), fmt::format("at most {} {}", max, key),
                      fmt::format("{}", node->items.size()));
 }
 
-void read_groups(Reading& reading, Fields& fields, Scene& scene) {
+void read_groups(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
   expect_at_most(kMaxGroups, "groups", fields);
   // Those who were recorded stay the last.
   std::vector<Group> recorded = std::move(scene.groups);
   scene.groups.clear();
-  read_items(group_keys(), "groups", !is_recorded(fields), reading, fields, scene.groups);
+  read_items(group_keys(), "groups", !is_recorded(fields), context, fields, scene.groups);
   std::move(recorded.begin(), recorded.end(), std::back_inserter(scene.groups));
 }
 
@@ -127,47 +128,47 @@ void note_cut_obstacles(Scene& scene, size_t first) {
                     count, first_cut->name));
 }
 
-void read_obstacles(Reading& reading, Fields& fields, Scene& scene) {
+void read_obstacles(ReadContext& context, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   const size_t first = scene.obstacles.size();
-  read_items(obstacle_keys(), "obstacles", false, reading, fields, scene.obstacles);
+  read_items(obstacle_keys(), "obstacles", false, context, fields, scene.obstacles);
   note_cut_obstacles(scene, first);
-  require_few(fields.where(), reading.people + static_cast<int64_t>(scene.obstacles.size()));
+  require_few(fields.where(), context.people + static_cast<int64_t>(scene.obstacles.size()));
 }
 
-void read_doors(Reading& reading, Fields& fields, Scene& scene) {
+void read_doors(ReadContext& context, Fields& fields, Scene& scene) {
   expect_at_most(kMaxDoors, "doors", fields);
-  read_items(door_keys(), "doors", false, reading, fields, scene.doors);
+  read_items(door_keys(), "doors", false, context, fields, scene.doors);
 }
 
 /// Who stands where obstacles do not is known when all of the scene is.
-void count_by_densities(Reading& reading, const std::string& where) {
-  for (Group& group : reading.scene.groups) {
+void count_by_densities(ReadContext& context, const std::string& where) {
+  for (Group& group : context.scene.groups) {
     if (group.density_per_m2 == 0) continue;
-    const int64_t count = count_by_density(reading.scene, group);
+    const int64_t count = count_by_density(context.scene, group);
     require_few(where,
-                reading.people + count + static_cast<int64_t>(reading.scene.obstacles.size()));
-    reading.people += count;
+                context.people + count + static_cast<int64_t>(context.scene.obstacles.size()));
+    context.people += count;
     group.count = static_cast<int>(count);
   }
 }
 
-void read_box(Reading& reading, Fields& fields, Scene& scene) {
+void read_box(ReadContext& context, Fields& fields, Scene& scene) {
   if (!is_box(fields)) return;
   Fields inner(fields.file(), fields.require("box"), box_keys().title);
-  read_keys(box_keys(), reading, inner, scene.box.emplace());
+  read_keys(box_keys(), context, inner, scene.box.emplace());
   scene.ground.max_m = Eigen::Vector2d::Constant(0.5 * scene.box->edge_m);
   scene.ground.min_m = -scene.ground.max_m;
 }
 
-void read_separation(Reading& reading, Fields& fields, Scene& scene) {
+void read_separation(ReadContext& context, Fields& fields, Scene& scene) {
   const YamlNode* node = fields.find("separation");
   if (node == nullptr) return;
   Fields inner(fields.file(), *node, separation_keys().title);
-  read_keys(separation_keys(), reading, inner, scene.separation.emplace());
+  read_keys(separation_keys(), context, inner, scene.separation.emplace());
 }
 
-void read_part_volume(Reading&, Fields& fields, Scene& scene) {
+void read_part_volume(ReadContext&, Fields& fields, Scene& scene) {
   const YamlNode* node = fields.find("part_volume");
   if (node == nullptr) return;
   if (node->kind != YamlNode::Kind::kMap) {
@@ -201,13 +202,13 @@ const KeyTable<Scene>& culling_keys() {
         .text = {.name = "culling", .meaning = "How contacts are found"},
         .title = "culling",
         .keys = {
-            own_key<Scene>("part_volume",
-                           "what encloses a body part: " + list_of(names, " or ") +
-                               ", or a map of these by part, see "
-                               "[culling.md](culling.md#volumes-by-part)",
-                           fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
-                .reading(read_part_volume)
-                .hashing(
+            custom_key<Scene>("part_volume",
+                              "what encloses a body part: " + list_of(names, " or ") +
+                                  ", or a map of these by part, see "
+                                  "[culling.md](culling.md#volumes-by-part)",
+                              fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
+                .with_reader(read_part_volume)
+                .with_hash(
                     [](Hasher& hash, const Scene& scene) { hash.add(to_text(scene.part_volume)); }),
             flag("exact", "triangles decide what touches", &Scene::exact)}};
   }();
@@ -220,157 +221,162 @@ const KeyTable<Scene>& steering_keys() {
     return KeyTable<Scene>{
         .text = {.name = "steering", .meaning = "How people steer"},
         .title = "steering",
-        .keys = {own_key<Scene>("model",
-                                steering_choices() + ", see [How people steer](#how-people-steer)",
-                                fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
-                     .reading([](Reading&, Fields& fields, Scene& scene) {
-                       if (const auto found = fields.word("model", steering_names()))
-                         scene.steering.model = all_steering_kinds()[*found];
-                     })
-                     .hashing([](Hasher& hash, const Scene& scene) {
-                       hash.add(name_of(scene.steering.model));
-                     }),
-                 own_key<Scene>("density_speed", "density ahead slows people, as observed", "false",
-                                {.kind = Rule::Kind::kFlag})
-                     .reading([](Reading&, Fields& fields, Scene& scene) {
-                       scene.steering.density_speed = fields.boolean_or("density_speed", false);
-                     })
-                     .hashing([](Hasher& hash, const Scene& scene) {
-                       add_value(hash, scene.steering.density_speed);
-                     })}};
+        .keys = {
+            custom_key<Scene>("model",
+                              steering_choices() + ", see [How people steer](#how-people-steer)",
+                              fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
+                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                  if (const auto found = fields.word("model", steering_names()))
+                    scene.steering.model = all_steering_kinds()[*found];
+                })
+                .with_hash([](Hasher& hash, const Scene& scene) {
+                  hash.add(name_of(scene.steering.model));
+                }),
+            custom_key<Scene>("density_dependent_speed", "density ahead slows people, as observed",
+                              "false", {.kind = Rule::Kind::kFlag})
+                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                  scene.steering.density_dependent_speed =
+                      fields.boolean_or("density_dependent_speed", false);
+                })
+                .with_hash([](Hasher& hash, const Scene& scene) {
+                  add_value(hash, scene.steering.density_dependent_speed);
+                })}};
   }();
   return table;
 }
 
 Key<Scene> part_key(const std::string& meaning, const KeyTable<Scene>& table) {
-  return own_key<Scene>(table.text.name, meaning, "its keys have their own",
-                        map_rule(table.text.name))
-      .reading([&table](Reading& reading, Fields& fields, Scene& scene) {
-        read_part(table, reading, fields, scene);
+  return custom_key<Scene>(table.text.name, meaning, "its keys have their own",
+                           map_rule(table.text.name))
+      .with_reader([&table](ReadContext& context, Fields& fields, Scene& scene) {
+        read_part(table, context, fields, scene);
       })
-      .hashing([&table](Hasher& hash, const Scene& scene) { add_keys(table, hash, scene); });
+      .with_hash([&table](Hasher& hash, const Scene& scene) { add_keys(table, hash, scene); });
 }
 
 std::vector<Key<Scene>> rows_of_scenes() {
   return {
-      own_key<Scene>("name",
-                     "what results are called; this and all names below: 1 to 120 bytes of "
-                     "printable UTF-8",
-                     "the file's name", {})
-          .reading([](Reading& reading, Fields& fields, Scene& scene) {
-            scene.name = fields.name_or("name", name_after(reading.scene.file.stem().string()));
+      custom_key<Scene>("name",
+                        "what results are called; this and all names below: 1 to 120 bytes of "
+                        "printable UTF-8",
+                        "the file's name", {})
+          .with_reader([](ReadContext& context, Fields& fields, Scene& scene) {
+            scene.name = fields.name_or("name", name_after(context.scene.file.stem().string()));
           })
-          .hashing(&Scene::name),
-      own_key<Scene>("description", "one line for `throng scenes`", "none", {})
-          .reading([](Reading&, Fields& fields, Scene& scene) {
+          .with_hash(&Scene::name),
+      custom_key<Scene>("description", "one line for `throng scenes`", "none", {})
+          .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.description = fields.line_or("description", "");
           }),
       whole<Scene, uint64_t>("seed", "start of all random numbers", &Scene::seed, 0, INT64_MAX),
       number("step_s",
              "time from frame to frame; walking, culling and events happen at each; at most 0.1",
              &Scene::step_s, kStepRange)
-          .stating("1/60"),
+          .with_fallback("1/60"),
       number("duration_s", "how long a run is, unless `--seconds` says otherwise",
              &Scene::duration_s, kDurationRange)
           .without_hash(),
-      own_key<Scene>(
+      custom_key<Scene>(
           "kind",
           "`crowd`; `box`: then `box` below stands for ground, groups and obstacles; "
           "`recorded`: then `recording` stands for groups, and the ground follows from it "
           "unless it is given",
           "`crowd`", {.kind = Rule::Kind::kWord, .words = kKinds})
-          .reading(read_kind),
+          .with_reader(read_kind),
       part_key("how contacts are found: `part_volume` and `exact`, see below", culling_keys()),
       flag("planted_feet",
            "feet stay where they are put on curves and on the spot, for some 80 ns a person and "
            "frame; false: they glide there ([architecture.md](architecture.md#feet))",
            &Scene::planted_feet),
-      part_key("how people steer: `model` and `density_speed`, see below", steering_keys()),
-      own_key<Scene>("ground",
-                     "the rectangle people stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 "
-                     "m wide",
-                     "required of a crowd", map_rule("area"))
-          .reading(read_ground)
-          .hashing(&Scene::ground),
-      own_key<Scene>("groups", "people, see [A group](#a-group)", "required of a crowd",
-                     list_rule("group", 1, kMaxGroups))
-          .reading(read_groups)
-          .hashing([](Hasher& hash, const Scene& scene) {
+      part_key("how people steer: `model` and `density_dependent_speed`, see below",
+               steering_keys()),
+      custom_key<Scene>(
+          "ground",
+          "the rectangle people stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 "
+          "m wide",
+          "required of a crowd", map_rule("area"))
+          .with_reader(read_ground)
+          .with_hash(&Scene::ground),
+      custom_key<Scene>("groups", "people, see [A group](#a-group)", "required of a crowd",
+                        list_rule("group", 1, kMaxGroups))
+          .with_reader(read_groups)
+          .with_hash([](Hasher& hash, const Scene& scene) {
             add_items(group_keys(), hash, scene.groups);
           }),
-      own_key<Scene>("box", "the world of `kind: box`, see [A box of parts](#a-box-of-parts)",
-                     "required of a box", map_rule("box"))
-          .reading(read_box)
-          .hashing([](Hasher& hash, const Scene& scene) {
+      custom_key<Scene>("box", "the world of `kind: box`, see [A box of parts](#a-box-of-parts)",
+                        "required of a box", map_rule("box"))
+          .with_reader(read_box)
+          .with_hash([](Hasher& hash, const Scene& scene) {
             if (scene.box) add_keys(box_keys(), hash.add("box"), *scene.box);
           }),
-      own_key<Scene>("obstacles", "what stands in the way, see [An obstacle](#an-obstacle)", "none",
-                     list_rule("obstacle", 0, kMaxObstacles))
-          .reading(read_obstacles)
-          .hashing([](Hasher& hash, const Scene& scene) {
+      custom_key<Scene>("obstacles", "what stands in the way, see [An obstacle](#an-obstacle)",
+                        "none", list_rule("obstacle", 0, kMaxObstacles))
+          .with_reader(read_obstacles)
+          .with_hash([](Hasher& hash, const Scene& scene) {
             add_items(obstacle_keys(), hash, scene.obstacles);
           })};
 }
 
 std::vector<Key<Scene>> later_rows_of_scenes() {
   Key<Scene> recording =
-      own_key<Scene>("recording", "the people of `kind: recorded`, see [A recording](#a-recording)",
-                     "required of a recorded scene", map_rule("recording"))
-          .hashing([](Hasher& hash, const Scene& scene) {
+      custom_key<Scene>("recording",
+                        "the people of `kind: recorded`, see [A recording](#a-recording)",
+                        "required of a recorded scene", map_rule("recording"))
+          .with_hash([](Hasher& hash, const Scene& scene) {
             hash.add(scene.recorded->recording->content_hash());
             add_value(hash, scene.recorded->recorded_frames);
           });
   recording.is_default = [](const Scene& scene) { return !scene.recorded; };
-  Key<Scene> doors = own_key<Scene>("doors", "what opens and closes, see [A door](#a-door)", "none",
-                                    list_rule("door", 0, kMaxDoors))
-                         .reading(read_doors)
-                         .hashing([](Hasher& hash, const Scene& scene) {
+  Key<Scene> doors = custom_key<Scene>("doors", "what opens and closes, see [A door](#a-door)",
+                                       "none", list_rule("door", 0, kMaxDoors))
+                         .with_reader(read_doors)
+                         .with_hash([](Hasher& hash, const Scene& scene) {
                            add_items(door_keys(), hash, scene.doors);
                          });
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   Key<Scene> separation =
-      own_key<Scene>("separation",
-                     "how far robots have to be from people, see [A separation](#a-separation)",
-                     "none", map_rule("separation"))
-          .reading(read_separation)
-          .hashing([](Hasher& hash, const Scene& scene) {
+      custom_key<Scene>("separation",
+                        "how far robots have to be from people, see [A separation](#a-separation)",
+                        "none", map_rule("separation"))
+          .with_reader(read_separation)
+          .with_hash([](Hasher& hash, const Scene& scene) {
             add_keys(separation_keys(), hash, *scene.separation);
           });
   separation.is_default = [](const Scene& scene) { return !scene.separation; };
   const auto pairs = [](const char* name, std::string meaning, PairRules Scene::*rules,
                         PairRules (*rules_of)(std::string_view, std::string_view)) {
-    Key<Scene> key = own_key<Scene>(name, std::move(meaning), "all", {.kind = Rule::Kind::kText})
-                         .reading([name, rules, rules_of](Reading&, Fields& fields, Scene& scene) {
-                           if (const YamlNode* node = fields.find(name))
-                             scene.*rules = rules_of(fields.text(name), fields.where(*node));
-                         })
-                         .hashing([rules](Hasher& hash, const Scene& scene) {
-                           hash.add(to_text(scene.*rules));
-                         });
+    Key<Scene> key =
+        custom_key<Scene>(name, std::move(meaning), "all", {.kind = Rule::Kind::kText})
+            .with_reader([name, rules, rules_of](ReadContext&, Fields& fields, Scene& scene) {
+              if (const YamlNode* node = fields.find(name))
+                scene.*rules = rules_of(fields.text(name), fields.where(*node));
+            })
+            .with_hash(
+                [rules](Hasher& hash, const Scene& scene) { hash.add(to_text(scene.*rules)); });
     key.is_default = [rules](const Scene& scene) { return (scene.*rules).empty(); };
     return key;
   };
   return {
       recording,
       pairs(
-          "between",
+          "group_filter",
           "the pairs of groups whose contacts and distances are asked for, as in `robots: people, "
           "people: doors`; a name alone is with all; beside groups and obstacles `people`, "
           "`robots`, `obstacles` and `all`, which mean all of that kind also where a group is "
           "called so, then `group:people`; see [near.md](near.md#whom)",
-          &Scene::between, pair_rules_of),
-      pairs("parts",
+          &Scene::group_filter, pair_rules_of),
+      pairs("part_filter",
             "the pairs of parts that are asked for, by words of their names, as in `hands: head`; "
             "words alone are with all parts",
-            &Scene::parts, part_rules_of),
-      number("near_m",
+            &Scene::part_filter, part_rules_of),
+      number("proximity_m",
              "pairs of parts that are not farther apart are listed with an interval that holds "
              "their distance, see [near.md](near.md); at most 100, 0: none",
-             &Scene::near_m, kNearRange),
-      number("person_near_m",
+             &Scene::proximity_m, kProximityRange),
+      number("closest_parts_m",
              "of each two people who are not farther apart the two parts that are nearest to each "
              "other; at most 100, 0: none",
-             &Scene::person_near_m, kNearRange),
+             &Scene::closest_parts_m, kProximityRange),
       flag("contact_points",
            "of every pair of parts that touches a point that both share, and how deep and along "
            "which direction; needs `culling: {exact: true}`, see [near.md](near.md#where)",
@@ -378,7 +384,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
       flag("yielding",
            "bodies give way to those near them and to walls, and those who stand breathe, sway and "
            "hold their arms in several ways; needs `planted_feet` ([realism.md](realism.md))",
-           &Scene::yielding),
+           &Scene::body_avoidance),
       doors,
       separation};
 }
@@ -408,8 +414,8 @@ std::vector<MapText> scene_maps() {
           text_of(goal_keys()),
           text_of(queue_keys()),
           text_of(source_keys()),
-          text_of(cue_keys()),
-          text_of(companion_keys()),
+          text_of(trigger_keys()),
+          text_of(social_group_keys()),
           text_of(obstacle_keys()),
           text_of(door_keys()),
           text_of(box_keys()),
@@ -425,19 +431,19 @@ Scene read_scene(const std::filesystem::path& file, const YamlNode& root) {
 }
 
 Scene read_scene(const std::filesystem::path& file, const YamlNode& root, LoadedModels& models) {
-  Reading reading;
-  reading.bodies = models;
-  reading.folder = file.parent_path();
-  reading.scene.file = file;
+  ReadContext context;
+  context.bodies = models;
+  context.folder = file.parent_path();
+  context.scene.file = file;
   const std::string name = file.string();
   Fields fields(name, root, scene_keys().title);
-  read_keys(scene_keys(), reading, fields, reading.scene);
-  require_cues(reading);
-  require_lines(reading);
-  count_by_densities(reading, fields.where());
-  reading.scene.content_hash = content_hash_of(reading.scene);
-  models.merge(reading.bodies);
-  return std::move(reading.scene);
+  read_keys(scene_keys(), context, fields, context.scene);
+  require_triggers(context);
+  require_lines(context);
+  count_by_densities(context, fields.where());
+  context.scene.content_hash = content_hash_of(context.scene);
+  models.merge(context.bodies);
+  return std::move(context.scene);
 }
 
 uint64_t content_hash_of(const Scene& scene) {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/elementary.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "base/portable_math.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/scene.h"
@@ -54,8 +54,8 @@ std::vector<int*> counts_of(Scene& scene) {
 
 /// How many times too full the fullest area is, at densities that the file itself does not reach.
 /// `starts` are the people of each group who are there at the start.
-double overfull(const Scene& scene, const std::vector<int64_t>& starts, int64_t before,
-                int64_t total) {
+double overfill_ratio(const Scene& scene, const std::vector<int64_t>& starts, int64_t before,
+                      int64_t total) {
   const auto excess = [](double density, double own_density, double limit) {
     return density / std::max(limit, own_density);
   };
@@ -90,7 +90,7 @@ void grow_plan(Scene& scene, double factor) {
   grow(scene.ground);
   for (Group& group : scene.groups) {
     grow(group.spawn);
-    if (group.face_m) group.face_m = middle + factor * (*group.face_m - middle);
+    if (group.look_at_m) group.look_at_m = middle + factor * (*group.look_at_m - middle);
     for (Source& source : group.sources) grow(source.area);
     for (Goal& goal : group.goals) {
       for (Rectangle& area : goal.areas) grow(area);
@@ -128,9 +128,9 @@ double scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
 }  // namespace
 
 double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
-  const int64_t most = kMaxBodies - static_cast<int64_t>(scene.obstacles.size());
-  if (total < 1 || total > most)
-    throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", most, scene.name),
+  const int64_t max = kMaxBodies - static_cast<int64_t>(scene.obstacles.size());
+  if (total < 1 || total > max)
+    throw InputError("avatars", fmt::format("1 to {} people in scene '{}'", max, scene.name),
                      fmt::format("{}", total));
   if (scene.box) return scale_box(scene, total, notes);
   if (scene.recorded)
@@ -149,7 +149,7 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
     starts.push_back(shares[number]);
     number += 1 + scene.groups[i].sources.size();
   }
-  const double factor = std::sqrt(std::max(1.0, overfull(scene, starts, before, total)));
+  const double factor = std::sqrt(std::max(1.0, overfill_ratio(scene, starts, before, total)));
   if (factor * factor * scene.ground.area_m2() > kMaxGround_m2)
     throw InputError(
         "avatars", fmt::format("a ground of at most {} m2", kMaxGround_m2),

@@ -20,7 +20,7 @@ KeyText point(const std::string& name, const std::string& meaning) {
           meaning,
           "required",
           true,
-          {.kind = Rule::Kind::kNumbers, .range = kCoordinateRange, .least = 2, .most = 2}};
+          {.kind = Rule::Kind::kNumbers, .range = kCoordinateRange, .min = 2, .max = 2}};
 }
 
 KeyText share(const std::string& name, std::string_view meaning) {
@@ -56,7 +56,7 @@ std::vector<std::string> age_words() {
 
 }  // namespace
 
-std::string show(const Rectangle& r) {
+std::string to_text(const Rectangle& r) {
   return fmt::format("[{}, {}] to [{}, {}]", r.min_m.x(), r.min_m.y(), r.max_m.x(), r.max_m.y());
 }
 
@@ -78,8 +78,8 @@ Rectangle read_rectangle(const std::string& file, const YamlNode& node, const st
 void require_on_ground(const std::string& where, const std::string& what, const Rectangle& area,
                        const Rectangle& ground) {
   if (!ground.contains(area.min_m) || !ground.contains(area.max_m))
-    throw InputError(where, fmt::format("{} within the ground ({})", what, show(ground)),
-                     show(area));
+    throw InputError(where, fmt::format("{} within the ground ({})", what, to_text(ground)),
+                     to_text(area));
 }
 
 Rectangle read_area(const std::string& file, const YamlNode& node, const std::string& what,
@@ -99,10 +99,10 @@ Distribution read_distribution(const std::string& file, const YamlNode& node,
     return {value, 0, value, value};
   }
   const Fields fields(file, node, what);
-  fields.expect_keys({"mean", "deviation", "min", "max"});
+  fields.expect_keys({"mean", "std_dev", "min", "max"});
   Distribution out;
   out.mean = fields.number_or("mean", range, fallback.mean);
-  out.deviation = fields.number_or("deviation", {0, range.max}, fallback.deviation);
+  out.std_dev = fields.number_or("std_dev", {0, range.max}, fallback.std_dev);
   out.min = fields.number_or("min", range, fallback.min);
   out.max = fields.number_or("max", range, fallback.max);
   if (!(out.min <= out.mean && out.mean <= out.max))
@@ -123,25 +123,25 @@ AgeShares read_ages(const Fields& group) {
 
 StyleShares read_styles(const Fields& group, const YamlNode& node) {
   if (node.kind == YamlNode::Kind::kMap)
-    return read_shares<StyleShares>(group.file(), node, "styles", style_names());
+    return read_shares<StyleShares>(group.file(), node, "gait_styles", style_names());
   const std::optional<StyleShares> named = styles_of(node.scalar);
   if (named && node.kind == YamlNode::Kind::kScalar) return *named;
-  refuse_word(group, node, "styles", style_names());
+  refuse_word(group, node, "gait_styles", style_names());
 }
 
-fs::path read_model_file(const Reading& reading, const Fields& fields) {
+fs::path read_model_file(const ReadContext& context, const Fields& fields) {
   const YamlNode* node = fields.find("model");
   if (node == nullptr || node->scalar == "adult") return adult_urdf();
   if (node->kind != YamlNode::Kind::kScalar)
     throw InputError(fields.where(*node), "'adult' or a URDF file for 'model'", describe(*node));
-  return existing_file(reading, fields, *node, "'adult' or a URDF file");
+  return existing_file(context, fields, *node, "'adult' or a URDF file");
 }
 
-fs::path existing_file(const Reading& reading, const Fields& fields, const YamlNode& node,
+fs::path existing_file(const ReadContext& context, const Fields& fields, const YamlNode& node,
                        const std::string& expected) {
   if (node.scalar.empty()) throw InputError(fields.where(node), expected, "no name");
   std::error_code error;
-  fs::path path = fs::absolute(reading.folder / node.scalar, error).lexically_normal();
+  fs::path path = fs::absolute(context.folder / node.scalar, error).lexically_normal();
   if (!fs::is_regular_file(path, error))
     throw InputError(fields.where(node), expected,
                      fmt::format("'{}', and no {} file at {}", node.scalar,
@@ -176,7 +176,7 @@ MapText distribution_text() {
   };
   return {.name = "distribution",
           .meaning = "One number for everybody, or a normal distribution between two ends",
-          .keys = {figure("mean", "its middle"), figure("deviation", "standard deviation"),
+          .keys = {figure("mean", "its middle"), figure("std_dev", "standard deviation"),
                    figure("min", "draws below are drawn again"),
                    figure("max", "draws above are drawn again")},
           .or_number = true};
@@ -195,7 +195,7 @@ MapText ages_text() {
 }
 
 MapText styles_text() {
-  MapText text{.name = "styles",
+  MapText text{.name = "gait_styles",
                .meaning = "One style of walking, or shares of each",
                .or_words = style_names(),
                .at_least_one = true};

@@ -10,7 +10,7 @@
 namespace throng {
 
 /// Where on the ground anything may be.
-inline constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
+inline constexpr Range kPositionRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 
 /// {min_m: [x, y], max_m: [x, y]} with min below max, coordinates within kMaxCoordinate_m. `what`
 /// names it in messages: "ground".
@@ -23,7 +23,7 @@ Rectangle read_area(const std::string& file, const YamlNode& node, const std::st
 void require_on_ground(const std::string& where, const std::string& what, const Rectangle& area,
                        const Rectangle& ground);
 /// "[0, 0] to [8, 5]".
-std::string show(const Rectangle& area);
+std::string to_text(const Rectangle& area);
 
 /// {mean, deviation, min, max}, each optional, or one number for everybody.
 Distribution read_distribution(const std::string& file, const YamlNode& node,
@@ -35,9 +35,9 @@ AgeShares read_ages(const Fields& group);
 StyleShares read_styles(const Fields& group, const YamlNode& node);
 
 /// A URDF: of the bundled adult, or a file relative to the scene's.
-std::filesystem::path read_model_file(const Reading& reading, const Fields& fields);
+std::filesystem::path read_model_file(const ReadContext& context, const Fields& fields);
 /// A regular file, its name relative to the scene's; `expected` describes it in messages.
-std::filesystem::path existing_file(const Reading& reading, const Fields& fields,
+std::filesystem::path existing_file(const ReadContext& context, const Fields& fields,
                                     const YamlNode& node, const std::string& expected);
 
 /// Throws InputError if these are more than ids go round for.

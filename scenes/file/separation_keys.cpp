@@ -14,26 +14,26 @@ constexpr Range kDecelerationRange{0, 1000, true};
 constexpr Range kLengthRange{0, 100};
 
 /// A number that may be absent.
-Key<SeparationRule> maybe(const std::string& name, const std::string& meaning,
-                          const std::string& fallback,
-                          std::optional<double> SeparationRule::*member, Range range) {
-  return own_key<SeparationRule>(name, meaning, fallback,
-                                 {.kind = Rule::Kind::kNumber, .range = range})
-      .reading([name, member, range](Reading&, Fields& fields, SeparationRule& rule) {
+Key<SeparationRule> optional_number(const std::string& name, const std::string& meaning,
+                                    const std::string& fallback,
+                                    std::optional<double> SeparationRule::*member, Range range) {
+  return custom_key<SeparationRule>(name, meaning, fallback,
+                                    {.kind = Rule::Kind::kNumber, .range = range})
+      .with_reader([name, member, range](ReadContext&, Fields& fields, SeparationRule& rule) {
         if (fields.find(name) != nullptr) rule.*member = fields.number(name, range);
       })
-      .hashing([member](Hasher& hash, const SeparationRule& rule) {
+      .with_hash([member](Hasher& hash, const SeparationRule& rule) {
         add_value(hash, (rule.*member).has_value());
         if (rule.*member) hash.add(*(rule.*member));
       });
 }
 
-void complete_separation(Reading& reading, const Fields& fields, SeparationRule& rule) {
+void complete_separation(ReadContext& context, const Fields& fields, SeparationRule& rule) {
   rule.where = fields.where();
   if (rule.stopping_s.has_value() == rule.deceleration_mps2.has_value())
     throw InputError(fields.where(), "one of 'stopping_s' and 'deceleration_mps2'",
                      rule.stopping_s ? "both" : "neither");
-  const std::vector<Group>& groups = reading.scene.groups;
+  const std::vector<Group>& groups = context.scene.groups;
   if (std::none_of(groups.begin(), groups.end(), has_people) ||
       std::all_of(groups.begin(), groups.end(), has_people))
     throw InputError(
@@ -49,23 +49,27 @@ const KeyTable<SeparationRule>& separation_keys() {
                .meaning = "How far robots have to be from people",
                .choices = {{"stopping_s"}, {"deceleration_mps2"}}},
       .title = "a separation",
-      .keys = {maybe("human_mps", "how fast a person comes towards the robot, at most 100",
-                     "as measured, with `exact`", &SeparationRule::human_mps, kSpeedRange),
-               maybe("robot_mps", "how fast the robot comes towards the person, at most 100",
-                     "as measured, with `exact`", &SeparationRule::robot_mps, kSpeedRange),
+      .keys = {optional_number(
+                   "human_speed_mps", "how fast a person comes towards the robot, at most 100",
+                   "as measured, with `exact`", &SeparationRule::human_speed_mps, kSpeedRange),
+               optional_number(
+                   "robot_speed_mps", "how fast the robot comes towards the person, at most 100",
+                   "as measured, with `exact`", &SeparationRule::robot_speed_mps, kSpeedRange),
                number("reaction_s", "T_r: until the robot begins to stop, at most 60",
                       &SeparationRule::reaction_s, kReactionRange)
                    .required(),
-               maybe("stopping_s", "T_s: from then until it stands, at most 600",
-                     "from `deceleration_mps2`", &SeparationRule::stopping_s, kStoppingRange),
-               maybe("deceleration_mps2", "how hard it brakes; above 0, at most 1000",
-                     "from `stopping_s`", &SeparationRule::deceleration_mps2, kDecelerationRange),
+               optional_number("stopping_s", "T_s: from then until it stands, at most 600",
+                               "from `deceleration_mps2`", &SeparationRule::stopping_s,
+                               kStoppingRange),
+               optional_number("deceleration_mps2", "how hard it brakes; above 0, at most 1000",
+                               "from `stopping_s`", &SeparationRule::deceleration_mps2,
+                               kDecelerationRange),
                number("intrusion_m", "C: how far somebody reaches in before it is seen",
                       &SeparationRule::intrusion_m, kLengthRange),
-               number("human_error_m", "Z_d: how wrong the place of the person may be",
-                      &SeparationRule::human_error_m, kLengthRange),
-               number("robot_error_m", "Z_r: how wrong the place of the robot may be",
-                      &SeparationRule::robot_error_m, kLengthRange)},
+               number("human_uncertainty_m", "Z_d: how wrong the place of the person may be",
+                      &SeparationRule::human_uncertainty_m, kLengthRange),
+               number("robot_uncertainty_m", "Z_r: how wrong the place of the robot may be",
+                      &SeparationRule::robot_uncertainty_m, kLengthRange)},
       .complete = complete_separation};
   return table;
 }

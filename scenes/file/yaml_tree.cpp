@@ -148,7 +148,7 @@ YamlNode parse_yaml(const std::string& text, const std::string& name) {
     throw InputError(name, fmt::format("at most {} bytes", kMaxYamlBytes),
                      fmt::format("{}", text.size()));
   if (text.find('\0') != std::string::npos) throw InputError(name, "text", "a binary file");
-  if (const size_t at = find_no_utf8(text); at != std::string::npos)
+  if (const size_t at = find_invalid_utf8(text); at != std::string::npos)
     throw InputError(
         at_line(name, 1 + static_cast<int>(std::count(
                               text.begin(), text.begin() + static_cast<ptrdiff_t>(at), '\n'))),

@@ -15,13 +15,13 @@ struct BodyBlock {
 };
 
 /// Avatars a block: a posture row takes about 50 ns, a state less.
-inline constexpr uint32_t kBodiesABlock = 256;
+inline constexpr uint32_t kBodiesPerBlock = 256;
 
 /// Of those from `first` on.
 inline std::vector<BodyBlock> blocks_of(std::span<const uint16_t> types, uint32_t first = 0) {
   std::vector<BodyBlock> blocks;
   for (uint32_t id = first; id < types.size(); ++id) {
-    const bool continues = !blocks.empty() && blocks.back().count < kBodiesABlock &&
+    const bool continues = !blocks.empty() && blocks.back().count < kBodiesPerBlock &&
                            types[blocks.back().first] == types[id];
     if (!continues) blocks.push_back({id, 0});
     ++blocks.back().count;

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng {
 namespace {
@@ -19,41 +19,42 @@ float phase_between(float from, float to, double u) {
   return phase_of(between(from, from + turn, u));
 }
 
-TrackNow at_knot(const Knot& knot) {
+TrackState state_at(const TrackSample& sample) {
   return {true,
           0,
-          {knot.x_m, knot.y_m},
-          knot.heading_rad,
-          knot.ahead_mps,
-          {knot.next_x_mps, knot.next_y_mps},
-          knot.phase};
+          {sample.x_m, sample.y_m},
+          sample.heading_rad,
+          sample.ahead_mps,
+          {sample.next_x_mps, sample.next_y_mps},
+          sample.phase};
 }
 
 /// Of somebody who is away, by the knot that it comes in at.
-TrackNow before_coming_in(const Knot& first, double time_s) {
+TrackState before_entry(const TrackSample& first, double time_s) {
   const double left_s = first.time_s - time_s;
   if (left_s > kExpected_s) return {};
-  TrackNow now = at_knot(first);
+  TrackState now = state_at(first);
   now.is_present = false;
-  now.comes_in_s = left_s;
+  now.enters_in_s = left_s;
   now.position_m -= left_s * now.next_mps.cast<double>();
   return now;
 }
 
 }  // namespace
 
-Tracks::Tracks(size_t people, const std::function<std::vector<Knot>(size_t person)>& dress,
+Tracks::Tracks(size_t people,
+               const std::function<std::vector<TrackSample>(size_t person)>& retarget,
                Workers& workers)
     : cursors_(people), windows_(people) {
   std::atomic<int64_t> end{0};
   workers.for_blocks(static_cast<int>(people), [&](int block, int) {
     const auto person = static_cast<size_t>(block);
-    const std::vector<Knot> knots = dress(person);
+    const std::vector<TrackSample> samples = retarget(person);
     Cursor& cursor = cursors_[person];
-    cursor.count = static_cast<int64_t>(knots.size());
-    cursor.file_knot = end.fetch_add(cursor.count);
-    file_.write(cursor.file_knot * static_cast<int64_t>(sizeof(Knot)),
-                std::as_bytes(std::span(knots)));
+    cursor.count = static_cast<int64_t>(samples.size());
+    cursor.file_sample = end.fetch_add(cursor.count);
+    file_.write(cursor.file_sample * static_cast<int64_t>(sizeof(TrackSample)),
+                std::as_bytes(std::span(samples)));
   });
 }
 
@@ -62,16 +63,16 @@ void Tracks::load(size_t person, int64_t index) {
   // One before for the curve; the rest is ahead, where time goes.
   cursor.loaded = std::max<int64_t>(index - 1, 0);
   const int64_t count = std::min<int64_t>(cursor.count - cursor.loaded, kWindow);
-  const std::span<Knot> room(windows_[person].data(), static_cast<size_t>(count));
-  file_.read((cursor.file_knot + cursor.loaded) * static_cast<int64_t>(sizeof(Knot)),
-             std::as_writable_bytes(room));
+  const std::span<TrackSample> window(windows_[person].data(), static_cast<size_t>(count));
+  file_.read((cursor.file_sample + cursor.loaded) * static_cast<int64_t>(sizeof(TrackSample)),
+             std::as_writable_bytes(window));
 }
 
-const Knot& Tracks::knot(size_t person, int64_t index) {
+const TrackSample& Tracks::sample(size_t person, int64_t index) {
   return windows_[person][static_cast<size_t>(index - cursors_[person].loaded)];
 }
 
-TrackNow Tracks::at(size_t person, double time_s) {
+TrackState Tracks::at(size_t person, double time_s) {
   Cursor& cursor = cursors_[person];
   const auto has = [&](int64_t index) {
     return cursor.loaded >= 0 && index >= cursor.loaded &&
@@ -81,31 +82,33 @@ TrackNow Tracks::at(size_t person, double time_s) {
     if (!has(index)) load(person, cursor.from);
   };
   need(cursor.from);
-  if (knot(person, cursor.from).time_s > time_s + kSame_s) {
+  if (sample(person, cursor.from).time_s > time_s + kTimeTolerance_s) {
     cursor.from = 0;  // back in time, as in a run that is resumed: from the start again
     need(0);
-    const Knot& first = knot(person, 0);
-    if (first.time_s > time_s + kSame_s) return before_coming_in(first, time_s);
+    const TrackSample& first = sample(person, 0);
+    if (first.time_s > time_s + kTimeTolerance_s) return before_entry(first, time_s);
   }
   while (cursor.from + 1 < cursor.count) {
     need(cursor.from + 1);
-    if (knot(person, cursor.from + 1).time_s > time_s + kSame_s) break;
+    if (sample(person, cursor.from + 1).time_s > time_s + kTimeTolerance_s) break;
     ++cursor.from;
   }
   const int64_t from = cursor.from;
   const int64_t last = std::min(from + 2, cursor.count - 1);
   need(std::max<int64_t>(from - 1, 0));
   need(last);
-  const Knot& here = knot(person, from);
-  TrackNow now = at_knot(here);
-  if (time_s <= here.time_s + kSame_s || here.next == Knot::Next::kJump) return now;
-  if (here.next == Knot::Next::kAway)
-    return from + 1 < cursor.count ? before_coming_in(knot(person, from + 1), time_s) : TrackNow{};
-  const Knot& next = knot(person, from + 1);
-  const Knot* before = nullptr;
-  if (from > 0 && knot(person, from - 1).next == Knot::Next::kWay) before = &knot(person, from - 1);
-  const Knot* after = nullptr;
-  if (from + 2 < cursor.count && next.next == Knot::Next::kWay) after = &knot(person, from + 2);
+  const TrackSample& here = sample(person, from);
+  TrackState now = state_at(here);
+  if (time_s <= here.time_s + kTimeTolerance_s || here.next == TrackSample::Next::kJump) return now;
+  if (here.next == TrackSample::Next::kAbsent)
+    return from + 1 < cursor.count ? before_entry(sample(person, from + 1), time_s) : TrackState{};
+  const TrackSample& next = sample(person, from + 1);
+  const TrackSample* before = nullptr;
+  if (from > 0 && sample(person, from - 1).next == TrackSample::Next::kMove)
+    before = &sample(person, from - 1);
+  const TrackSample* after = nullptr;
+  if (from + 2 < cursor.count && next.next == TrackSample::Next::kMove)
+    after = &sample(person, from + 2);
   const double u = (time_s - here.time_s) / (next.time_s - here.time_s);
   now.position_m = position_between(before, here, next, after, time_s);
   now.heading_rad = between(here.heading_rad, next.heading_rad, u);

@@ -10,18 +10,18 @@
 #include <span>
 #include <vector>
 
-#include "base/files/nameless_file.h"
+#include "base/files/anonymous_file.h"
 #include "base/workers.h"
-#include "scenes/retargeting/dress.h"
+#include "scenes/retargeting/retarget.h"
 
 namespace throng {
 
 /// Where somebody is now.
-struct TrackNow {
+struct TrackState {
   bool is_present = false;
   /// It is not there yet, but will be in so long, which is not above kExpected_s: then this is
   /// where it would be if it came straight and as fast as it comes in. 0: it is there, or away.
-  double comes_in_s = 0;
+  double enters_in_s = 0;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< of what was tracked
   float heading_rad = 0;
   float ahead_mps = 0;
@@ -35,31 +35,31 @@ inline constexpr double kExpected_s = 0.6;
 class Tracks {
  public:
   /// Dresses everybody: `dress` gives the knots of a person, at least one. Throws EnvironmentError.
-  Tracks(size_t people, const std::function<std::vector<Knot>(size_t person)>& dress,
+  Tracks(size_t people, const std::function<std::vector<TrackSample>(size_t person)>& retarget,
          Workers& workers);
 
   size_t people() const { return cursors_.size(); }
 
   /// Where a person is. Quick if `time_s` does not go back from call to call; of several people
   /// from several threads. Allocates nothing. Throws EnvironmentError.
-  TrackNow at(size_t person, double time_s);
+  TrackState at(size_t person, double time_s);
 
  private:
   static constexpr size_t kWindow = 24;  ///< knots of a person in memory: a second
 
   /// The window on a person's knots: `from` is the last at or before now.
   struct Cursor {
-    int64_t file_knot = 0;  ///< of the first of the person
+    int64_t file_sample = 0;  ///< of the first of the person
     int64_t count = 0;
     int64_t loaded = -1;  ///< which of the person's is the first of the window
     int64_t from = 0;
   };
-  const Knot& knot(size_t person, int64_t index);
+  const TrackSample& sample(size_t person, int64_t index);
   void load(size_t person, int64_t index);
 
-  NamelessFile file_;
+  AnonymousFile file_;
   std::vector<Cursor> cursors_;
-  std::vector<std::array<Knot, kWindow>> windows_;
+  std::vector<std::array<TrackSample, kWindow>> windows_;
 };
 
 }  // namespace throng

@@ -1,7 +1,7 @@
 #include "scenes/run/body_tables.h"
 
 #include "avatars/gait/gait_file.h"
-#include "scenes/run/kinds.h"
+#include "scenes/run/body_kinds.h"
 
 namespace throng {
 namespace {
@@ -20,22 +20,23 @@ std::shared_ptr<const Model> BodyTables::model(const std::filesystem::path& urdf
   return model;
 }
 
-const Gait* BodyTables::known(const std::shared_ptr<const Model>& model, size_t style) const {
-  for (const OneGait& one : each_)
+const Gait* BodyTables::find_gait(const std::shared_ptr<const Model>& model, size_t style) const {
+  for (const StyledGait& one : single_gaits_)
     if (one.model == model && one.style == style) return one.gait.get();
   return nullptr;
 }
 
 void BodyTables::tabulate(const std::shared_ptr<const Model>& model, GaitStyles styles,
                           Workers& workers) {
-  std::vector<OneGait> fresh;
+  std::vector<StyledGait> fresh;
   for (size_t style = 0; style < kGaitStyleCount; ++style)
-    if (styles[style] && known(model, style) == nullptr) fresh.push_back({model, style, nullptr});
+    if (styles[style] && find_gait(model, style) == nullptr)
+      fresh.push_back({model, style, nullptr});
   workers.for_blocks(static_cast<int>(fresh.size()), [&](int index, int) {
-    OneGait& one = fresh[static_cast<size_t>(index)];
+    StyledGait& one = fresh[static_cast<size_t>(index)];
     one.gait = std::make_shared<const Gait>(gait_of(*model, static_cast<GaitStyle>(one.style)));
   });
-  each_.insert(each_.end(), fresh.begin(), fresh.end());
+  single_gaits_.insert(single_gaits_.end(), fresh.begin(), fresh.end());
 }
 
 std::shared_ptr<const ModelGaits> BodyTables::gaits(const std::shared_ptr<const Model>& model,
@@ -47,9 +48,9 @@ std::shared_ptr<const ModelGaits> BodyTables::gaits(const std::shared_ptr<const 
   tabulate(model, styles, workers);
   const auto together = std::make_shared<ModelGaits>();
   for (size_t style = 0; style < kGaitStyleCount; ++style)
-    if (styles[style]) together->of_style(style) = std::make_unique<Gait>(*known(model, style));
-  together->share_room();
-  if (gaits_.size() >= kMost) gaits_.erase(gaits_.begin());
+    if (styles[style]) together->of_style(style) = std::make_unique<Gait>(*find_gait(model, style));
+  together->share_bounds();
+  if (gaits_.size() >= kMaxSets) gaits_.erase(gaits_.begin());
   return gaits_.emplace_back(Gaits{model, styles, together}).gaits;
 }
 
@@ -60,7 +61,7 @@ std::shared_ptr<const BodyType> BodyTables::body_type(const std::shared_ptr<cons
   for (const Type& known : types_)
     if (known.model == model && same(known.sphere, sphere) && known.volumes == volumes)
       return known.type;
-  if (types_.size() >= kMost) types_.erase(types_.begin());
+  if (types_.size() >= kMaxSets) types_.erase(types_.begin());
   return types_
       .emplace_back(Type{model, sphere, volumes, throng::body_type(*model, sphere, volumes)})
       .type;

@@ -34,7 +34,7 @@ class BodyTables {
                                             const RootSphere& sphere, const PartVolumes& volumes);
 
  private:
-  struct OneGait {
+  struct StyledGait {
     std::shared_ptr<const Model> model;
     size_t style = 0;
     std::shared_ptr<const Gait> gait;
@@ -52,15 +52,15 @@ class BodyTables {
   };
 
   /// A megabyte or five each: sets differ by the styles that chance gave to few people.
-  static constexpr size_t kMost = 16;
+  static constexpr size_t kMaxSets = 16;
 
   void tabulate(const std::shared_ptr<const Model>& model, GaitStyles styles, Workers& workers);
-  const Gait* known(const std::shared_ptr<const Model>& model, size_t style) const;
+  const Gait* find_gait(const std::shared_ptr<const Model>& model, size_t style) const;
 
   mutable std::mutex models_mutex_, gaits_mutex_, types_mutex_;
   std::map<std::string, std::shared_ptr<const Model>> models_;
-  std::vector<OneGait> each_;  ///< what takes long to work out; its room is of no use
-  std::vector<Gaits> gaits_;   ///< of the latest sets of styles, the oldest first
+  std::vector<StyledGait> single_gaits_;  ///< what takes long to work out; its room is of no use
+  std::vector<Gaits> gaits_;              ///< of the latest sets of styles, the oldest first
   std::vector<Type> types_;
 };
 

@@ -8,7 +8,7 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/files/archive.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "scenes/run/simulation.h"
 
 namespace throng {
@@ -81,8 +81,8 @@ Checkpoint parse_checkpoint(std::span<const uint8_t> bytes, const std::string& n
 }
 
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {
-  write_whole_file(file, format_checkpoint(checkpoint),
-                   {.what = "the checkpoint", .to_disk = true});
+  write_file_atomically(file, format_checkpoint(checkpoint),
+                        {.what = "the checkpoint", .to_disk = true});
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {

@@ -24,12 +24,12 @@ bool needs_prefix(std::string_view name) {
 
 using Sides = PairFilter::Sides;
 
-constexpr size_t kMostNamesShown = 16;
+constexpr size_t kMaxNamesShown = 16;
 
 /// Gives every name of the rules' sides to what it means: of(name) has a flag each.
 /// Returns the first name that means nothing, "" if there is none.
 template <typename Of>
-std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const Of& of) {
+std::string assign_sides(const PairRules& rules, std::vector<Sides>& sides, const Of& of) {
   std::string nobody;
   const auto give = [&](const std::string& name, Sides side) {
     const std::vector<uint8_t> meant = of(name);
@@ -49,8 +49,8 @@ std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const 
 [[noreturn]] void refuse(const char* key, std::string what, std::vector<std::string> names,
                          const std::string& name, const std::string& remark = "") {
   const std::string nearest = remark.empty() ? did_you_mean(name, names) : remark;
-  if (names.size() > kMostNamesShown) {
-    names.resize(kMostNamesShown);
+  if (names.size() > kMaxNamesShown) {
+    names.resize(kMaxNamesShown);
     names.emplace_back("...");
   }
   throw InputError(key, fmt::format("{}: {}", what, fmt::join(names, ", ")),
@@ -60,8 +60,8 @@ std::string give_sides(const PairRules& rules, std::vector<Sides>& sides, const 
 std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
   std::vector<Sides> sides(info.model_of_avatar.size() + scene.obstacles.size());
   const NamedBodies named(info);
-  const std::string nobody =
-      give_sides(scene.between, sides, [&](const std::string& name) { return named.of(name); });
+  const std::string nobody = assign_sides(scene.group_filter, sides,
+                                          [&](const std::string& name) { return named.of(name); });
   if (nobody.empty()) return sides;
   const std::string namesake = NamedBodies::is_kind(nobody) ? named.namesake(nobody) : "";
   std::vector<std::string> names = named.names();
@@ -70,7 +70,7 @@ std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
     for (const std::string& group : info.groups)
       names.push_back(fmt::format("{}{}", kGroupPrefix, group));
   }
-  for (std::string& name : names) name = in_rules(name);
+  for (std::string& name : names) name = rule_name(name);
   refuse("between", "groups of the run, or", names, nobody,
          namesake.empty() ? "" : ", which no body is; " + namesake);
 }
@@ -87,7 +87,7 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
     sides.emplace_back(1);
   }
   std::vector<Sides> flat(names.size());
-  const std::string nobody = give_sides(scene.parts, flat, [&](const std::string& name) {
+  const std::string nobody = assign_sides(scene.part_filter, flat, [&](const std::string& name) {
     std::vector<uint8_t> has;
     for (const std::string& part : names) has.push_back(name == kAll || has_words(part, name));
     return has;
@@ -103,20 +103,22 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
 void require_robots_and_people(const Scene& scene, const RunInfo& info, const PairFilter& filter) {
   if (!scene.separation) return;
   const std::string& where = scene.separation->where;
-  if (!filter.of_part.empty())
+  if (!filter.sides_of_part.empty())
     throw InputError(where, "all parts beside 'separation', which is of whole bodies",
-                     fmt::format("'parts' (or --parts) of '{}'", to_text(scene.parts)));
-  if (filter.of_body.empty()) return;
+                     fmt::format("'parts' (or --parts) of '{}'", to_text(scene.part_filter)));
+  if (filter.sides_of_body.empty()) return;
   // By the sides that they stand on, which are few.
   std::set<PairFilter::Sides> robots, people;
   for (size_t id = 0; id < info.model_of_avatar.size(); ++id)
-    (info.models[info.model_of_avatar[id]]->is_person ? people : robots).insert(filter.of_body[id]);
+    (info.models[info.model_of_avatar[id]]->is_person ? people : robots)
+        .insert(filter.sides_of_body[id]);
   for (const PairFilter::Sides robot : robots)
     for (const PairFilter::Sides person : people)
-      if (!PairFilter::meet(robot, person))
-        throw InputError(where,
-                         "'between' (or --between) to hold 'robots: people' beside 'separation'",
-                         fmt::format("'{}'", to_text(scene.between)));
+      if (!PairFilter::match(robot, person))
+        throw InputError(
+            where,
+            "'group_filter' (or --filter-groups) to hold 'robots: people' beside 'separation'",
+            fmt::format("'{}'", to_text(scene.group_filter)));
 }
 
 }  // namespace
@@ -166,15 +168,15 @@ std::string NamedBodies::namesake(std::string_view name) const {
 
 PairFilter filter_of(const Scene& scene, const RunInfo& info) {
   PairFilter filter;
-  if (!scene.between.empty()) filter.of_body = sides_of_bodies(scene, info);
-  if (!scene.parts.empty()) filter.of_part = sides_of_parts(scene, info);
+  if (!scene.group_filter.empty()) filter.sides_of_body = sides_of_bodies(scene, info);
+  if (!scene.part_filter.empty()) filter.sides_of_part = sides_of_parts(scene, info);
   require_robots_and_people(scene, info, filter);
   return filter;
 }
 
 std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info) {
   std::set<std::string> names;
-  for (const PairRule& rule : scene.between)
+  for (const PairRule& rule : scene.group_filter)
     for (const std::string& name : {rule.left, rule.right})
       if (NamedBodies::is_kind(name)) names.insert(name);
   std::vector<std::string> notes;

@@ -1,6 +1,7 @@
-// NamedBodies finds the bodies of a run that a name means: in filters and in --tell. A run's filter
-// follows from the names of its rules; a name that means nobody is an error, never an empty answer.
-// Invariant: a word that names bodies of a kind means all of that kind, whatever groups are called.
+// NamedBodies finds the bodies of a run that a name means: in filters and in --publish-for. A run's
+// filter follows from the names of its rules; a name that means nobody is an error, never an empty
+// answer. Invariant: a word that names bodies of a kind means all of that kind, whatever groups are
+// called.
 #pragma once
 
 #include <cstdint>

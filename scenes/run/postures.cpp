@@ -8,13 +8,13 @@
 namespace throng {
 namespace {
 
-class HeldPostures : public PostureProvider {
+class ExternalPostures : public PostureProvider {
  public:
-  explicit HeldPostures(const BodyStates& states) : states_(states) {}
+  explicit ExternalPostures(const BodyStates& states) : states_(states) {}
 
   void rows(std::span<const uint32_t> bodies, std::span<float> /*room*/,
             std::span<const float*> rows) const override {
-    for (size_t i = 0; i < bodies.size(); ++i) rows[i] = states_.held_rows[bodies[i]];
+    for (size_t i = 0; i < bodies.size(); ++i) rows[i] = states_.external_rows[bodies[i]];
   }
   /// Joints that no gait knows of: the sphere has to do.
   void bounds(std::span<const uint32_t> /*bodies*/, std::span<RootBox> out) const override {
@@ -31,7 +31,7 @@ class WalkingPostures : public PostureProvider {
   WalkingPostures(const ModelGaits& gaits, const BodyStates& states)
       : gaits_(gaits), states_(states) {}
 
-  void rows(std::span<const uint32_t> bodies, std::span<float> room,
+  void rows(std::span<const uint32_t> bodies, std::span<float> scratch,
             std::span<const float*> rows) const final {
     assert(bodies.size() <= PoseSource::kMaxBatch);
     const auto columns = static_cast<size_t>(gaits_.plain().column_count());
@@ -42,12 +42,12 @@ class WalkingPostures : public PostureProvider {
     }
     for (size_t i = 0; i < bodies.size(); ++i) {
       own[i] = &gait_of(bodies[i]);
-      rows[i] = room.data() + i * columns;
+      rows[i] = scratch.data() + i * columns;
     }
-    write({own.data(), bodies.size()}, bodies, room.first(bodies.size() * columns));
-    if (states_.looks_rad.empty() && states_.yields.empty()) return;
+    write({own.data(), bodies.size()}, bodies, scratch.first(bodies.size() * columns));
+    if (states_.head_yaws_rad.empty() && states_.avoidance.empty()) return;
     for (size_t i = 0; i < bodies.size(); ++i)
-      pose_upper_body(*own[i], bodies[i], room.subspan(i * columns, columns));
+      pose_upper_body(*own[i], bodies[i], scratch.subspan(i * columns, columns));
   }
 
  protected:
@@ -61,19 +61,20 @@ class WalkingPostures : public PostureProvider {
  private:
   /// Turns the head, gives way and stands as the person does.
   void pose_upper_body(const Gait& gait, uint32_t body, std::span<float> row) const {
-    float look_rad = states_.looks_rad.empty() ? 0 : states_.looks_rad[body];
-    const Outline* const outline = states_.yields.empty() ? nullptr : gait.outline();
+    float head_yaw_rad = states_.head_yaws_rad.empty() ? 0 : states_.head_yaws_rad[body];
+    const Outline* const outline = states_.avoidance.empty() ? nullptr : gait.outline();
     StandingPosture posture;
-    if (outline != nullptr && states_.yields[body].standing > 0) {
+    if (outline != nullptr && states_.avoidance[body].standing > 0) {
       posture = states_.standing[body];
-      look_rad = std::clamp(look_rad + states_.yields[body].standing * posture.head_rad,
-                            -Gait::kMostLook_rad, Gait::kMostLook_rad);
+      head_yaw_rad = std::clamp(head_yaw_rad + states_.avoidance[body].standing * posture.head_rad,
+                                -Gait::kMaxHeadYaw_rad, Gait::kMaxHeadYaw_rad);
       const float breath = states_.postures[body].numbers[WalkPosture::kBreath];
       for (auto& arm_rad : posture.arms_rad)
-        arm_rad[YieldColumns::kAbduction] += kBreath_rad * breath;
+        arm_rad[AvoidanceColumns::kAbduction] += kBreath_rad * breath;
     }
-    if (look_rad != 0) gait.look(look_rad, row);
-    if (outline != nullptr) put_yield(outline->columns, states_.yields[body], posture, row);
+    if (head_yaw_rad != 0) gait.apply_head_yaw(head_yaw_rad, row);
+    if (outline != nullptr)
+      apply_avoidance(outline->columns, states_.avoidance[body], posture, row);
   }
 
   const ModelGaits& gaits_;
@@ -87,7 +88,7 @@ class SteppingPostures final : public WalkingPostures {
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
     for (size_t i = 0; i < bodies.size(); ++i) {
       const uint32_t body = bodies[i];
-      out[i] = gait_of(body).box_of({states().room_x[body], states().room_y[body]},
+      out[i] = gait_of(body).box_of({states().bounds_x[body], states().bounds_y[body]},
                                     states().scales[body]);
     }
   }
@@ -154,16 +155,17 @@ RootSphere ModelGaits::sphere() const {
   return sphere;
 }
 
-void ModelGaits::share_room() {
-  const RootSphere room = sphere();
+void ModelGaits::share_bounds() {
+  const RootSphere common = sphere();
   for (const std::unique_ptr<Gait>& gait : gaits_)
-    if (gait != nullptr) gait->share_room(room.centre_m.z(), room.radius_m, room.upright_radius_m);
+    if (gait != nullptr)
+      gait->share_bounds(common.centre_m.z(), common.radius_m, common.upright_radius_m);
 }
 
 std::unique_ptr<const PostureProvider> make_posture_provider(PostureKind kind,
                                                              const ModelGaits& gaits,
                                                              const BodyStates& states) {
-  if (kind == PostureKind::kHeld) return std::make_unique<HeldPostures>(states);
+  if (kind == PostureKind::kExternal) return std::make_unique<ExternalPostures>(states);
   if (kind == PostureKind::kStepping && gaits.plain().has_legs())
     return std::make_unique<SteppingPostures>(gaits, states);
   return std::make_unique<TablePostures>(gaits, states);

@@ -19,7 +19,7 @@
 namespace throng {
 
 /// A velocity that nobody knows beforehand.
-inline const Eigen::Vector2f kNobodyKnows =
+inline const Eigen::Vector2f kUnknownVelocity =
     Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 
 /// The state of all bodies that poses depend on, by body: avatars first, then obstacles.
@@ -30,36 +30,36 @@ struct BodyStates {
   // Avatars only.
   /// The posture row of an avatar that something outside moves or that a recording holds, null for
   /// others; empty if there are none.
-  std::vector<const float*> held_rows;
-  std::vector<GaitStyle> styles;     ///< empty: everybody walks plainly
-  std::span<const float> looks_rad;  ///< how far heads are turned; empty: they are not
+  std::vector<const float*> external_rows;
+  std::vector<GaitStyle> styles;         ///< empty: everybody walks plainly
+  std::span<const float> head_yaws_rad;  ///< how far heads are turned; empty: they are not
   std::vector<float> phases;
-  // What stepping brings along and gives, see WalkChunk; where feet are not planted, all but the
+  // What stepping brings along and gives, see WalkBatch; where feet are not planted, all but the
   // speed is empty.
   std::vector<float> gait_mps;
-  std::array<std::vector<float>, WalkChunk::kFeetNumbers> feet;
-  std::array<std::vector<float>, WalkChunk::kMomentumNumbers> momentum;
+  std::array<std::vector<float>, WalkBatch::kFeetNumbers> feet;
+  std::array<std::vector<float>, WalkBatch::kGaitRateCount> gait_rates;
   std::vector<WalkPosture> postures;
-  std::vector<float> room_x, room_y;
+  std::vector<float> bounds_x, bounds_y;
   /// Velocities over the ground that people are about to have (a mean over some tenths of a second)
-  /// as far as they are known beforehand: empty, or kNobodyKnows, where they are not.
+  /// as far as they are known beforehand: empty, or kUnknownVelocity, where they are not.
   std::vector<Eigen::Vector2f> next_mps;
-  std::vector<Yield> yields;              ///< empty: nobody gives way
-  std::vector<StandingPosture> standing;  ///< see Yield::standing; as many as yields
-  std::vector<float> stood_s;             ///< see stood_after()
+  std::vector<AvoidancePosture> avoidance;  ///< empty: nobody gives way
+  std::vector<StandingPosture> standing;    ///< see AvoidancePosture::standing; as many as yields
+  std::vector<float> standing_time_s;       ///< see advance_standing_time()
   /// What quiet_standing() needs; without a seed nobody breathes.
   std::optional<uint64_t> standing_seed;
   double now_s = 0;
 
   /// Makes room for avatars that have not come in yet.
   void resize_steps(size_t avatars) {
-    gait_mps.assign(avatars, kNotComeIn);
+    gait_mps.assign(avatars, kNotEntered);
     for (std::vector<float>& numbers : feet) numbers.assign(avatars, 0);
-    for (std::vector<float>& numbers : momentum) numbers.assign(avatars, 0);
+    for (std::vector<float>& numbers : gait_rates) numbers.assign(avatars, 0);
     postures.resize(avatars);
-    room_x.resize(avatars);
-    room_y.resize(avatars);
-    stood_s.assign(avatars, 0);
+    bounds_x.resize(avatars);
+    bounds_y.resize(avatars);
+    standing_time_s.assign(avatars, 0);
   }
 };
 
@@ -78,7 +78,7 @@ class ModelGaits {
   /// Around every posture of every style.
   RootSphere sphere() const;
   /// All styles walk within sphere().
-  void share_room();
+  void share_bounds();
 
  private:
   std::array<std::unique_ptr<Gait>, kGaitStyleCount> gaits_;
@@ -90,7 +90,7 @@ class PostureProvider {
   virtual ~PostureProvider() = default;
   /// Points rows[i] to the posture row of bodies[i], at most PoseSource::kMaxBatch. Those that lie
   /// nowhere yet are written to `room`, which is large enough for all.
-  virtual void rows(std::span<const uint32_t> bodies, std::span<float> room,
+  virtual void rows(std::span<const uint32_t> bodies, std::span<float> scratch,
                     std::span<const float*> rows) const = 0;
   /// See PoseSource::bounds().
   virtual void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const = 0;
@@ -98,7 +98,7 @@ class PostureProvider {
 
 /// What moves the bodies of a type.
 enum class PostureKind {
-  kHeld,      ///< something outside: BodyStates::held_rows
+  kExternal,  ///< something outside: BodyStates::external_rows
   kStepping,  ///< the gait, with planted feet
   kTable,     ///< the gait's table as it is
 };

@@ -75,8 +75,8 @@ RunOption number(const char* name, const char* value, const char* meaning, Membe
 
 template <typename Member>
 RunOption metres(const char* name, const char* meaning, Member member) {
-  return number(name, "M", meaning, member, {0, static_cast<double>(kMostNear_m)},
-                fmt::format("metres from 0 to {}", kMostNear_m));
+  return number(name, "M", meaning, member, {0, static_cast<double>(kMaxProximity_m)},
+                fmt::format("metres from 0 to {}", kMaxProximity_m));
 }
 
 template <typename Member>
@@ -179,20 +179,21 @@ void add_source_rows(std::vector<RunOption>& rows) {
                     &O::steering, steering_names(), steering_kind_of)));
   rows.push_back(of_study(flag("exact", "Triangles decide what touches, and how near", &O::exact)));
   rows.push_back(
-      metres("near", "Distances of all parts that are nearer than M metres", &O::near_m));
-  rows.push_back(metres("person_near", "Of each two people nearer than M metres the nearest parts",
-                        &O::person_near_m));
+      metres("proximity", "Distances of all parts that are nearer than M metres", &O::proximity_m));
+  rows.push_back(metres("closest_parts",
+                        "Of each two people nearer than M metres the nearest parts",
+                        &O::closest_parts_m));
   rows.push_back(flag("contact_points",
                       "Of all parts that touch a point, direction and depth; needs --exact",
                       &O::contact_points));
   rows.push_back(
-      parsed("between", "A:B",
+      parsed("filter_groups", "A:B",
              "Pairs of these groups alone, as in 'robots: people'; a name alone is with all",
-             &O::between, "pairs of groups, as in 'robots: people'", pair_rules_of));
+             &O::group_filter, "pairs of groups, as in 'robots: people'", pair_rules_of));
   rows.push_back(
-      parsed("parts", "PARTS",
+      parsed("filter_parts", "PARTS",
              "Pairs of these parts alone, as in 'hands: head'; words alone are with all parts",
-             &O::parts, "words of parts, as in 'hands: head'", part_rules_of));
+             &O::part_filter, "words of parts, as in 'hands: head'", part_rules_of));
 }
 
 void add_recording_rows(std::vector<RunOption>& rows) {
@@ -211,11 +212,11 @@ void add_recording_rows(std::vector<RunOption>& rows) {
   add(parsed("separator", "CHARACTER", "Of a table: one character, or tab, blank, comma, semicolon",
              flags(&F::separator), "one character, or tab, blank, comma or semicolon",
              checked_separator));
-  add(word("tracks", "POINT",
+  add(word("tracked_point", "POINT",
            "Whose way a recording is: of heads or of centres of bodies [as the kind of file]",
-           flags(&F::tracks), {"head", "centre"}));
+           flags(&F::tracked_point), {"head", "centre"}));
   add(flag("strict", "What is odd about a recording is an error", flags(&F::strict)));
-  add(word("step", "STEP",
+  add(word("sampling", "STEP",
            "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]",
            &RunOptions::step, {"smooth", "recorded"}));
 }
@@ -226,12 +227,12 @@ void add_culling_rows(std::vector<RunOption>& rows) {
       not_of_study(whole("threads", "N", "Default: all cores", &O::threads, 1, kMaxThreads),
                    "threads on the command line: throng study FILE --threads N"));
   rows.push_back(
-      not_of_study(number("deadline_ms", "D", "Time for culling a frame, by the clock",
-                          &O::deadline_ms, {0, 1e6}, "a number of milliseconds from 0"),
-                   "what comes out the same every time ('deadline_tests' does; a clock does not)"));
+      not_of_study(number("budget_ms", "D", "Time for culling a frame, by the clock", &O::budget_ms,
+                          {0, 1e6}, "a number of milliseconds from 0"),
+                   "what comes out the same every time ('budget_tests' does; a clock does not)"));
   rows.push_back(
-      of_study(whole("deadline_tests", "N", "Tests of boxes, part volumes and triangles a frame",
-                     &O::deadline_tests, 0, INT64_MAX)));
+      of_study(whole("budget_tests", "N", "Tests of boxes, part volumes and triangles a frame",
+                     &O::budget_tests, 0, INT64_MAX)));
   const std::vector<std::string> strategies = strategy_names();
   const std::vector<std::string> papers(strategies.begin() + 1, strategies.end());
   rows.push_back(of_study(
@@ -251,10 +252,10 @@ void add_message_rows(std::vector<RunOption>& rows) {
       number("states_hz", "N", "States so often a simulated second, in log and LCM [every frame]",
              &O::states_hz, {0, 1e6, true}, "a number of states a second above 0"),
       kShapesNoResult));
-  rows.push_back(
-      not_of_study(flag("publish_parts", "The pose of every part with the states, in log and LCM",
-                        &O::publish_parts),
-                   kShapesNoResult));
+  rows.push_back(not_of_study(
+      flag("publish_part_poses", "The pose of every part with the states, in log and LCM",
+           &O::publish_part_poses),
+      kShapesNoResult));
 }
 
 }  // namespace
@@ -324,25 +325,25 @@ double apply(const RunOptions& options, Scene& scene, std::vector<std::string>& 
   if (options.steering) scene.steering.model = *options.steering;
   if (options.part_volume) scene.part_volume = *options.part_volume;
   if (options.exact) scene.exact = true;
-  if (options.near_m) scene.near_m = *options.near_m;
-  if (options.person_near_m) scene.person_near_m = *options.person_near_m;
+  if (options.proximity_m) scene.proximity_m = *options.proximity_m;
+  if (options.closest_parts_m) scene.closest_parts_m = *options.closest_parts_m;
   if (options.contact_points) scene.contact_points = true;
-  if (options.between) scene.between = *options.between;
-  if (options.parts) scene.parts = *options.parts;
+  if (options.group_filter) scene.group_filter = *options.group_filter;
+  if (options.part_filter) scene.part_filter = *options.part_filter;
   return options.avatars ? scale_to(scene, *options.avatars, notes) : 1;
 }
 
 SimulationOptions simulation_options(const RunOptions& options) {
   const bool is_papers = options.strategy != Strategy::kPipeline;
-  if (is_papers && (options.deadline_ms || options.deadline_tests))
+  if (is_papers && (options.budget_ms || options.budget_tests))
     throw InputError(options.where("strategy"), "'pipeline' beside a deadline",
                      fmt::format("'{}'", name_of(options.strategy)));
   SimulationOptions out;
   out.threads =
       options.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   out.culler.simd = resolved(options.simd);
-  out.culler.deadline_ms = options.deadline_ms;
-  out.culler.deadline_tests = options.deadline_tests;
+  out.culler.budget_ms = options.budget_ms;
+  out.culler.budget_tests = options.budget_tests;
   out.strategy = options.strategy;
   out.culler.pair_search =
       options.pair_search.value_or(is_papers ? PairSearch::kBrute : PairSearch::kGrid);
@@ -365,8 +366,8 @@ RecordingOptions recording_options(const std::filesystem::path& file, const Reco
   if (const auto unit = unit_named(flags.unit)) out.unit_m = unit->in_si;
   if (const auto unit = unit_named(flags.heading_unit)) out.heading_unit_rad = unit->in_si;
   out.separator = separator_named(flags.separator);
-  if (!flags.tracks.empty())
-    out.tracks = flags.tracks == "head" ? TrackedPoint::kHead : TrackedPoint::kCentre;
+  if (!flags.tracked_point.empty())
+    out.tracked_point = flags.tracked_point == "head" ? TrackedPoint::kHead : TrackedPoint::kCentre;
   out.strict = flags.strict;
   return out;
 }

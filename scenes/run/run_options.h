@@ -21,11 +21,11 @@ namespace throng {
 /// read. They are for recordings only; anything else refuses them.
 struct RecordingFlags {
   std::optional<double> fps;
-  std::string unit;          ///< "cm", or "" as everywhere where not given
-  std::string heading_unit;  ///< "deg"
-  std::string columns;       ///< "id=pedID,t=time,x=posX,y=posY"
-  std::string separator;     ///< one character, or "tab", "blank", "comma" or "semicolon"
-  std::string tracks;        ///< "head" or "centre"
+  std::string unit;           ///< "cm", or "" as everywhere where not given
+  std::string heading_unit;   ///< "deg"
+  std::string columns;        ///< "id=pedID,t=time,x=posX,y=posY"
+  std::string separator;      ///< one character, or "tab", "blank", "comma" or "semicolon"
+  std::string tracked_point;  ///< "head" or "centre"
   bool strict = false;
 };
 
@@ -39,19 +39,19 @@ struct RunOptions {
   std::optional<PartVolumes> part_volume;
   std::optional<SteeringKind> steering;
   bool exact = false;
-  std::optional<double> near_m, person_near_m;
+  std::optional<double> proximity_m, closest_parts_m;
   bool contact_points = false;
-  std::optional<PairRules> between, parts;
+  std::optional<PairRules> group_filter, part_filter;
   RecordingFlags recording;
   std::string step;  ///< of a recording: "smooth", "recorded", or "" where not given
   std::optional<int> threads;
-  std::optional<double> deadline_ms;
-  std::optional<uint64_t> deadline_tests;
+  std::optional<double> budget_ms;
+  std::optional<uint64_t> budget_tests;
   Strategy strategy = Strategy::kPipeline;
   SimdTarget simd = SimdTarget::kBest;
   std::optional<PairSearch> pair_search;
   std::optional<double> states_hz;
-  bool publish_parts = false;
+  bool publish_part_poses = false;
 
   struct Given {
     std::string name, where;

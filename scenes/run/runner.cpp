@@ -15,13 +15,13 @@ class Samples {
   explicit Samples(int64_t expected) {
     // Written once, so that all its memory is there from the first frame on: what grows later is a
     // leak.
-    values_.resize(static_cast<size_t>(std::min<int64_t>(expected, kMost)));
+    values_.resize(static_cast<size_t>(std::min<int64_t>(expected, kMaxSamples)));
     values_.clear();
   }
 
   void add(double value_ms) {
     const auto value = static_cast<float>(value_ms);
-    if (static_cast<int64_t>(values_.size()) < kMost)
+    if (static_cast<int64_t>(values_.size()) < kMaxSamples)
       values_.push_back(value);
     else
       values_[next_++ % values_.size()] = value;
@@ -30,21 +30,21 @@ class Samples {
   double median() const { return quantiles().median; }
 
  private:
-  static constexpr int64_t kMost = 1 << 18;
+  static constexpr int64_t kMaxSamples = 1 << 18;
   std::vector<float> values_;
   size_t next_ = 0;
 };
 
 /// A sample a frame of everything whose median is asked for.
 struct Measurements {
-  explicit Measurements(int64_t frames) : frame(frames), cull(frames), near(frames) {
+  explicit Measurements(int64_t frames) : frame(frames), cull(frames), proximity(frames) {
     stages.reserve(kStageCount);  // a copy would have no room
     for (size_t i = 0; i < kStageCount; ++i) stages.emplace_back(frames);
   }
 
   void add(const FrameTimes& times, const CullingCounters& counters) {
     frame.add(times.frame_ns * 1e-6);
-    near.add((counters.near.update_ns + counters.near.test_ns) * 1e-6);
+    proximity.add((counters.proximity.update_ns + counters.proximity.test_ns) * 1e-6);
     cull.add((counters.wall_ns - counters.events_ns) * 1e-6);
     for (size_t i = 0; i < kStageCount; ++i) stages[i].add(times.stage_ns[i] * 1e-6);
   }
@@ -52,11 +52,11 @@ struct Measurements {
   void summarise(RunSummary& summary) const {
     summary.frame_ms = frame.quantiles();
     summary.cull_ms = cull.quantiles();
-    summary.near.ms = near.quantiles();
+    summary.proximity.ms = proximity.quantiles();
     for (size_t i = 0; i < kStageCount; ++i) summary.stage_ms[i] = stages[i].median();
   }
 
-  Samples frame, cull, near;
+  Samples frame, cull, proximity;
   std::vector<Samples> stages;
 };
 
@@ -73,37 +73,38 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
   total.pose_ns += frame.pose_ns;
   total.events_ns += frame.events_ns;
   total.wall_ns += frame.wall_ns;
-  total.allocations_grown += frame.allocations_grown;
+  total.buffers_grown += frame.buffers_grown;
 }
 
-void add_near(NearSummary& near, const Frame& frame) {
-  near.pairs += frame.near_pairs.size();
-  near.people += frame.near_bodies.size();
-  near.pairs_peak = std::max(near.pairs_peak, uint64_t{frame.near_pairs.size()});
-  for (const NearRows& rows : {frame.near_pairs, frame.near_bodies})
-    for (const NearPair& row : rows) near.least_m = std::min(near.least_m, row.lo_m);
+void add_proximity(ProximitySummary& proximity, const Frame& frame) {
+  proximity.pairs += frame.proximity_pairs.size();
+  proximity.people += frame.closest_parts.size();
+  proximity.pairs_peak = std::max(proximity.pairs_peak, uint64_t{frame.proximity_pairs.size()});
+  for (const ProximityRows& rows : {frame.proximity_pairs, frame.closest_parts})
+    for (const ProximityPair& row : rows)
+      proximity.min_distance_m = std::min(proximity.min_distance_m, row.lo_m);
 }
 
 void add_contact_points(ContactPointSummary& summary, const Frame& frame) {
   summary.points += frame.contact_points.size();
   summary.points_peak = std::max(summary.points_peak, uint64_t{frame.contact_points.size()});
   for (const ContactPoint& point : frame.contact_points)
-    summary.deepest_m = std::max(summary.deepest_m, point.depth_m);
+    summary.max_depth_m = std::max(summary.max_depth_m, point.depth_m);
 }
 
 void add_frame(RunSummary& summary, const Frame& frame, bool exact,
                const SteeringCounters& steering) {
   summary.persists += frame.persisting;
-  const auto last = static_cast<uint8_t>(exact ? PairLevel::kExact : PairLevel::kPartVolume);
+  const auto last = static_cast<uint8_t>(exact ? PairLevel::kTriangles : PairLevel::kPartVolume);
   const auto undecided = [last](uint8_t level) { return level < last; };
   summary.frames_cut += std::any_of(frame.levels.begin(), frame.levels.end(), undecided);
   summary.pairs_peak = std::max(summary.pairs_peak, uint64_t{frame.pairs.size()});
-  summary.deepest_overlap_m = std::max(summary.deepest_overlap_m, steering.deepest_overlap_m);
+  summary.max_overlap_m = std::max(summary.max_overlap_m, steering.max_overlap_m);
   summary.queuing_peak = std::max(summary.queuing_peak, steering.queuing);
   summary.longest_stall_s = std::max(summary.longest_stall_s, steering.longest_stall_s);
   add_counters(summary.totals, *frame.counters);
-  if (summary.near.is_asked) add_near(summary.near, frame);
-  if (summary.contact_points.is_asked) add_contact_points(summary.contact_points, frame);
+  if (summary.proximity.is_enabled) add_proximity(summary.proximity, frame);
+  if (summary.contact_points.is_enabled) add_contact_points(summary.contact_points, frame);
 }
 
 RunSummary describe(const Simulation& simulation) {
@@ -112,9 +113,9 @@ RunSummary describe(const Simulation& simulation) {
   summary.avatars = info.avatar_count();
   summary.unplaced = simulation.unplaced();
   summary.run_id = info.run_id;
-  summary.near.is_asked = info.culler.near.is_asked();
-  summary.contact_points.is_asked = info.culler.near.contact_points;
-  summary.near.least_m = info.culler.near.most_m();
+  summary.proximity.is_enabled = info.culler.proximity.is_enabled();
+  summary.contact_points.is_enabled = info.culler.proximity.contact_points;
+  summary.proximity.min_distance_m = info.culler.proximity.max_margin_m();
   for (const uint16_t model : info.model_of_avatar)
     summary.parts += info.models[model]->part_count();
   return summary;
@@ -167,8 +168,8 @@ RunSummary run(Simulation& simulation, std::span<Sink* const> sinks,
   summary.begins = end.begins;
   summary.ends = end.ends;
   summary.hash = end.hash;
-  summary.near.hash = end.near_hash;
-  summary.traffic = simulation.traffic();
+  summary.proximity.hash = end.proximity_hash;
+  summary.population = simulation.population();
   summary.strandings = simulation.strandings();
   measurements.summarise(summary);
   return summary;

@@ -22,22 +22,22 @@ struct Quantiles {
 };
 
 /// Distances, where a margin is asked.
-struct NearSummary {
-  bool is_asked = false;
-  uint64_t pairs = 0;       ///< rows over all frames, as the next
-  uint64_t people = 0;      ///< of two people
-  uint64_t pairs_peak = 0;  ///< rows of a frame
-  float least_m = 0;        ///< the least lower bound of all
-  Quantiles ms;             ///< the search, by the clock; of contact points, too
+struct ProximitySummary {
+  bool is_enabled = false;
+  uint64_t pairs = 0;        ///< rows over all frames, as the next
+  uint64_t people = 0;       ///< of two people
+  uint64_t pairs_peak = 0;   ///< rows of a frame
+  float min_distance_m = 0;  ///< the least lower bound of all
+  Quantiles ms;              ///< the search, by the clock; of contact points, too
   uint64_t hash = 0;
 };
 
 /// Where parts touch, where that is asked.
 struct ContactPointSummary {
-  bool is_asked = false;
+  bool is_enabled = false;
   uint64_t points = 0;       ///< over all frames
   uint64_t points_peak = 0;  ///< of a frame
-  float deepest_m = 0;
+  float max_depth_m = 0;
 };
 
 struct RunSummary {
@@ -59,16 +59,16 @@ struct RunSummary {
   uint64_t persists = 0;
   uint64_t ends = 0;  ///< those of the last moment included
   uint64_t pairs_peak = 0;
-  NearSummary near;
+  ProximitySummary proximity;
   ContactPointSummary contact_points;
   int64_t frames_cut = 0;  ///< in which a deadline left pairs undecided
   uint64_t hash = 0;
   uint64_t run_id = 0;
 
-  TrafficCounters traffic;            ///< at the end
+  PopulationCounters population;      ///< at the end
   std::vector<Stranding> strandings;  ///< at the end
   uint64_t queuing_peak = 0;          ///< people queuing at once
-  double deepest_overlap_m = 0;       ///< of steering discs, over the run
+  double max_overlap_m = 0;           ///< of steering discs, over the run
   double longest_stall_s = 0;  ///< how long a walker stood still without queuing, over the run
   SteeringCounters steering;   ///< at the end
 };

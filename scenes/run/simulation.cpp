@@ -13,18 +13,18 @@
 #include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
 #include "base/checksum.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
 #include "culling/strategies/paper_culler.h"
 #include "scenes/motion/body_blocks.h"
-#include "scenes/motion/drive.h"
+#include "scenes/motion/external_avatars.h"
 #include "scenes/motion/walk.h"
+#include "scenes/run/body_avoidance_stage.h"
+#include "scenes/run/body_kinds.h"
 #include "scenes/run/body_tables.h"
-#include "scenes/run/kinds.h"
 #include "scenes/run/named_bodies.h"
 #include "scenes/run/posing.h"
-#include "scenes/run/yielding_stage.h"
 #include "scenes/separation/separation_rule.h"
 
 namespace throng {
@@ -36,17 +36,17 @@ uint64_t random_instance() {
   return (uint64_t{device()} << 32) | device();
 }
 
-/// Fills in the run id, the instance, and what the options say. `world_hash`:
-/// World::content_hash().
-void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t world_hash,
+/// Fills in the run id, the instance, and what the options say. `motion_hash`:
+/// MotionSource::content_hash().
+void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t motion_hash,
                   RunInfo& info) {
   // Threads, SIMD, pair search and outputs stay out: they change no frame.
   Hasher name;
   name.add("throng run 1").add(scene.content_hash);
-  if (world_hash != 0) name.add("world").add(world_hash);
+  if (motion_hash != 0) name.add("world").add(motion_hash);
   const CullerOptions& culler = options.culler;
-  if (culler.deadline_ms) name.add("deadline, ms").add(*culler.deadline_ms);
-  if (culler.deadline_tests) name.add("deadline, tests").add(*culler.deadline_tests);
+  if (culler.budget_ms) name.add("deadline, ms").add(*culler.budget_ms);
+  if (culler.budget_tests) name.add("deadline, tests").add(*culler.budget_tests);
   if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
   if (!options.culling) name.add("no culling");
   info.run_id = name.value();
@@ -74,24 +74,24 @@ Scene with_bodies(Scene scene, BodyTables& tables) {
 
 /// What the avatars of a world are, and where obstacles stand. Adds those that something outside
 /// moves to `driven`, whose rows it refers to.
-BodyStates bodies_of(World& world, const Scene& scene, DrivenAvatars& driven) {
+BodyStates bodies_of(MotionSource& motion, const Scene& scene, ExternalAvatars& external) {
   BodyStates bodies;
-  world.place(bodies);
+  motion.place(bodies);
   const size_t avatars = bodies.types.size();
-  bodies.gait_mps.assign(avatars, kNotComeIn);
+  bodies.gait_mps.assign(avatars, kNotEntered);
   if (scene.planted_feet) bodies.resize_steps(avatars);
-  if (scene.planted_feet && scene.yielding) bodies.standing_seed = scene.seed;
-  world.add_driven(driven);
-  if (!driven.empty()) {
-    bodies.held_rows.resize(avatars, nullptr);
-    driven.hold(bodies.held_rows);
+  if (scene.planted_feet && scene.body_avoidance) bodies.standing_seed = scene.seed;
+  motion.add_external(external);
+  if (!external.empty()) {
+    bodies.external_rows.resize(avatars, nullptr);
+    external.bind_rows(bodies.external_rows);
   }
   bodies.roots.resize(avatars);
   for (size_t i = 0; i < scene.obstacles.size(); ++i) {
     const SinCos turn = sin_cos(scene.obstacles[i].heading_rad);
-    bodies.types.push_back(static_cast<uint16_t>(world.models().size() + i));
+    bodies.types.push_back(static_cast<uint16_t>(motion.models().size() + i));
     bodies.scales.push_back(1);
-    bodies.roots.push_back({scene.obstacles[i].centre_m, turned_to({turn.cos, turn.sin})});
+    bodies.roots.push_back({scene.obstacles[i].centre_m, rotation_to({turn.cos, turn.sin})});
   }
   return bodies;
 }
@@ -102,11 +102,12 @@ SimulationOptions with_tables(SimulationOptions options) {
 }
 
 SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
-  require_judgeable(scene);
+  require_valid_separation(scene);
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
-  options.culler.near = {static_cast<float>(scene.near_m), static_cast<float>(scene.person_near_m),
-                         scene.step_s, scene.contact_points};
+  options.culler.proximity = {static_cast<float>(scene.proximity_m),
+                              static_cast<float>(scene.closest_parts_m), scene.step_s,
+                              scene.contact_points};
   return options;
 }
 
@@ -116,22 +117,22 @@ std::vector<ModelUse> uses_of(size_t models, const Scene& scene, const BodyState
   std::vector<ModelUse> uses(models, ModelUse{{}, walking});
   for (size_t i = 0; i < bodies.styles.size(); ++i)
     uses[bodies.types[i]].styles.set(static_cast<size_t>(bodies.styles[i]));
-  for (size_t i = 0; i < bodies.held_rows.size(); ++i)
-    if (bodies.held_rows[i] != nullptr) uses[bodies.types[i]].postures = PostureKind::kHeld;
+  for (size_t i = 0; i < bodies.external_rows.size(); ++i)
+    if (bodies.external_rows[i] != nullptr) uses[bodies.types[i]].postures = PostureKind::kExternal;
   return uses;
 }
 
-RootSphere held_sphere(const World& world, size_t model) {
-  const std::optional<RootSphere> known = world.held_sphere(model);
-  return known ? *known : driven_sphere(*world.models()[model]);
+RootSphere external_rows_sphere(const MotionSource& motion, size_t model) {
+  const std::optional<RootSphere> known = motion.external_rows_sphere(model);
+  return known ? *known : any_posture_sphere(*motion.models()[model]);
 }
 
 }  // namespace
 
 /// The bodies that culling sees: all of them, or those that are in the scene now. Ids stay.
-class BodiesThere {
+class PresentBodies {
  public:
-  explicit BodiesThere(size_t bodies);
+  explicit PresentBodies(size_t bodies);
 
   /// `present`: one an avatar, or empty if everybody is there; the bodies beyond are always there.
   /// Holds as long as `bodies` does and until the next call.
@@ -148,9 +149,11 @@ class BodiesThere {
   std::vector<RootPose> roots_;
 };
 
-BodiesThere::BodiesThere(size_t bodies) : ids_(bodies) { std::iota(ids_.begin(), ids_.end(), 0u); }
+PresentBodies::PresentBodies(size_t bodies) : ids_(bodies) {
+  std::iota(ids_.begin(), ids_.end(), 0u);
+}
 
-BodiesView BodiesThere::view(const BodyStates& bodies, std::span<const uint8_t> present) {
+BodiesView PresentBodies::view(const BodyStates& bodies, std::span<const uint8_t> present) {
   if (present.empty()) return {ids_, bodies.types, bodies.scales, bodies.roots};
   chosen_.clear();
   types_.clear();
@@ -186,19 +189,19 @@ struct Simulation::State {
   Scene scene;
   SimulationOptions options;
   Workers workers;
-  std::unique_ptr<World> world;
+  std::unique_ptr<MotionSource> motion;
   const std::vector<std::shared_ptr<const Model>>& models;  ///< of the world
-  DrivenAvatars driven;
+  ExternalAvatars external;
   BodyStates bodies;
   size_t avatars;
   std::vector<float> speeds_mps;  ///< of the roots, by avatar
   std::vector<ModelUse> uses;     ///< by model
   Posing posing;
-  BodiesThere there;
+  PresentBodies present_bodies;
   std::vector<BodyBlock> blocks;
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
-  std::unique_ptr<YieldingStage> yielding;  ///< null: nobody gives way
+  std::unique_ptr<BodyAvoidanceStage> body_avoidance;  ///< null: nobody gives way
   std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
@@ -214,24 +217,24 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
     : scene(with_bodies(std::move(scene_in), *options_in.tables)),
       options(with_scene(options_in, scene)),
       workers(options.threads),
-      world((options.world ? options.world : make_world)(scene, options.culler.simd, workers)),
-      models(world->models()),
-      bodies(bodies_of(*world, scene, driven)),
+      motion((options.motion ? options.motion : make_motion)(scene, options.culler.simd, workers)),
+      models(motion->models()),
+      bodies(bodies_of(*motion, scene, external)),
       avatars(bodies.phases.size()),
       speeds_mps(avatars),
       uses(uses_of(models.size(), scene, bodies)),
       posing(models, uses, bodies, *options.tables, workers),
-      there(bodies.types.size()) {
+      present_bodies(bodies.types.size()) {
   describe_run();
   cut_blocks();
-  world->prepare(posing, bodies);
-  world->lead(driven);
-  if (scene.yielding && scene.planted_feet) {
-    bodies.yields.resize(avatars);
+  motion->prepare(posing, bodies);
+  motion->apply_external(external);
+  if (scene.body_avoidance && scene.planted_feet) {
+    bodies.avoidance.resize(avatars);
     for (size_t id = 0; id < avatars; ++id)
       bodies.standing.push_back(standing_posture(scene.seed, id));
-    yielding = std::make_unique<YieldingStage>(scene, posing, bodies, avatars, options.culler.simd,
-                                               workers);
+    body_avoidance = std::make_unique<BodyAvoidanceStage>(scene, posing, bodies, avatars,
+                                                          options.culler.simd, workers);
   }
   options.culler.filter = filter_of(scene, info);
   culler = make_culler(types(), options.strategy, options.culler, workers);
@@ -243,55 +246,57 @@ std::vector<std::shared_ptr<const BodyType>> Simulation::State::types() const {
   require_parts(scene.part_volume, models);
   std::vector<std::shared_ptr<const BodyType>> all;
   for (size_t i = 0; i < models.size(); ++i) {
-    const bool is_held = uses[i].postures == PostureKind::kHeld;
+    const bool is_external = uses[i].postures == PostureKind::kExternal;
     all.push_back(options.tables->body_type(
-        models[i], is_held ? held_sphere(*world, i) : posing.sphere(i), scene.part_volume));
+        models[i], is_external ? external_rows_sphere(*motion, i) : posing.sphere(i),
+        scene.part_volume));
   }
   for (const Obstacle& obstacle : scene.obstacles) all.push_back(obstacle_type(obstacle));
   return all;
 }
 
 void Simulation::State::archive(Archive& a) {
-  a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps, bodies.stood_s);
+  a(frames, begins, ends, frame.utime_us, bodies.phases, bodies.gait_mps, bodies.standing_time_s);
   for (std::vector<float>& numbers : bodies.feet) a(numbers);
-  for (std::vector<float>& numbers : bodies.momentum) a(numbers);
+  for (std::vector<float>& numbers : bodies.gait_rates) a(numbers);
   for (size_t i = 0; i < avatars; ++i)
     a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
   for (const float speed : bodies.gait_mps)
-    if (!(speed >= kNotComeIn && speed < 1000)) a.refuse("a speed to walk at", "another");
-  for (const float stood_s : bodies.stood_s)
-    if (!(stood_s >= 0 && stood_s <= kStood_s)) a.refuse("a time of standing", "another");
+    if (!(speed >= kNotEntered && speed < 1000)) a.refuse("a speed to walk at", "another");
+  for (const float standing_time_s : bodies.standing_time_s)
+    if (!(standing_time_s >= 0 && standing_time_s <= kMaxStandingTime_s))
+      a.refuse("a time of standing", "another");
   constexpr float kFarFoot_m = 10;
   for (const std::vector<float>& numbers : bodies.feet)
     for (const float number : numbers)
       if (!(std::abs(number) < kFarFoot_m))
         a.refuse("feet within 10 m of their body", std::to_string(number) + " m");
-  constexpr float kMostMomentum = 1000;  // in whatever unit
-  for (const std::vector<float>& numbers : bodies.momentum)
+  constexpr float kMaxMomentum = 1000;  // in whatever unit
+  for (const std::vector<float>& numbers : bodies.gait_rates)
     for (const float number : numbers)
-      if (!(std::abs(number) < kMostMomentum))
+      if (!(std::abs(number) < kMaxMomentum))
         a.refuse("feet and hips that move as people do", std::to_string(number));
   for (const float phase : bodies.phases)
     if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
-  world->archive(a);
-  driven.archive(a);
-  if (yielding) yielding->archive(a, bodies);
+  motion->archive(a);
+  external.archive(a);
+  if (body_avoidance) body_avoidance->archive(a, bodies);
   culler->archive(a);
 }
 
 void Simulation::State::describe_run() {
   const auto count = static_cast<ptrdiff_t>(avatars);
   info.scene = &scene;
-  identify_run(scene, options, world->content_hash(), info);
+  identify_run(scene, options, motion->content_hash(), info);
   info.step_s = scene.step_s;
   info.models = models;
   info.model_of_avatar.assign(bodies.types.begin(), bodies.types.begin() + count);
   info.scale_of_avatar.assign(bodies.scales.begin(), bodies.scales.begin() + count);
-  world->describe(info);
+  motion->describe(info);
 }
 
 void Simulation::State::gather_notes() {
-  notes = world->notes();
+  notes = motion->notes();
   for (std::string& note : filter_notes(scene, info)) notes.push_back(std::move(note));
   for (std::string& note : notes_on(models)) notes.push_back(std::move(note));
 }
@@ -321,20 +326,20 @@ void Simulation::State::split_times(double steering_ns, double postures_ns) {
   const CullingCounters& counters = *culler->frame().counters;
   const Posing::Times posed = posing.take_times();
   const auto sum = [](const StageCounters& stage) { return stage.update_ns + stage.test_ns; };
-  const double avatar_ns = sum(counters.avatar) + sum(counters.body_box);
-  const double part_ns = sum(counters.box) + sum(counters.part);
-  const double exact_ns = sum(counters.exact);
+  const double broad_phase_ns = sum(counters.body_sphere) + sum(counters.body_box);
+  const double mid_phase_ns = sum(counters.part_box) + sum(counters.part_volume);
+  const double narrow_phase_ns = sum(counters.triangles);
   const double pose_ns = posed.gait_ns + posed.kinematics_ns;
-  const double total_ns = avatar_ns + part_ns + exact_ns + pose_ns;
-  const double near_ns = counters.near.update_ns + counters.near.test_ns;
-  const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns - near_ns);
+  const double total_ns = broad_phase_ns + mid_phase_ns + narrow_phase_ns + pose_ns;
+  const double proximity_ns = counters.proximity.update_ns + counters.proximity.test_ns;
+  const double pass_ns = std::max(0.0, counters.wall_ns - counters.events_ns - proximity_ns);
   const double share = total_ns > 0 ? pass_ns / total_ns : 0;
   times[Stage::kSteering] = steering_ns;
   times[Stage::kGait] = postures_ns + share * posed.gait_ns;
   times[Stage::kKinematics] = share * posed.kinematics_ns;
-  times[Stage::kAvatarCull] = share * avatar_ns;
-  times[Stage::kPartCull] = share * part_ns;
-  times[Stage::kExact] = share * exact_ns;
+  times[Stage::kBroadPhase] = share * broad_phase_ns;
+  times[Stage::kMidPhase] = share * mid_phase_ns;
+  times[Stage::kNarrowPhase] = share * narrow_phase_ns;
   times[Stage::kEvents] = counters.events_ns;
 }
 
@@ -346,7 +351,7 @@ void Simulation::State::fill_frame() {
   frame.speeds_mps = speeds_mps;
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
-  frame.present = world->present();
+  frame.present = motion->present();
   static_cast<CullingResult&>(frame) = culler->frame();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
@@ -359,10 +364,10 @@ Simulation::~Simulation() = default;
 const RunInfo& Simulation::info() const { return state_->info; }
 const Scene& Simulation::scene() const { return state_->scene; }
 const std::vector<std::string>& Simulation::notes() const { return state_->notes; }
-int Simulation::unplaced() const { return state_->world->unplaced(); }
-const SteeringCounters& Simulation::steering() const { return state_->world->steering(); }
-const TrafficCounters& Simulation::traffic() const { return state_->world->traffic(); }
-std::vector<Stranding> Simulation::strandings() const { return state_->world->strandings(); }
+int Simulation::unplaced() const { return state_->motion->unplaced(); }
+const SteeringCounters& Simulation::steering() const { return state_->motion->steering(); }
+const PopulationCounters& Simulation::population() const { return state_->motion->population(); }
+std::vector<Stranding> Simulation::strandings() const { return state_->motion->strandings(); }
 const BodyStates& Simulation::bodies() const { return state_->bodies; }
 FrameTimes& Simulation::times() { return state_->times; }
 
@@ -379,24 +384,24 @@ const Frame& Simulation::step() {
   State& s = *state_;
   const Stopwatch watch;
   if (s.frames > 0) {
-    s.world->step();
-    s.world->lead(s.driven);
+    s.motion->step();
+    s.motion->apply_external(s.external);
   }
   const double steering_ns = watch.ns();
   const Stopwatch gait_watch;
   s.bodies.now_s = static_cast<double>(s.frames) * s.scene.step_s;
-  s.world->update(s.posing, s.bodies, s.speeds_mps);
-  s.driven.place(s.bodies.roots);
-  const Stopwatch yielding_watch;
-  if (s.yielding) s.yielding->step(s.world->expected(), s.bodies);
-  s.times[Stage::kYielding] = yielding_watch.ns();
+  s.motion->update(s.posing, s.bodies, s.speeds_mps);
+  s.external.place(s.bodies.roots);
+  const Stopwatch avoidance_watch;
+  if (s.body_avoidance) s.body_avoidance->step(s.motion->expected(), s.bodies);
+  s.times[Stage::kBodyAvoidance] = avoidance_watch.ns();
   if (s.options.postures) s.update_postures();
-  const double postures_ns = gait_watch.ns() - s.times[Stage::kYielding];
+  const double postures_ns = gait_watch.ns() - s.times[Stage::kBodyAvoidance];
   if (s.options.culling) {
-    const BodiesView there = s.there.view(s.bodies, s.world->present());
-    s.posing.use_bodies(s.there.chosen());
+    const BodiesView present_bodies = s.present_bodies.view(s.bodies, s.motion->present());
+    s.posing.use_bodies(s.present_bodies.chosen());
     s.times.culling_began_ns = since_1970_ns();
-    s.culler->step(there, s.posing);
+    s.culler->step(present_bodies, s.posing);
   }
   s.split_times(steering_ns, postures_ns);
   s.fill_frame();
@@ -405,12 +410,12 @@ const Frame& Simulation::step() {
   return s.frame;
 }
 
-int Simulation::drive(uint32_t avatar, const DrivenPose& pose) {
-  return state_->driven.drive(avatar, pose, state_->scene.ground);
+int Simulation::set_pose(uint32_t avatar, const ExternalPose& pose) {
+  return state_->external.set_pose(avatar, pose, state_->scene.ground);
 }
 
-const DrivenPose* Simulation::driven_pose(uint32_t avatar) const {
-  return state_->driven.pose(avatar);
+const ExternalPose* Simulation::external_pose(uint32_t avatar) const {
+  return state_->external.pose(avatar);
 }
 
 RunEnd Simulation::finish() {
@@ -428,7 +433,7 @@ RunEnd Simulation::finish() {
   end.hash = last.hash;
   if (s.options.culler.by_part) s.part_tally = s.culler->part_tally();
   end.by_part = s.part_tally ? &*s.part_tally : nullptr;
-  end.near_hash = last.near_hash;
+  end.proximity_hash = last.proximity_hash;
   return end;
 }
 

@@ -11,8 +11,8 @@
 #include "base/workers.h"
 #include "crowd/crowd_counters.h"
 #include "scenes/file/scene.h"
-#include "scenes/motion/drive.h"
-#include "scenes/motion/world.h"
+#include "scenes/motion/external_avatars.h"
+#include "scenes/motion/motion_source.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
@@ -34,9 +34,9 @@ struct SimulationOptions {
   bool postures = true;
   /// Off, people walk and nobody is culled: no pairs, no events, and a hash of 0.
   bool culling = true;
-  /// What moves the avatars; empty: what the scene asks for, see make_world(). The scene of another
-  /// world need not have groups.
-  WorldFactory world{};
+  /// What moves the avatars; empty: what the scene asks for, see make_motion(). The scene of
+  /// another world need not have groups.
+  MotionFactory motion{};
   /// What several runs of the same bodies share; null: this one has its own. Never changes a
   /// result.
   std::shared_ptr<BodyTables> tables{};
@@ -58,7 +58,7 @@ class Simulation {
   /// Of the latest decision of steering; all zero where nobody steers.
   const SteeringCounters& steering() const;
   /// Who has entered and left so far; all zero in a box of parts.
-  const TrafficCounters& traffic() const;
+  const PopulationCounters& population() const;
   /// The people who cannot reach a goal, as of now.
   std::vector<Stranding> strandings() const;
 
@@ -79,9 +79,9 @@ class Simulation {
   /// set to the nearest that does not; returns how many numbers were. -1, and nothing happens, if
   /// the avatar is not driven or the number of joints is not its model's (none leaves them as they
   /// are).
-  int drive(uint32_t avatar, const DrivenPose& pose);
+  int set_pose(uint32_t avatar, const ExternalPose& pose);
   /// Where it is from the next step on, its joints left out; null if the avatar is not driven.
-  const DrivenPose* driven_pose(uint32_t avatar) const;
+  const ExternalPose* external_pose(uint32_t avatar) const;
 
   /// The number of the frame that step() delivers next.
   int64_t next_frame() const;

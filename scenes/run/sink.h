@@ -41,7 +41,7 @@ struct RunInfo {
   std::vector<std::string> groups;        ///< names; a person is called "<group> <id>"
   std::vector<uint16_t> group_of_avatar;  ///< index into groups
   /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
-  std::vector<std::string> drive_channels;
+  std::vector<std::string> control_channels;
   CullerOptions culler;  ///< with a deadline pairs have levels, and the hash holds them, too
   Strategy strategy = Strategy::kPipeline;
   bool culling = true;             ///< false: nobody was looked at, and there are no events
@@ -50,8 +50,8 @@ struct RunInfo {
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
 };
 
-/// What the culler found, and where everybody is. `near_pairs` are within the scene's near_m, and
-/// `near_bodies` the nearest parts of two people within person_near_m.
+/// What the culler found, and where everybody is. `proximity_pairs` are within the scene's
+/// proximity_m, and `closest_parts` the nearest parts of two people within closest_parts_m.
 struct Frame : CullingResult {
   int64_t number = 0;
   int64_t utime_us = 0;               ///< simulation time
@@ -75,7 +75,7 @@ struct RunEnd {
   uint64_t hash = 0;                  ///< of all events
   /// Of the whole run, where CullerOptions::by_part asks for it.
   const PartTally* by_part = nullptr;
-  uint64_t near_hash = 0;  ///< of all near rows
+  uint64_t proximity_hash = 0;  ///< of all near rows
 };
 
 /// What a frame costs more to hold, so that it only does for those who need it.

@@ -16,16 +16,16 @@ enum class Stage : uint8_t {
   kSteering,
   kGait,
   kKinematics,
-  kAvatarCull,
-  kPartCull,
-  kExact,
+  kBroadPhase,
+  kMidPhase,
+  kNarrowPhase,
   kEvents,
   kPublish,
-  kYielding
+  kBodyAvoidance
 };
 inline constexpr size_t kStageCount = 9;
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "steering", "gait",   "kinematics", "avatar_cull", "part_cull",
+    "steering", "gait",   "kinematics", "broad_phase", "mid_phase",
     "exact",    "events", "publish",    "yielding"};
 
 /// Wall-clock times of one frame, nanoseconds.
@@ -46,7 +46,7 @@ inline constexpr std::array<std::string_view, kCullingStageCount> kCullingStageN
 /// Of CullingCounters, constant or not, in the order of their names.
 template <class Counters>
 auto culling_stages(Counters& c) {
-  return std::array{&c.avatar, &c.body_box, &c.box, &c.part, &c.exact};
+  return std::array{&c.body_sphere, &c.body_box, &c.part_box, &c.part_volume, &c.triangles};
 }
 
 }  // namespace throng

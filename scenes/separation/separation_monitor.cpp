@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknownSpeed = std::numeric_limits<double>::quiet_NaN();
 
 auto key_of(const Shortfall& shortfall) {
   return std::tuple(shortfall.robot, shortfall.person, shortfall.region);
@@ -27,7 +27,7 @@ Eigen::Vector3d carried_back(const PartPose& now, const PartPose& then,
 SeparationMonitor::SeparationMonitor(const RunInfo& run)
     : rule_(*run.scene->separation),
       step_s_(run.step_s),
-      near_m_(run.culler.near.near_m),
+      margin_m_(run.culler.proximity.margin_m),
       model_of_avatar_(run.model_of_avatar) {
   for (const std::shared_ptr<const Model>& model : run.models) {
     std::vector<BodyRegion>& regions = regions_.emplace_back();
@@ -46,67 +46,72 @@ SeparationMonitor::SeparationMonitor(const RunInfo& run)
   if (!rule_.is_measured()) return;
   for (const uint32_t robot : robots_) {
     const auto parts = static_cast<size_t>(run.models[model_of_avatar_[robot]]->part_count());
-    was_.push_back({false, {}, std::vector<PartPose>(parts), std::vector<PartPose>(parts)});
+    robot_parts_.push_back({false, {}, std::vector<PartPose>(parts), std::vector<PartPose>(parts)});
   }
 }
 
 void SeparationMonitor::pose_robots(const RunInfo& run, const Frame& frame) {
-  for (size_t i = 0; i < was_.size(); ++i) part_poses(run, frame, robots_[i], was_[i].now);
+  for (size_t i = 0; i < robot_parts_.size(); ++i)
+    part_poses(run, frame, robots_[i], robot_parts_[i].current);
 }
 
 void SeparationMonitor::remember_robots(const Frame& frame) {
-  for (size_t i = 0; i < was_.size(); ++i) {
-    Was& was = was_[i];
-    was.is_known = frame.present.empty() || frame.present[robots_[i]] != 0;
-    was.root = frame.roots[robots_[i]];
-    was.parts.swap(was.now);
+  for (size_t i = 0; i < robot_parts_.size(); ++i) {
+    RobotParts& robot_parts = robot_parts_[i];
+    robot_parts.is_known = frame.present.empty() || frame.present[robots_[i]] != 0;
+    robot_parts.root = frame.roots[robots_[i]];
+    robot_parts.previous.swap(robot_parts.current);
   }
 }
 
 /// How fast the robot's own material at the nearest point came towards the person.
-double SeparationMonitor::robot_mps(const NearPair& pair, bool robot_is_a) const {
+double SeparationMonitor::robot_speed_mps(const ProximityPair& pair, bool robot_is_a) const {
   const uint32_t robot = robot_is_a ? pair.pair.a() : pair.pair.b();
   const uint32_t part = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
-  const Was& was = was_[static_cast<size_t>(robot_index_[robot])];
-  if (pair.level != PairLevel::kExact || !was.is_known || part >= was.now.size()) return kNowhere;
+  const RobotParts& robot_parts = robot_parts_[static_cast<size_t>(robot_index_[robot])];
+  if (pair.level != PairLevel::kTriangles || !robot_parts.is_known ||
+      part >= robot_parts.current.size())
+    return kUnknownSpeed;
   const auto& point = robot_is_a ? pair.point_a_m : pair.point_b_m;
   const Eigen::Vector3d root = roots_[robot].position_m;
   const Eigen::Vector3d from_root = Eigen::Vector3d(point.data()) - root;
-  const Eigen::Vector3d then = carried_back(was.now[part], was.parts[part], from_root);
-  const Eigen::Vector3d moved = (root - was.root.position_m) + (from_root - then);
+  const Eigen::Vector3d then =
+      carried_back(robot_parts.current[part], robot_parts.previous[part], from_root);
+  const Eigen::Vector3d moved = (root - robot_parts.root.position_m) + (from_root - then);
   const Eigen::Vector3d a_to_b = Eigen::Vector3f(pair.normal.data()).cast<double>();
   return moved.dot(a_to_b) * (robot_is_a ? 1 : -1) / step_s_;
 }
 
-void SeparationMonitor::find(const NearPair& pair) {
+void SeparationMonitor::find(const ProximityPair& pair) {
   const uint32_t a = pair.pair.a(), b = pair.pair.b();
   const bool robot_is_a = is_robot(a) && is_person(b);
   if (!robot_is_a && !(is_person(a) && is_robot(b))) return;
   const uint32_t person = robot_is_a ? b : a;
   const uint32_t part = robot_is_a ? pair.pair.part_b() : pair.pair.part_a();
   const std::vector<BodyRegion>& regions = regions_[model_of_avatar_[person]];
-  Found found;
-  found.robot_index = static_cast<uint32_t>(robot_index_[robot_is_a ? a : b]);
-  found.person = person;
-  found.region = part < regions.size() ? regions[part] : BodyRegion::kOther;
-  RegionSeparation& row = found.row;
+  JudgedPair judged;
+  judged.robot_index = static_cast<uint32_t>(robot_index_[robot_is_a ? a : b]);
+  judged.person = person;
+  judged.region = part < regions.size() ? regions[part] : BodyRegion::kOther;
+  RegionSeparation& row = judged.row;
   row.robot = robot_is_a ? a : b;
-  row.region = found.region;
+  row.region = judged.region;
   row.lo_m = pair.lo_m;
   row.hi_m = pair.hi_m;
   row.pair = pair.pair;
-  row.closing_mps = pair.closing_mps;
-  const double measured = rule_.is_measured() ? robot_mps(pair, robot_is_a) : kNowhere;
-  const double robot = rule_.robot_mps.value_or(measured);
-  const double human = rule_.human_mps.value_or(static_cast<double>(pair.closing_mps) - measured);
-  row.robot_mps = static_cast<float>(robot);
-  row.human_mps = static_cast<float>(human);
+  row.closing_speed_mps = pair.closing_speed_mps;
+  const double measured = rule_.is_measured() ? robot_speed_mps(pair, robot_is_a) : kUnknownSpeed;
+  const double robot = rule_.robot_speed_mps.value_or(measured);
+  const double human =
+      rule_.human_speed_mps.value_or(static_cast<double>(pair.closing_speed_mps) - measured);
+  row.robot_speed_mps = static_cast<float>(robot);
+  row.human_speed_mps = static_cast<float>(human);
   row.required_m = static_cast<float>(protective_distance(rule_, human, robot).total_m());
-  if (found.is_judged()) row.spare_m = row.lo_m - row.required_m;
+  if (judged.is_judged()) row.min_slack_m = row.lo_m - row.required_m;
   ++totals_.pairs;
-  totals_.unjudged += !found.is_judged();
-  totals_.beyond_margin += row.required_m > near_m_;
-  found_.push_back(found);
+  totals_.undetermined += !judged.is_judged();
+  totals_.beyond_margin += row.required_m > margin_m_;
+  judged_.push_back(judged);
 }
 
 /// The least of each region; a margin's width where nothing is within it.
@@ -118,21 +123,22 @@ void SeparationMonitor::fill_rows(const Frame& frame) {
     of_robot.fill({});
     uint32_t last_person = UINT32_MAX;
     std::array<bool, kBodyRegions> counted{};
-    for (; next < found_.size() && found_[next].robot_index == i; ++next) {
-      const Found& found = found_[next];
-      if (found.person != last_person) counted = {};
-      last_person = found.person;
-      const auto region = static_cast<size_t>(found.region);
+    for (; next < judged_.size() && judged_[next].robot_index == i; ++next) {
+      const JudgedPair& judged = judged_[next];
+      if (judged.person != last_person) counted = {};
+      last_person = judged.person;
+      const auto region = static_cast<size_t>(judged.region);
       RegionSeparation& row = of_robot[region];
-      const float spare_m = row.spare_m;
-      const uint32_t people_short = row.people_short;
-      if (row.is_far() || std::tuple(found.row.lo_m, found.row.hi_m, found.row.pair) <
+      const float min_slack_m = row.min_slack_m;
+      const uint32_t people_too_close = row.people_too_close;
+      if (row.is_far() || std::tuple(judged.row.lo_m, judged.row.hi_m, judged.row.pair) <
                               std::tuple(row.lo_m, row.hi_m, row.pair))
-        row = found.row;
-      row.spare_m =
-          found.is_judged() && !(found.row.spare_m >= spare_m) ? found.row.spare_m : spare_m;
-      row.people_short = people_short + (found.is_short() && !counted[region] ? 1 : 0);
-      counted[region] |= found.is_short();
+        row = judged.row;
+      row.min_slack_m = judged.is_judged() && !(judged.row.min_slack_m >= min_slack_m)
+                            ? judged.row.min_slack_m
+                            : min_slack_m;
+      row.people_too_close = people_too_close + (judged.is_too_close() && !counted[region] ? 1 : 0);
+      counted[region] |= judged.is_too_close();
     }
     if (!frame.present.empty() && frame.present[robots_[i]] == 0) continue;
     for (size_t region = 0; region < kBodyRegions; ++region) {
@@ -142,14 +148,15 @@ void SeparationMonitor::fill_rows(const Frame& frame) {
       if (row.is_far()) {
         row.robot = robots_[i];
         row.region = static_cast<BodyRegion>(region);
-        row.lo_m = near_m_;
+        row.lo_m = margin_m_;
       }
-      if (std::tuple(row.lo_m, row.hi_m) < std::tuple(totals.least_lo_m, totals.least_hi_m) &&
+      if (std::tuple(row.lo_m, row.hi_m) <
+              std::tuple(totals.min_distance_lo_m, totals.min_distance_hi_m) &&
           !row.is_far()) {
-        totals.least_lo_m = row.lo_m;
-        totals.least_hi_m = row.hi_m;
+        totals.min_distance_lo_m = row.lo_m;
+        totals.min_distance_hi_m = row.hi_m;
       }
-      if (row.people_short > 0) totals.short_s += step_s_;
+      if (row.people_too_close > 0) totals.shortfall_s += step_s_;
       rows_.push_back(row);
     }
   }
@@ -157,24 +164,24 @@ void SeparationMonitor::fill_rows(const Frame& frame) {
 
 void SeparationMonitor::close(Shortfall shortfall, bool cut) {
   shortfall.end_frame = frame_;
-  shortfall.is_cut |= cut;
+  shortfall.is_truncated |= cut;
   ended_.push_back(shortfall);
 }
 
 /// What is found of a robot and a region of a person goes on, begins or ends. `open` is the place
 /// in open_ behind all that come before.
-void SeparationMonitor::judge(std::span<const Found> of_triple, size_t& open) {
-  const Found& first = of_triple.front();
+void SeparationMonitor::judge(std::span<const JudgedPair> of_triple, size_t& open) {
+  const JudgedPair& first = of_triple.front();
   const auto key = std::tuple(first.row.robot, first.person, first.region);
   for (; open < open_.size() && key_of(open_[open]) < key; ++open) close(open_[open], false);
   const bool was_open = open < open_.size() && key_of(open_[open]) == key;
-  bool is_short = false, is_unjudged = false;
-  for (const Found& found : of_triple) {
-    is_short |= found.is_short();
-    is_unjudged |= !found.is_judged();
+  bool is_too_close = false, is_unjudged = false;
+  for (const JudgedPair& judged : of_triple) {
+    is_too_close |= judged.is_too_close();
+    is_unjudged |= !judged.is_judged();
   }
   // What cannot be judged neither begins nor ends.
-  const bool goes_on = is_short || (was_open && is_unjudged);
+  const bool goes_on = is_too_close || (was_open && is_unjudged);
   if (was_open && !goes_on) close(open_[open], false);
   if (was_open && goes_on) still_open_.push_back(open_[open]);
   if (was_open) ++open;
@@ -184,20 +191,20 @@ void SeparationMonitor::judge(std::span<const Found> of_triple, size_t& open) {
                            .person = first.person,
                            .region = first.region,
                            .begin_frame = frame_,
-                           .is_cut = frames_seen_ <= (rule_.is_measured() ? 2 : 1)});
+                           .is_truncated = frames_seen_ <= (rule_.is_measured() ? 2 : 1)});
   Shortfall& shortfall = still_open_.back();
-  for (const Found& found : of_triple) {
-    if (std::tuple(found.row.lo_m, found.row.hi_m) <
-        std::tuple(shortfall.least_lo_m, shortfall.least_hi_m)) {
-      shortfall.least_lo_m = found.row.lo_m;
-      shortfall.least_hi_m = found.row.hi_m;
+  for (const JudgedPair& judged : of_triple) {
+    if (std::tuple(judged.row.lo_m, judged.row.hi_m) <
+        std::tuple(shortfall.min_distance_lo_m, shortfall.min_distance_hi_m)) {
+      shortfall.min_distance_lo_m = judged.row.lo_m;
+      shortfall.min_distance_hi_m = judged.row.hi_m;
     }
-    if (found.is_judged())
-      shortfall.most_short_m = std::max(shortfall.most_short_m, 0 - found.row.spare_m);
-    shortfall.is_beyond_margin |= found.row.required_m > near_m_;
+    if (judged.is_judged())
+      shortfall.max_shortfall_m = std::max(shortfall.max_shortfall_m, 0 - judged.row.min_slack_m);
+    shortfall.is_beyond_margin |= judged.row.required_m > margin_m_;
   }
   RegionTotals& totals = totals_.regions[static_cast<size_t>(first.region)];
-  totals.most_short_m = std::max(totals.most_short_m, shortfall.most_short_m);
+  totals.max_shortfall_m = std::max(totals.max_shortfall_m, shortfall.max_shortfall_m);
   if (was_open) return;
   ++totals.shortfalls;
   ++totals_.shortfalls;
@@ -208,22 +215,22 @@ void SeparationMonitor::frame(const RunInfo& run, const Frame& frame) {
   frame_ = frame.number;
   ++frames_seen_;
   roots_ = frame.roots;
-  found_.clear();
+  judged_.clear();
   begun_.clear();
   ended_.clear();
   still_open_.clear();
   pose_robots(run, frame);
-  for (const NearPair& pair : frame.near_pairs) find(pair);
+  for (const ProximityPair& pair : frame.proximity_pairs) find(pair);
   remember_robots(frame);
-  std::sort(found_.begin(), found_.end(), [](const Found& p, const Found& q) {
+  std::sort(judged_.begin(), judged_.end(), [](const JudgedPair& p, const JudgedPair& q) {
     return std::tuple(p.key(), p.row.pair) < std::tuple(q.key(), q.row.pair);
   });
   fill_rows(frame);
   size_t open = 0;
-  for (size_t i = 0; i < found_.size();) {
+  for (size_t i = 0; i < judged_.size();) {
     size_t end = i + 1;
-    while (end < found_.size() && found_[end].key() == found_[i].key()) ++end;
-    judge({found_.data() + i, end - i}, open);
+    while (end < judged_.size() && judged_[end].key() == judged_[i].key()) ++end;
+    judge({judged_.data() + i, end - i}, open);
     i = end;
   }
   for (; open < open_.size(); ++open) close(open_[open], false);

@@ -17,59 +17,62 @@ double at_least_zero(double speed_mps) { return speed_mps < 0 ? 0 : speed_mps; }
 
 }  // namespace
 
-ProtectiveDistance protective_distance(const SeparationRule& rule, double human_mps,
-                                       double robot_mps) {
-  const double human = at_least_zero(human_mps), robot = at_least_zero(robot_mps);
+ProtectiveDistance protective_distance(const SeparationRule& rule, double human_speed_mps,
+                                       double robot_speed_mps) {
+  const double human = at_least_zero(human_speed_mps), robot = at_least_zero(robot_speed_mps);
   const double stopping_s =
       rule.stopping_s ? *rule.stopping_s : robot / rule.deceleration_mps2.value_or(1);
   return {human * (rule.reaction_s + stopping_s), robot * rule.reaction_s, 0.5 * robot * stopping_s,
-          rule.intrusion_m + rule.human_error_m + rule.robot_error_m};
+          rule.intrusion_m + rule.human_uncertainty_m + rule.robot_uncertainty_m};
 }
 
 namespace {
 
 /// What is required at the speeds that the rule names, of measured ones at none.
-double least_required_m(const SeparationRule& rule) {
-  return protective_distance(rule, rule.human_mps.value_or(0), rule.robot_mps.value_or(0))
+double min_required_m(const SeparationRule& rule) {
+  return protective_distance(rule, rule.human_speed_mps.value_or(0),
+                             rule.robot_speed_mps.value_or(0))
       .total_m();
 }
 
 std::string reach_note(const Scene& scene) {
   const SeparationRule& rule = *scene.separation;
-  const std::string text =
-      fmt::format("separation: distances are known up to near_m = {:.6g} m", scene.near_m);
+  const std::string text = fmt::format(
+      "separation: distances are known up to proximity_m = {:.6g} m", scene.proximity_m);
   // How much farther each metre a second of a person makes it.
-  const double seconds = protective_distance(rule, 1, rule.robot_mps.value_or(0)).human_m;
-  if (!rule.robot_mps || !(seconds > 0))
+  const double seconds = protective_distance(rule, 1, rule.robot_speed_mps.value_or(0)).human_m;
+  if (!rule.robot_speed_mps || !(seconds > 0))
     return text +
            "; where a measured speed requires more, shortfalls may begin unseen, and this is "
            "counted";
   return text + fmt::format(
                     ", which is enough for people who come nearer at up to {:.3g} m/s; where they "
                     "are faster, shortfalls may begin unseen, and this is counted",
-                    (scene.near_m - least_required_m(rule)) / seconds);
+                    (scene.proximity_m - min_required_m(rule)) / seconds);
 }
 
 }  // namespace
 
-void require_judgeable(const Scene& scene) {
+void require_valid_separation(const Scene& scene) {
   if (!scene.separation) return;
   const SeparationRule& rule = *scene.separation;
-  if (!(scene.near_m > 0))
-    throw InputError(rule.where,
-                     "'near_m' (or --near) beside 'separation', which is judged within it", "none");
+  if (!(scene.proximity_m > 0))
+    throw InputError(
+        rule.where, "'proximity_m' (or --proximity) beside 'separation', which is judged within it",
+        "none");
   if (rule.is_measured() && !scene.exact)
     throw InputError(rule.where,
                      "'exact: true' under 'culling' (or --exact), by which speeds are measured, or "
-                     "'human_mps' and 'robot_mps'",
+                     "'human_speed_mps' and 'robot_speed_mps'",
                      "neither");
-  const double least_m = least_required_m(rule);
-  if (!(least_m <= scene.near_m))
-    throw InputError(rule.where,
-                     fmt::format("'near_m' (or --near) of at least {:.6g}, the distance that "
-                                 "'separation' requires{}",
-                                 least_m, rule.is_measured() ? " at least" : ""),
-                     fmt::format("{:.6g}", scene.near_m));
+  const double min_required = min_required_m(rule);
+  if (!(min_required <= scene.proximity_m))
+    throw InputError(
+        rule.where,
+        fmt::format("'proximity_m' (or --proximity) of at least {:.6g}, the distance that "
+                    "'separation' requires{}",
+                    min_required, rule.is_measured() ? " at least" : ""),
+        fmt::format("{:.6g}", scene.proximity_m));
 }
 
 void require_separation(const Scene& scene, const std::string& where) {

@@ -12,18 +12,18 @@ struct Scene;
 
 /// Parameters of speed and separation monitoring, see protective_distance().
 struct SeparationRule {
-  std::optional<double> human_mps;  ///< towards the robot; none: as measured
-  std::optional<double> robot_mps;  ///< towards the person; none: as measured
-  double reaction_s = 0;            ///< until the robot begins to stop
+  std::optional<double> human_speed_mps;  ///< towards the robot; none: as measured
+  std::optional<double> robot_speed_mps;  ///< towards the person; none: as measured
+  double reaction_s = 0;                  ///< until the robot begins to stop
   /// From then until it stands: so long, or by so much; the scene says one of the two.
   std::optional<double> stopping_s, deceleration_mps2;
-  double intrusion_m = 0;    ///< C: what is reached in before it is seen
-  double human_error_m = 0;  ///< Z_d: of where the person is
-  double robot_error_m = 0;  ///< Z_r: of where the robot is
-  std::string where{};       ///< in the file, for complaints
+  double intrusion_m = 0;          ///< C: what is reached in before it is seen
+  double human_uncertainty_m = 0;  ///< Z_d: of where the person is
+  double robot_uncertainty_m = 0;  ///< Z_r: of where the robot is
+  std::string where{};             ///< in the file, for complaints
 
   /// Speeds are known where the triangles were asked.
-  bool is_measured() const { return !human_mps || !robot_mps; }
+  bool is_measured() const { return !human_speed_mps || !robot_speed_mps; }
 };
 
 /// S = S_h + S_r + S_s + C + Z_d + Z_r: what the person covers until the robot stands, what the
@@ -42,12 +42,12 @@ struct ProtectiveDistance {
 
 /// Speeds are towards each other; whoever goes away counts as standing. NaN where a speed is. T_s
 /// is the rule's, or v_r through its deceleration.
-ProtectiveDistance protective_distance(const SeparationRule& rule, double human_mps,
-                                       double robot_mps);
+ProtectiveDistance protective_distance(const SeparationRule& rule, double human_speed_mps,
+                                       double robot_speed_mps);
 
 /// Throws InputError where the scene has a separation that needs a margin, triangles, or a larger
 /// margin than the scene has.
-void require_judgeable(const Scene& scene);
+void require_valid_separation(const Scene& scene);
 
 /// Throws InputError where there is nothing to be written; `where` names the option that asks.
 void require_separation(const Scene& scene, const std::string& where);

@@ -12,13 +12,14 @@ namespace throng::validation::across_seeds_test {
 namespace {
 
 /// 1.0 to 1.2 is accepted.
-Reading flow(double ours, bool headline = true) {
-  return {"door", "flow", "1/s", ours, 1.1, 1.0, 1.2, ours >= 1.0 && ours <= 1.2, headline};
+Reading flow(double simulated, bool headline = true) {
+  return {"door",  "flow", "1/s", simulated, 1.1, 1.0, 1.2, simulated >= 1.0 && simulated <= 1.2,
+          headline};
 }
 
-SeedOutcome seed_with(uint64_t seed, double ours) {
+SeedOutcome seed_with(uint64_t seed, double simulated) {
   SeedOutcome out{seed, {}, 1};
-  out.outcome.readings = {flow(ours)};
+  out.outcome.readings = {flow(simulated)};
   out.outcome.passed = *out.outcome.readings[0].met;
   out.outcome.measured = "flow of seed " + std::to_string(seed);
   return out;
@@ -45,7 +46,7 @@ TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
                                           seed_with(3, 1.15)};
   const Outcome outcome = across_seeds(seeds);
   EXPECT_EQ(outcome.verdict(), Verdict::kPass);
-  EXPECT_NEAR(outcome.readings[0].ours, 1.09, 1e-12);
+  EXPECT_NEAR(outcome.readings[0].simulated, 1.09, 1e-12);
   EXPECT_EQ(outcome.readings[0].worst, 1.02) << "0.02 from the bound, others 0.05";
 }
 
@@ -62,10 +63,10 @@ TEST(AcrossSeeds, MeansOfOneNameTellWhereTheyAre) {
 
 TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
-  seeds[0].outcome.readings[0].ours = Reading::kNone;
+  seeds[0].outcome.readings[0].simulated = Reading::kNone;
   seeds[0].outcome.readings[0].met.reset();
   const Outcome outcome = across_seeds(seeds);
-  EXPECT_EQ(outcome.readings[0].ours, 1.1);
+  EXPECT_EQ(outcome.readings[0].simulated, 1.1);
   EXPECT_EQ(outcome.readings[0].met, true);
 }
 
@@ -89,7 +90,7 @@ TEST(Verdict, OfATestThatFailsAndDiffersIsFail) {
                                 without_room.unplaced = 1;
                                 return without_room;
                               }};
-  EXPECT_EQ(carry_out(full, {}).verdict(), Verdict::kFail);
+  EXPECT_EQ(run_test(full, {}).verdict(), Verdict::kFail);
 }
 
 TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {

@@ -15,16 +15,17 @@ namespace throng::validation::behaviour_test {
 namespace {
 
 TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
-  EXPECT_TRUE(judge_accelerations(std::vector<Accelerated>{{"a", 4.9, 1000}}).passed);
+  EXPECT_TRUE(judge_accelerations(std::vector<SceneAccelerations>{{"a", 4.9, 1000}}).passed);
   EXPECT_FALSE(
-      judge_accelerations(std::vector<Accelerated>{{"a", 3, 1000}, {"b", 5.1, 1000}}).passed);
+      judge_accelerations(std::vector<SceneAccelerations>{{"a", 3, 1000}, {"b", 5.1, 1000}})
+          .passed);
   EXPECT_FALSE(judge_accelerations({}).passed);
 }
 
 TEST(Queues, FailForPeopleWhoSpinAndForTooFewOfThem) {
-  EXPECT_TRUE(judge_queues(std::vector<Queued>{{"a", 9, 99, 600}}).passed);
-  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 11, 99, 600}}).passed);
-  EXPECT_FALSE(judge_queues(std::vector<Queued>{{"a", 0, 0, 299}}).passed);
+  EXPECT_TRUE(judge_queues(std::vector<QueueTurning>{{"a", 9, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<QueueTurning>{{"a", 11, 99, 600}}).passed);
+  EXPECT_FALSE(judge_queues(std::vector<QueueTurning>{{"a", 0, 0, 299}}).passed);
   EXPECT_FALSE(judge_queues({}).passed);
 }
 
@@ -35,13 +36,13 @@ TEST(Audience, FailsForOneMomentOfLookingAway) {
 }
 
 TEST(StandingClose, FailsForTooFewAndForBodiesInEachOther) {
-  EXPECT_TRUE(judge_standing(std::vector<Standing>{{4, 3.97, 0.005}}).passed);
-  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 3.9, -0.1}}).passed);
-  EXPECT_FALSE(judge_standing(std::vector<Standing>{{4, 4, 0.02}}).passed);
+  EXPECT_TRUE(judge_standing(std::vector<DenseStanding>{{4, 3.97, 0.005}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<DenseStanding>{{4, 3.9, -0.1}}).passed);
+  EXPECT_FALSE(judge_standing(std::vector<DenseStanding>{{4, 4, 0.02}}).passed);
 }
 
 TEST(Encounters, FailForASingleTouch) {
-  std::vector<MetTwo> met(100, {EncounterKind::kCrossing, 0.4, false});
+  std::vector<EncounterOutcome> met(100, {EncounterKind::kCrossing, 0.4, false});
   EXPECT_TRUE(judge_encounters(met).passed) << "bodies give way at 0.4 m";
   met[50].touched = true;
   EXPECT_FALSE(judge_encounters(met).passed);
@@ -56,8 +57,8 @@ CountedContacts at_rate(double per_person_min, double person_min = 60) {
 /// As recorded people have them, with an hour at each level.
 PlaceContacts recorded_place() {
   PlaceContacts place{"as recorded", {}};
-  for (const RecordedContacts& theirs : recorded_contacts())
-    place.levels.push_back(at_rate(theirs.per_person_min));
+  for (const RecordedContacts& recorded : recorded_contacts())
+    place.levels.push_back(at_rate(recorded.per_person_min));
   return place;
 }
 
@@ -179,18 +180,19 @@ TEST(ContactsByDensity, AreNotJudgedAtALevelThatAllPlacesTogetherWatchedForLessT
 }
 
 TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
-  const std::vector<Together> near = {{"a", 1000, 960}}, far = {{"a", 1000, 960}, {"b", 1000, 940}};
-  EXPECT_TRUE(judge_companions(near, {100, 96, 0}).passed);
-  EXPECT_FALSE(judge_companions(far, {100, 96, 0}).passed);
-  EXPECT_FALSE(judge_companions(near, {100, 94, 0}).passed);
-  EXPECT_FALSE(judge_companions(near, {100, 100, 1}).passed);
-  EXPECT_FALSE(judge_companions({}, {100, 100, 0}).passed);
+  const std::vector<GroupCohesion> near = {{"a", 1000, 960}},
+                                   far = {{"a", 1000, 960}, {"b", 1000, 940}};
+  EXPECT_TRUE(judge_social_groups(near, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_social_groups(far, {100, 96, 0}).passed);
+  EXPECT_FALSE(judge_social_groups(near, {100, 94, 0}).passed);
+  EXPECT_FALSE(judge_social_groups(near, {100, 100, 1}).passed);
+  EXPECT_FALSE(judge_social_groups({}, {100, 100, 0}).passed);
 }
 
 TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
-  for (const Plan& plan : {crossing_parties_plan(SteeringRule{}.model, 1),
-                           parties_at_a_door_plan(SteeringRule{}.model, 1),
-                           parties_with_two_exits_plan(SteeringRule{}.model, 1)}) {
+  for (const Plan& plan : {crossing_groups_plan(SteeringRule{}.model, 1),
+                           groups_at_a_door_plan(SteeringRule{}.model, 1),
+                           groups_with_two_exits_plan(SteeringRule{}.model, 1)}) {
     const Trial trial(plan);
     EXPECT_EQ(trial.unplaced(), 0) << plan.scene.name;
     for (size_t id = 1; id < trial.size(); ++id) {
@@ -203,14 +205,14 @@ TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
 TEST(CompanionsTogether, TwoWhoAreNoCompanionsPart) {
   Plan plan("apart", {{-20, -4}, {20, 4}}, {}, 1);
   Group& group = plan.people(2, {{-1, -1}, {1, 1}}, {{{15, -4}, {20, 4}}});
-  group.companions = Companions{1, {1, 0, 0}};
+  group.social_groups = SocialGroupRule{1, {1, 0, 0}};
   Outcome outcome;
-  EXPECT_GT(stay_together("together", plan, 30, outcome).share(), 0.95);
-  // Of one group, and nobody's companions: one is fast.
-  group.companions.reset();
+  EXPECT_GT(measure_cohesion("together", plan, 30, outcome).share(), 0.95);
+  // Of one group, and nobody's social_groups: one is fast.
+  group.social_groups.reset();
   group.speed_mps = Distribution{1.2, 0.6, 0.5, 2};
   plan.scene.seed = 3;
-  EXPECT_LT(stay_together("apart", plan, 30, outcome).share(), 0.95);
+  EXPECT_LT(measure_cohesion("apart", plan, 30, outcome).share(), 0.95);
 }
 
 std::vector<SpeedAndSpacing::Spacing> cells(double shift_m) {
@@ -231,11 +233,11 @@ TEST(Spacing, FailsNineCentimetresOffAndForACrowdThatIsNeverSoDense) {
 }
 
 TEST(Spacing, OfOnePercentMayBeFartherOff) {
-  auto ours = cells(0);
-  ours[0].quantiles_m[0] += 0.11;
-  EXPECT_TRUE(judge_spacing(ours, cells(0)).passed);
-  ours[0].quantiles_m[0] += 0.02;
-  EXPECT_FALSE(judge_spacing(ours, cells(0)).passed);
+  auto simulated = cells(0);
+  simulated[0].quantiles_m[0] += 0.11;
+  EXPECT_TRUE(judge_spacing(simulated, cells(0)).passed);
+  simulated[0].quantiles_m[0] += 0.02;
+  EXPECT_FALSE(judge_spacing(simulated, cells(0)).passed);
 }
 
 TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
@@ -243,7 +245,7 @@ TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
   tests.push_back(contact_tests().back());
   for (const validation::Test& test : tests) {
     SCOPED_TRACE(test.ids[0]);
-    const Outcome outcome = carry_out(test, {});
+    const Outcome outcome = run_test(test, {});
     EXPECT_EQ(outcome.verdict(), Verdict::kSkipped);
     EXPECT_THAT(outcome.measured, testing::HasSubstr("--recordings"));
   }
@@ -282,13 +284,13 @@ TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
   Plan plan("alone", {{0, 0}, {20, 2}}, {}, 1);
   Group& group = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
   Outcome outcome;
-  const Accelerated straight = accelerations_of("alone", plan, 10, outcome);
+  const SceneAccelerations straight = accelerations_of("alone", plan, 10, outcome);
   EXPECT_EQ(straight.samples, 99u);
   EXPECT_LT(straight.at_999_mps2, 0.1);
   group.goals[0].areas = {{{6, 0}, {8, 2}}};
   group.goals.push_back(group.goals[0]);
   group.goals[1].areas = {{{0, 0}, {1, 2}}};
-  const Accelerated found = accelerations_of("alone", plan, 10, outcome);
+  const SceneAccelerations found = accelerations_of("alone", plan, 10, outcome);
   EXPECT_GT(found.at_999_mps2, 0.5);
   EXPECT_LT(found.at_999_mps2, 5);
 }
@@ -298,8 +300,8 @@ TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
   plan.wall_along_y(0, 4, 8, {2}, 0.7);
   plan.people(30, {{0.5, 0.5}, {7, 3.5}}, {{{9, 0}, {10, 4}}});
   Outcome outcome;
-  const Queued before = queue_in("before", plan, {{0, 0}, {8, 4}}, 20, outcome);
-  const Queued behind = queue_in("behind", plan, {{8.2, 0}, {10, 4}}, 20, outcome);
+  const QueueTurning before = measure_queue("before", plan, {{0, 0}, {8, 4}}, 20, outcome);
+  const QueueTurning behind = measure_queue("behind", plan, {{8.2, 0}, {10, 4}}, 20, outcome);
   EXPECT_GT(before.waited_s, 30);
   EXPECT_LT(behind.waited_s, 0.1 * before.waited_s);
   EXPECT_GE(before.all_turns, before.net_turns);
@@ -308,25 +310,25 @@ TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
 TEST(Behaviour, WhoStandsFacesWhatTheGroupFaces) {
   Plan plan("hall", {{0, 0}, {20, 20}}, {}, 1);
   Group& group = plan.people(20, {{4, 4}, {16, 16}}, {{{0, 0}, {20, 2}}});
-  group.delay_s = fixed(100);
-  group.face_m = Eigen::Vector2d(10, 25);
+  group.premovement_s = fixed(100);
+  group.look_at_m = Eigen::Vector2d(10, 25);
   Outcome outcome;
   const std::vector<double> shares = facing_shares(plan, 2, outcome);
   ASSERT_EQ(shares.size(), 21u);
   for (const double share : shares) EXPECT_GE(share, 0.95);
-  plan.scene.groups[0].face_m.reset();
+  plan.scene.groups[0].look_at_m.reset();
   EXPECT_TRUE(facing_shares(plan, 2, outcome).empty()) << "no audience";
 }
 
 TEST(Behaviour, EncountersBeginWhereTheyAreDrawnAndAreTheSameAgain) {
-  const std::vector<MetTwo> met = meet(10, {});
+  const std::vector<EncounterOutcome> met = simulate_encounters(10, {});
   ASSERT_EQ(met.size(), 10u);
   for (size_t i = 0; i < met.size(); ++i) {
     EXPECT_EQ(met[i].kind, Encounter(1, i).kind());
     EXPECT_GT(met[i].nearest_m, 0.2) << i;
     EXPECT_LT(met[i].nearest_m, 4) << i << ": they hardly met";
   }
-  const std::vector<MetTwo> again = meet(10, {});
+  const std::vector<EncounterOutcome> again = simulate_encounters(10, {});
   for (size_t i = 0; i < met.size(); ++i) EXPECT_EQ(met[i].nearest_m, again[i].nearest_m);
 }
 

@@ -72,7 +72,7 @@ TEST(BodyMap, HasEveryPointOfContactOnTheSkin) {
     Scene scene = load_scene("metro");
     scene.seed = seed;
     scene.exact = true;
-    scene.near_m = seed == 1 ? 0.001 : 0;
+    scene.proximity_m = seed == 1 ? 0.001 : 0;
     scene.contact_points = seed != 1;
     scene.duration_s = 6;
     EXPECT_TRUE(BodyMap::is_known(scene));
@@ -83,7 +83,7 @@ TEST(BodyMap, HasEveryPointOfContactOnTheSkin) {
     ASSERT_TRUE(counted.map->has_figure());
     EXPECT_NEAR(counted.map->total_s(), counted.seconds, 1e-6);
     double sum_s = 0, on_skin_s = 0;
-    for (const BodyMap::Touched& touched : counted.map->touched()) {
+    for (const BodyMap::TouchedPoint& touched : counted.map->touched()) {
       const Eigen::Vector3d at = touched.at_m.cast<double>();
       double least = 1;
       for (const auto& [a, b, c] : triangles) least = std::min(least, distance_m(at, a, b, c));
@@ -112,7 +112,7 @@ TEST(BodyMap, IsDrawnBesideTheOtherFigures) {
       std::filesystem::path(testing::TempDir()) / "throng_body_map";
   Scene scene = load_scene("metro");
   scene.exact = true;
-  scene.near_m = 0.001;
+  scene.proximity_m = 0.001;
   scene.duration_s = 6;
   Simulation simulation(std::move(scene), {});
   ContactSink contacts(folder, true);

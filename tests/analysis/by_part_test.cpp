@@ -25,7 +25,7 @@ struct Result {
 Scene pressed(const char* volumes, bool exact) {
   Scene scene = load_scene("robot_in_crowd");
   for (Group& group : scene.groups)
-    if (group.driven.empty()) group.radius_m = 0.1;
+    if (group.control_channel.empty()) group.radius_m = 0.1;
   scene.part_volume = part_volumes_of(volumes, "test");
   scene.exact = exact;
   return scene;
@@ -37,11 +37,11 @@ Result run(const Scene& scene, int threads, const CullerOptions& culler, int fra
   Result out;
   for (int frame = 0; frame < frames; ++frame) {
     const CullingCounters& counters = *simulation.step().counters;
-    out.sums.box.tests += counters.box.tests;
-    out.sums.box.passed += counters.box.passed;
-    out.sums.part.passed += counters.part.passed;
-    out.sums.part.tests += counters.part.tests;
-    out.sums.exact.passed += counters.exact.passed;
+    out.sums.part_box.tests += counters.part_box.tests;
+    out.sums.part_box.passed += counters.part_box.passed;
+    out.sums.part_volume.passed += counters.part_volume.passed;
+    out.sums.part_volume.tests += counters.part_volume.tests;
+    out.sums.triangles.passed += counters.triangles.passed;
   }
   const RunEnd end = simulation.finish();
   out.hash = end.hash;
@@ -61,15 +61,15 @@ TEST(ByPart, SumsAreTheCountersOfTheRun) {
     for (const bool exact : {false, true}) {
       const Result found = run(pressed(volumes, exact), 2, {.by_part = true});
       const PartPairCounts sum = sum_of(found.tally);
-      EXPECT_EQ(sum.box_tests, found.sums.box.tests) << volumes;
-      EXPECT_EQ(sum.box_passed, found.sums.box.passed) << volumes;
-      EXPECT_EQ(sum.box_passed, found.sums.part.tests) << volumes;
-      EXPECT_EQ(sum.part_passed, found.sums.part.passed) << volumes;
+      EXPECT_EQ(sum.box_tests, found.sums.part_box.tests) << volumes;
+      EXPECT_EQ(sum.box_passed, found.sums.part_box.passed) << volumes;
+      EXPECT_EQ(sum.box_passed, found.sums.part_volume.tests) << volumes;
+      EXPECT_EQ(sum.part_passed, found.sums.part_volume.passed) << volumes;
       if (exact) {
-        EXPECT_EQ(sum.touching, found.sums.exact.passed) << volumes;
+        EXPECT_EQ(sum.touching, found.sums.triangles.passed) << volumes;
       }
       EXPECT_GT(sum.touching, 20u) << volumes;
-      EXPECT_TRUE(found.tally.knows_truth);
+      EXPECT_TRUE(found.tally.counts_touching);
       const size_t count = found.tally.names.size();
       for (size_t a = 0; a < count; ++a)
         for (size_t b = 0; b < a; ++b) EXPECT_EQ(found.tally.at(a, b).box_tests, 0u);
@@ -93,7 +93,7 @@ TEST(ByPart, CountsAreTheSameForAnyThreadsAndChangeNothing) {
 
 TEST(ByPart, IsRefusedWhereItWouldLeaveSomethingOut) {
   const Scene scene = pressed("ordop26", false);
-  EXPECT_THROW(Simulation(scene, {.culler = {.deadline_tests = 100, .by_part = true}}), InputError);
+  EXPECT_THROW(Simulation(scene, {.culler = {.budget_tests = 100, .by_part = true}}), InputError);
   EXPECT_THROW(Simulation(scene, {.culler = {.by_part = true}, .strategy = Strategy::kTwoPass}),
                InputError);
   EXPECT_THROW(Simulation(pressed(kMixture, false), {.strategy = Strategy::kTwoPass}), InputError);
@@ -108,7 +108,7 @@ TEST(PartVolumes, OfAMixtureGiveOneHash) {
           << name_of(target);
   EXPECT_NE(hash, run(pressed("ordop26", false), 1, {}).hash);
   // Under a counted deadline, too.
-  const CullerOptions deadline{.deadline_tests = 3000};
+  const CullerOptions deadline{.budget_tests = 3000};
   EXPECT_EQ(run(scene, 1, deadline).hash, run(scene, 3, deadline).hash);
 }
 

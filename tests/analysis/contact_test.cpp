@@ -118,7 +118,7 @@ TEST_F(Contacts, CutOffByTheRunAreCountedApart) {
   frame(2, {end(0, 1, kHand, kHand)});
   finish({end(1, 2, kHand, kHand)});
   EXPECT_EQ(statistics_->cut_count(), 2u) << "one began before the run, one went on after it";
-  EXPECT_EQ(statistics_->whole_count(), 0u);
+  EXPECT_EQ(statistics_->uncut_count(), 0u);
   EXPECT_EQ(statistics_->totals().contacts, 2u);
   ASSERT_EQ(statistics_->ended().size(), 1u);
   EXPECT_NEAR(statistics_->ended()[0].duration_s, 0.2, 1e-9) << "frames 1 and 2";

@@ -33,8 +33,8 @@ struct Oracle final : public Sink {
         touching.insert({second, {pair.a(), pair.b()}});
         touching_frames[{pair.a(), pair.b()}].insert(frame.number);
       }
-    rows += frame.near_pairs.size() + frame.near_bodies.size();
-    for (const NearPair& row : frame.near_bodies) {
+    rows += frame.proximity_pairs.size() + frame.closest_parts.size();
+    for (const ProximityPair& row : frame.closest_parts) {
       const Pair people{row.pair.a(), row.pair.b()};
       near.insert({second, people});
       for (const double level : {0.5, 1.0, 2.0}) {
@@ -56,14 +56,14 @@ struct Oracle final : public Sink {
 class Networks : public SceneFile {
  protected:
   /// Runs people in the metro, all of them or so many; what is said of distances that are left out.
-  std::string run_metro(int people, double seconds, double near_m, double person_near_m,
+  std::string run_metro(int people, double seconds, double proximity_m, double closest_parts_m,
                         uint64_t seed, bool exact) {
     Scene scene = load_scene("metro");
     std::vector<std::string> notes;
     if (people > 0) scale_to(scene, people, notes);
     scene.seed = seed;
-    scene.near_m = near_m;
-    scene.person_near_m = person_near_m;
+    scene.proximity_m = proximity_m;
+    scene.closest_parts_m = closest_parts_m;
     scene.exact = exact;
     scene.duration_s = seconds;
     step_s_ = scene.step_s;
@@ -174,7 +174,7 @@ TEST_F(Networks, OfNearnessCountEverySecond) {
 
 TEST_F(Networks, LeaveOutWhatTheMarginDoesNotReach) {
   EXPECT_THAT(run_metro(24, 1.3, 0, 1.2, 5, false),
-              HasSubstr("exposure.csv has no seconds below 2 m: person_near_m is 1.2"));
+              HasSubstr("exposure.csv has no seconds below 2 m: closest_parts_m is 1.2"));
   EXPECT_EQ(lines_of("exposure.csv")[0],
             "person_a,person_b,below_0.5_m_s,unsure_0.5_m_s,below_1_m_s,unsure_1_m_s");
   oracle_ = {};

@@ -52,15 +52,17 @@ double uniform(uint64_t seed, uint32_t index, double low, double high) {
 }
 
 /// Both move in small steps until the robot stands.
-double walked_m(const SeparationRule& rule, double human_mps, double robot_mps) {
-  const double stops_s = rule.stopping_s ? *rule.stopping_s : robot_mps / *rule.deceleration_mps2;
+double walked_m(const SeparationRule& rule, double human_speed_mps, double robot_speed_mps) {
+  const double stops_s =
+      rule.stopping_s ? *rule.stopping_s : robot_speed_mps / *rule.deceleration_mps2;
   const int steps = 20000;
-  double sum_m = rule.intrusion_m + rule.human_error_m + rule.robot_error_m;
+  double sum_m = rule.intrusion_m + rule.human_uncertainty_m + rule.robot_uncertainty_m;
   const double step_s = (rule.reaction_s + stops_s) / steps;
   for (int i = 0; i < steps; ++i) {
     const double now_s = (i + 0.5) * step_s;
     const double braking_s = std::max(0.0, now_s - rule.reaction_s);
-    sum_m += step_s * (human_mps + robot_mps * (stops_s > 0 ? 1 - braking_s / stops_s : 1));
+    sum_m +=
+        step_s * (human_speed_mps + robot_speed_mps * (stops_s > 0 ? 1 - braking_s / stops_s : 1));
   }
   return sum_m;
 }
@@ -74,8 +76,8 @@ TEST(ProtectiveDistance, IsWhatBothCoverUntilTheRobotStands) {
     else
       rule.deceleration_mps2 = uniform(seed, 1, 0.2, 10);
     rule.intrusion_m = uniform(seed, 2, 0, 0.5);
-    rule.human_error_m = uniform(seed, 3, 0, 0.2);
-    rule.robot_error_m = uniform(seed, 4, 0, 0.2);
+    rule.human_uncertainty_m = uniform(seed, 3, 0, 0.2);
+    rule.robot_uncertainty_m = uniform(seed, 4, 0, 0.2);
     const double human = uniform(seed, 5, -2, 2), robot = uniform(seed, 6, -2, 2);
     const double expected = walked_m(rule, std::max(0.0, human), std::max(0.0, robot));
     EXPECT_NEAR(protective_distance(rule, human, robot).total_m(), expected, 1e-3 * expected)
@@ -88,32 +90,36 @@ TEST(ProtectiveDistance, IsWhatBothCoverUntilTheRobotStands) {
 }
 
 /// Two robots that walk among people, and what is asked of them.
-std::string scene_text(const std::string& separation, const std::string& more = "near_m: 0.6\n") {
+std::string scene_text(const std::string& separation,
+                       const std::string& more = "proximity_m: 0.6\n") {
   return fmt::format(
       "step_s: 1/20\nduration_s: 2\nculling: {{exact: {}}}\n"
       "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
       "groups:\n"
-      "  - {{name: picker, model: {}/examples/picker.urdf, count: 2, height_m: 1.3, speed_mps: "
+      "  - {{name: picker, model: {}/examples/picker.urdf, count: 2, height_m: 1.3, "
+      "desired_speed_mps: "
       "0.8, "
       "radius_m: 0.4, spawn: {{min_m: [-4, -3], max_m: [4, 3]}}, goals: [{{min_m: [-4, -3], max_m: "
       "[-2, 3]}}, {{min_m: [2, -3], max_m: [4, 3]}}]}}\n"
       "  - {{name: people, count: 8, spawn: {{min_m: [-4, -3], max_m: [4, 3]}}, goals: [{{min_m: "
       "[2, -3], max_m: [4, 3]}}, {{min_m: [-4, -3], max_m: [-2, 3]}}]}}\n"
       "{}separation: {}\n",
-      separation.find("human_mps: ") == std::string::npos, THRONG_SOURCE_DIR, more, separation);
+      separation.find("human_speed_mps: ") == std::string::npos, THRONG_SOURCE_DIR, more,
+      separation);
 }
 
 constexpr const char* kNamed =
-    "{human_mps: 1, robot_mps: 0.8, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.05}";
+    "{human_speed_mps: 1, robot_speed_mps: 0.8, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: "
+    "0.05}";
 constexpr const char* kMeasured =
-    "{reaction_s: 0.2, deceleration_mps2: 2, intrusion_m: 0.05, human_error_m: 0.03, "
-    "robot_error_m: 0.02}";
+    "{reaction_s: 0.2, deceleration_mps2: 2, intrusion_m: 0.05, human_uncertainty_m: 0.03, "
+    "robot_uncertainty_m: 0.02}";
 
 using Triple = std::tuple<uint32_t, uint32_t, BodyRegion>;
 
 /// A pair of parts of a robot and a person.
 struct SeenPair {
-  NearPair near;
+  ProximityPair near;
   uint32_t person;
   float required_m;  ///< NaN where there is no speed
 };
@@ -132,7 +138,7 @@ class Oracle {
     std::map<uint32_t, std::vector<Eigen::Isometry3d>> now;
     for (uint32_t id = 0; id < run_.model_of_avatar.size(); ++id)
       if (!model(id).is_person) now[id] = poses(frame, id);
-    for (const NearPair& pair : frame.near_pairs)
+    for (const ProximityPair& pair : frame.proximity_pairs)
       for (const bool robot_is_a : {true, false}) {
         const uint32_t robot = robot_is_a ? pair.pair.a() : pair.pair.b();
         const uint32_t person = robot_is_a ? pair.pair.b() : pair.pair.a();
@@ -142,19 +148,20 @@ class Oracle {
           continue;
         const uint32_t part = robot_is_a ? pair.pair.part_b() : pair.pair.part_a();
         const BodyRegion region = body_region(model(person).parts[part].name);
-        double robot_mps = NAN;
+        double robot_speed_mps = NAN;
         const uint32_t own = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
         if (was_.contains(robot)) {
           const Eigen::Vector3d at((robot_is_a ? pair.point_a_m : pair.point_b_m).data());
           const Eigen::Vector3d then = was_[robot][own] * (now[robot][own].inverse() * at);
           Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
           if (!robot_is_a) normal = -normal;
-          robot_mps = (at - then).dot(normal) / run_.step_s;
+          robot_speed_mps = (at - then).dot(normal) / run_.step_s;
         }
-        const double human_mps =
-            rule_.human_mps.value_or(static_cast<double>(pair.closing_mps) - robot_mps);
-        robot_mps = rule_.robot_mps.value_or(robot_mps);
-        const double required = protective_distance(rule_, human_mps, robot_mps).total_m();
+        const double human_speed_mps = rule_.human_speed_mps.value_or(
+            static_cast<double>(pair.closing_speed_mps) - robot_speed_mps);
+        robot_speed_mps = rule_.robot_speed_mps.value_or(robot_speed_mps);
+        const double required =
+            protective_distance(rule_, human_speed_mps, robot_speed_mps).total_m();
         seen.pairs[{robot, region}].push_back({pair, person, static_cast<float>(required)});
         const Triple triple{robot, person, region};
         seen.is_short[triple] |= static_cast<double>(pair.lo_m) < required;
@@ -205,7 +212,7 @@ class Separation : public SceneFile {
     monitor.end();
     std::set<Triple> ended;
     for (const Shortfall& each : monitor.ended()) {
-      EXPECT_TRUE(each.is_cut);
+      EXPECT_TRUE(each.is_truncated);
       EXPECT_EQ(each.end_frame, kFrames);
       ended.insert({each.robot, each.person, each.region});
     }
@@ -222,7 +229,7 @@ class Separation : public SceneFile {
       if (found == seen.pairs.end()) {
         ASSERT_TRUE(row.is_far());
         ASSERT_EQ(row.lo_m, 0.6f);
-        ASSERT_EQ(row.people_short, 0u);
+        ASSERT_EQ(row.people_too_close, 0u);
         continue;
       }
       const auto key = [](const SeenPair& p) {
@@ -235,15 +242,16 @@ class Separation : public SceneFile {
       ASSERT_EQ(row.lo_m, least.near.lo_m);
       ASSERT_EQ(row.hi_m, least.near.hi_m);
       expect_same(row.required_m, least.required_m);
-      float spare_m = NAN;
+      float min_slack_m = NAN;
       std::set<uint32_t> people;
       for (const SeenPair& pair : found->second) {
         const float spare = pair.near.lo_m - pair.required_m;
-        if (!std::isnan(spare)) spare_m = std::isnan(spare_m) ? spare : std::min(spare_m, spare);
+        if (!std::isnan(spare))
+          min_slack_m = std::isnan(min_slack_m) ? spare : std::min(min_slack_m, spare);
         if (spare < 0) people.insert(pair.person);
       }
-      expect_same(row.spare_m, spare_m);
-      ASSERT_EQ(row.people_short, people.size());
+      expect_same(row.min_slack_m, min_slack_m);
+      ASSERT_EQ(row.people_too_close, people.size());
     }
   }
   /// Poses as matrices round differently.
@@ -274,7 +282,7 @@ class Separation : public SceneFile {
       ended.insert(triple);
       EXPECT_EQ(each.begin_frame, open[triple]);
       EXPECT_EQ(each.end_frame, frame);
-      EXPECT_GT(each.most_short_m, 0);
+      EXPECT_GT(each.max_shortfall_m, 0);
     }
     EXPECT_EQ(begun, begins);
     EXPECT_EQ(ended, ends);
@@ -298,37 +306,39 @@ TEST_F(Separation, OfMeasuredSpeedsIsWhatEveryPairSays) {
 
 /// An arm of 0.6 m that turns towards somebody who stands still.
 TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
-  Scene scene = load(fmt::format(
-      "step_s: 1/100\nduration_s: 1\nculling: {{exact: true}}\nnear_m: 1\n"
-      "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
-      "groups:\n"
-      "  - {{name: picker, model: {}/examples/picker.urdf, driven: PICK, count: 1, spawn: {{min_m: "
-      "[-0.1, -0.1], max_m: [0.1, 0.1]}}}}\n"
-      "  - {{name: person, driven: STAND, count: 1, spawn: {{min_m: [0.4, 0.8], max_m: [0.6, "
-      "1]}}}}\nseparation: {{reaction_s: 0.1, stopping_s: 0.1}}\n",
-      THRONG_SOURCE_DIR));
+  Scene scene =
+      load(fmt::format("step_s: 1/100\nduration_s: 1\nculling: {{exact: true}}\nnear_m: 1\n"
+                       "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
+                       "groups:\n"
+                       "  - {{name: picker, model: {}/examples/picker.urdf, control_channel: PICK, "
+                       "count: 1, spawn: {{min_m: "
+                       "[-0.1, -0.1], max_m: [0.1, 0.1]}}}}\n"
+                       "  - {{name: person, control_channel: STAND, count: 1, spawn: {{min_m: "
+                       "[0.4, 0.8], max_m: [0.6, "
+                       "1]}}}}\nseparation: {{reaction_s: 0.1, stopping_s: 0.1}}\n",
+                       THRONG_SOURCE_DIR));
   Simulation simulation(std::move(scene), {});
   SeparationMonitor monitor(simulation.info());
   constexpr double kTurn_radps = 0.5;
   int seen = 0;
   for (int i = 0; i < 40; ++i) {
     const double joints[] = {kTurn_radps * i / 100, 0};
-    DrivenPose pose;
+    ExternalPose pose;
     pose.joints = joints;
-    ASSERT_EQ(simulation.drive(0, pose), 0);
+    ASSERT_EQ(simulation.set_pose(0, pose), 0);
     const Frame& frame = simulation.step();
     monitor.frame(simulation.info(), frame);
     if (i < 2) continue;
     for (const RegionSeparation& row : monitor.rows()) {
       if (row.is_far() || row.pair.part_a() != 2) continue;
-      for (const NearPair& pair : frame.near_pairs) {
+      for (const ProximityPair& pair : frame.proximity_pairs) {
         if (pair.pair != row.pair) continue;
         const Eigen::Vector3d at(pair.point_a_m.data());
         const Eigen::Vector3d speed =
             kTurn_radps * Eigen::Vector3d::UnitZ().cross(at - frame.roots[0].position_m);
         const Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
-        EXPECT_NEAR(row.robot_mps, speed.dot(normal), 2e-3);
-        EXPECT_NEAR(row.human_mps, 0, 2e-3);
+        EXPECT_NEAR(row.robot_speed_mps, speed.dot(normal), 2e-3);
+        EXPECT_NEAR(row.human_speed_mps, 0, 2e-3);
         ++seen;
       }
     }
@@ -346,10 +356,10 @@ TEST_F(Separation, IsRefusedWhereItCannotBeJudged) {
     return std::string("accepted");
   };
   EXPECT_EQ(refusal(scene_text(kNamed)), "accepted");
-  EXPECT_THAT(refusal(scene_text(kNamed, "")), HasSubstr("s.yaml:8: expected 'near_m'"));
-  EXPECT_THAT(refusal(scene_text(kNamed, "near_m: 0.3\n")),
+  EXPECT_THAT(refusal(scene_text(kNamed, "")), HasSubstr("s.yaml:8: expected 'proximity_m'"));
+  EXPECT_THAT(refusal(scene_text(kNamed, "proximity_m: 0.3\n")),
               HasSubstr("of at least 0.51, the distance that 'separation' requires, found 0.3"));
-  EXPECT_THAT(refusal(scene_text(kMeasured, "near_m: 0.05\n")),
+  EXPECT_THAT(refusal(scene_text(kMeasured, "proximity_m: 0.05\n")),
               HasSubstr("of at least 0.1, the distance that 'separation' requires at least"));
   std::string coarse = scene_text(kMeasured);
   coarse.replace(coarse.find("exact: true"), 11, "exact: false");
@@ -362,8 +372,8 @@ TEST_F(Separation, SaysWhatIsWrongInTheFile) {
   EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, deceleration_mps2: 1}")),
               HasSubstr("found both"));
   EXPECT_THAT(complaint(scene_text("{stopping_s: 0.1}")), HasSubstr("reaction_s"));
-  EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, human_mps: -1}")),
-              HasSubstr("human_mps"));
+  EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, human_speed_mps: -1}")),
+              HasSubstr("human_speed_mps"));
   EXPECT_THAT(complaint(kGround + "groups: [{count: 1, spawn: {min_m: [1, 1], max_m: [9, 9]}, "
                                   "goals: [{min_m: [1, 1], max_m: [9, 9]}]}]\n"
                                   "separation: {reaction_s: 0.1, stopping_s: 1}\n"),
@@ -373,8 +383,8 @@ TEST_F(Separation, SaysWhatIsWrongInTheFile) {
 TEST_F(Separation, SaysHowFarTheMarginReaches) {
   EXPECT_TRUE(separation_notes(load(scene_text(kNamed))).empty());
   // 0.6 - 0.5 * (0.2 + 0.5 * 0.25) over 0.2 + 0.25.
-  const auto notes =
-      separation_notes(load(scene_text("{robot_mps: 0.5, reaction_s: 0.2, deceleration_mps2: 2}")));
+  const auto notes = separation_notes(
+      load(scene_text("{robot_speed_mps: 0.5, reaction_s: 0.2, deceleration_mps2: 2}")));
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_THAT(notes[0], HasSubstr("at up to 0.972 m/s"));
   EXPECT_THAT(separation_notes(load(scene_text(kMeasured))), testing::SizeIs(1));
@@ -410,16 +420,16 @@ TEST_F(Separation, FilesSayWhatTheMonitorSaw) {
       EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
   }
   // Seconds too near are the same in both, region by region: each robot once, whoever it is.
-  std::map<std::string, double> short_s;
+  std::map<std::string, double> shortfall_s;
   for (size_t i = 1; i < rows.size(); ++i) {
     std::vector<std::string> fields;
     std::istringstream in(rows[i]);
     for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
-    if (fields.back() != "0") short_s[fields[3]] += 0.05;
+    if (fields.back() != "0") shortfall_s[fields[3]] += 0.05;
   }
   for (size_t i = 0; i < kBodyRegions; ++i)
-    EXPECT_NEAR(sink.totals()->regions[i].short_s,
-                short_s[std::string(name_of(static_cast<BodyRegion>(i)))], 1e-6);
+    EXPECT_NEAR(sink.totals()->regions[i].shortfall_s,
+                shortfall_s[std::string(name_of(static_cast<BodyRegion>(i)))], 1e-6);
   std::ifstream figure(folder_ / "out" / "separation.svg");
   EXPECT_EQ(has_gnuplot(), figure.good());
 }

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "analysis/validation/judging.h"
-#include "analysis/validation/reality_tables.h"
+#include "analysis/validation/empirical_tables.h"
 #include "analysis/validation/trial.h"
+#include "analysis/validation/verdicts.h"
 
 namespace throng::validation::validation_test {
 namespace {
@@ -25,7 +25,7 @@ const Test& test_of(const std::string& id) {
 class Standard : public testing::TestWithParam<const char*> {};
 
 TEST_P(Standard, IsMet) {
-  const Outcome outcome = carry_out(test_of(GetParam()), {});
+  const Outcome outcome = run_test(test_of(GetParam()), {});
   EXPECT_TRUE(outcome.passed) << outcome.measured;
   EXPECT_EQ(outcome.wall_crossings, 0);
   EXPECT_EQ(outcome.unplaced, 0);
@@ -56,7 +56,7 @@ TEST(Validation, EveryTestIsNamedOnceAndSaysWhatItJudgesBy) {
 }
 
 TEST(Validation, TheSameTestMeasuresTheSameAgain) {
-  EXPECT_EQ(carry_out(test_of("rimea_6"), {}).measured, carry_out(test_of("rimea_6"), {}).measured);
+  EXPECT_EQ(run_test(test_of("rimea_6"), {}).measured, run_test(test_of("rimea_6"), {}).measured);
 }
 
 TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
@@ -69,17 +69,17 @@ TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
 }
 
 /// As RiMEA 12 has them, with a queue of 2.3 per m2 before the exit of the second room.
-std::vector<PassedNeck> queue_before_the_exit() {
+std::vector<NeckPassage> queue_before_the_exit() {
   const Crowding jam{6, 0.8, 0.6}, queue{2.3, 0.4, 0};
   return {{0.8, 1.4, true, jam, queue}, {1, 1.8, true, jam, queue}, {1.2, 2, true, jam, jam}};
 }
 
-Verdict verdict_of(const std::vector<PassedNeck>& necks) {
+Verdict verdict_of(const std::vector<NeckPassage>& necks) {
   return judged({}, judge_necks(necks, 1)).verdict();
 }
 
 TEST(Necks, DifferForAQueueBeforeTheExitOfTheSecondRoom) {
-  std::vector<PassedNeck> necks = queue_before_the_exit();
+  std::vector<NeckPassage> necks = queue_before_the_exit();
   EXPECT_EQ(verdict_of(necks), Verdict::kDiffers);
   EXPECT_THAT(judge_necks(necks, 1).summary,
               testing::HasSubstr("6.00 people per m2 over 10 s before the neck and 2.30 before the "
@@ -92,7 +92,7 @@ TEST(Necks, DifferForAQueueBeforeTheExitOfTheSecondRoom) {
 }
 
 TEST(Necks, FailForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
-  std::vector<PassedNeck> necks = queue_before_the_exit();
+  std::vector<NeckPassage> necks = queue_before_the_exit();
   necks[1].before_exit = {4.5, 0.5, 0.11};
   EXPECT_EQ(verdict_of(necks), Verdict::kFail);
   necks = queue_before_the_exit();
@@ -101,7 +101,7 @@ TEST(Necks, FailForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
 }
 
 TEST(Necks, FailForAFlowThatDoesNotGrowAndForPeopleLeftBehindWhateverTheQueue) {
-  std::vector<PassedNeck> necks = queue_before_the_exit();
+  std::vector<NeckPassage> necks = queue_before_the_exit();
   necks[2].flow_per_s = necks[1].flow_per_s;
   EXPECT_EQ(verdict_of(necks), Verdict::kFail);
   necks = queue_before_the_exit();
@@ -120,8 +120,8 @@ TEST(Necks, PeopleQueueWhereDenserOnesCarryLess) {
 }
 
 /// In the middle of what was recorded at each density.
-std::vector<OneWaySpeed> recorded_speeds_of_one_way() {
-  std::vector<OneWaySpeed> points;
+std::vector<UnidirectionalSpeed> recorded_speeds_of_one_way() {
+  std::vector<UnidirectionalSpeed> points;
   for (const double per_m2 : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
     const auto band = recorded_one_way_at(per_m2).value();
     points.push_back({per_m2, per_m2, 0.5 * (band.low_mps + band.high_mps)});
@@ -130,13 +130,13 @@ std::vector<OneWaySpeed> recorded_speeds_of_one_way() {
 }
 
 TEST(SpeedsOfOneWay, NearABoundAreNamed) {
-  std::vector<OneWaySpeed> points = recorded_speeds_of_one_way();
-  EXPECT_THAT(judge_one_way(points).summary,
+  std::vector<UnidirectionalSpeed> points = recorded_speeds_of_one_way();
+  EXPECT_THAT(judge_unidirectional(points).summary,
               testing::HasSubstr("6 of 6 as recorded; none within 10 % of a bound"));
   const RecordedBand band = recorded_one_way_at(2).value();
   for (const double factor : {1.01, 1.09}) {
     points[3].speed_mps = factor * band.low_mps;
-    const Judgement judgement = judge_one_way(points);
+    const Judgement judgement = judge_unidirectional(points);
     EXPECT_TRUE(judgement.passed);
     EXPECT_THAT(judgement.summary,
                 testing::EndsWith(fmt::format("; within 10 % of a bound: "
@@ -144,26 +144,27 @@ TEST(SpeedsOfOneWay, NearABoundAreNamed) {
                                               points[3].speed_mps, band.low_mps)));
   }
   points[3].speed_mps = 1.11 * band.low_mps;
-  EXPECT_EQ(near_bounds(judge_one_way(points).readings), "");
+  EXPECT_EQ(marginal_readings(judge_unidirectional(points).readings), "");
   points[3].speed_mps = 0.91 * band.high_mps;
-  EXPECT_THAT(near_bounds(judge_one_way(points).readings), testing::HasSubstr("at most"));
+  EXPECT_THAT(marginal_readings(judge_unidirectional(points).readings),
+              testing::HasSubstr("at most"));
 }
 
 TEST(SpeedsOfOneWay, FailOutsideABoundAndAreNamedHoweverFarOff) {
-  std::vector<OneWaySpeed> points = recorded_speeds_of_one_way();
+  std::vector<UnidirectionalSpeed> points = recorded_speeds_of_one_way();
   points[0].speed_mps = 9;
   points[5].speed_mps = 0.01;
-  const Judgement judgement = judge_one_way(points);
+  const Judgement judgement = judge_unidirectional(points);
   EXPECT_FALSE(judgement.passed);
   EXPECT_THAT(judgement.summary, testing::HasSubstr("4 of 6 as recorded; outside or within 10 %"));
   EXPECT_THAT(judgement.summary, testing::HasSubstr(", outside), 0.01 m/s at 3 per m2 (at least "));
   points = recorded_speeds_of_one_way();
   points[6].speed_mps = 9;
-  EXPECT_TRUE(judge_one_way(points).passed) << "4 per m2 is shown, not judged";
-  EXPECT_EQ(near_bounds(judge_one_way(points).readings), "");
+  EXPECT_TRUE(judge_unidirectional(points).passed) << "4 per m2 is shown, not judged";
+  EXPECT_EQ(marginal_readings(judge_unidirectional(points).readings), "");
   points[0].density_per_m2 = 0.1;
-  EXPECT_FALSE(judge_one_way(points).passed) << "nobody was recorded there";
-  EXPECT_FALSE(judge_one_way({}).passed);
+  EXPECT_FALSE(judge_unidirectional(points).passed) << "nobody was recorded there";
+  EXPECT_FALSE(judge_unidirectional({}).passed);
 }
 
 TEST(Validation, FlowIsPeopleAfterTheFirstOverTheirTime) {

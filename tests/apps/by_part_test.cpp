@@ -1,4 +1,4 @@
-// Counts and volumes by part as a user meets them: `throng run --by-part`, `--part-volume` as a
+// Counts and volumes by part as a user meets them: `throng run --part-pairs`, `--part-volume` as a
 // map, `throng render --volumes`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(ByPartCommand, SumsAreTheCountersOfTheRun) {
                           "b.lcmlog --log off", "paper_50 --seconds 1 --log off"})
     for (const char* exact : {"", " --exact"}) {
       const Outcome outcome = shell(
-          std::string("throng run ") + run + exact + " --lcm off --json r.json --by-part parts",
+          std::string("throng run ") + run + exact + " --lcm off --json r.json --part-pairs parts",
           folder);
       ASSERT_EQ(outcome.exit_code, 0) << run << outcome.err;
       const auto stages = nlohmann::json::parse(read_file(folder / "r.json"))["stages"];
@@ -64,9 +64,9 @@ TEST(ByPartCommand, SumsAreTheCountersOfTheRun) {
       EXPECT_EQ(sums["part"].touching, sums["part_box"].touching) << run;
       EXPECT_GT(sums["part"].touching, 0u) << run;
     }
-  for (const char* refused : {"--deadline-tests 5", "--deadline-ms 5", "--strategy two-pass"}) {
+  for (const char* refused : {"--budget-tests 5", "--budget-ms 5", "--strategy two-pass"}) {
     const Outcome outcome = shell(
-        std::string("throng run corridor --log off --lcm off --by-part p ") + refused, folder);
+        std::string("throng run corridor --log off --lcm off --part-pairs p ") + refused, folder);
     EXPECT_EQ(outcome.exit_code, 2) << refused;
     EXPECT_EQ(line_count(outcome.err), 1) << refused << outcome.err;
   }

@@ -59,14 +59,15 @@ TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
     const Outcome check = shell("throng check " + std::string(log), folder_);
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
     EXPECT_THAT(shell("throng info " + std::string(log), folder_).out,
-                HasSubstr("THRONG_CONTACTS           60"));
+                HasSubstr("THRONG_CONTACT_POINTS           60"));
     const std::string table =
         shell("throng export " + std::string(log) + " --csv contacts", folder_).out;
     EXPECT_THAT(table, StartsWith("frame,time_s,a,b,name_a,name_b,part_a,part_b,x_m,y_m,z_m,"));
     EXPECT_NEAR(static_cast<double>(line_count(table) - 1), static_cast<double>(points),
                 0.05 * static_cast<double>(points) + 5);
   }
-  EXPECT_THAT(shell("throng info plain.lcmlog", folder_).out, Not(HasSubstr("THRONG_CONTACTS")));
+  EXPECT_THAT(shell("throng info plain.lcmlog", folder_).out,
+              Not(HasSubstr("THRONG_CONTACT_POINTS")));
 }
 
 TEST_F(CulledLog, IsNamedInTheResults) {

@@ -146,7 +146,7 @@ TEST(Export, CallsALogCutOffWhereCheckDoes) {
   for (const Cut& cut :
        {Cut{pieces_of_channel(whole, "THRONG_STATES").at(0).begin, "before its first frame"},
         Cut{pieces_of_channel(whole, "THRONG_FRAME_STATS").at(30).end, "after frame 30 (0.50 s)"},
-        Cut{pieces_of_channel(whole, "THRONG_CHECKS").at(59).end, "after frame 59 (0.98 s)"},
+        Cut{pieces_of_channel(whole, "THRONG_CHECKSUMS").at(59).end, "after frame 59 (0.98 s)"},
         Cut{pieces_of_channel(whole, "THRONG_END").at(0).begin, "after frame 59 (0.98 s)"}}) {
     write_file(folder / "cut.lcmlog", whole.substr(0, cut.bytes));
     const std::string sentence = std::string("The log is cut off: it ends ") + cut.where +

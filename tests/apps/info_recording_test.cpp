@@ -50,7 +50,7 @@ TEST(InfoRecording, AsksForWhatTheFileDoesNotSay) {
       {"--fps 16 --unit miles", "'miles'"},
       {"--fps 16 --unit cm --heading-unit turns", "'turns'"},
       {"--fps 16 --unit cm --heading-unit deg", "--heading-unit: expected a table"},
-      {"--fps 16 --unit cm --tracks hips", "'hips'"},
+      {"--fps 16 --unit cm --tracked-point hips", "'hips'"},
       {"--fps 16 --unit cm --separator '::'", "one character"},
       {"--fps 160000", "--fps"},
       {"--columns who=1", "--columns: expected"},

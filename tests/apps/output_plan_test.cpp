@@ -31,7 +31,7 @@ const std::vector<CommandLine>& commands() {
   static const std::vector<CommandLine> all = {
       {"run",
        "my.yaml --seconds 0.1 --lcm off",
-       {"--log", "--json", "--trajectory", "--html", "--contacts", "--by-part", "--trace-hash",
+       {"--log", "--json", "--trajectory", "--html", "--contacts", "--part-pairs", "--trace-hash",
         "--checkpoint", "--separation"},
        {"--resume"},
        {"my.yaml", "body.urdf", "body.tri", "rock.tri"}},
@@ -63,7 +63,7 @@ std::string ending_of(const CommandLine& command, const std::string& option) {
 }
 
 bool is_always_folder(const std::string& option) {
-  return option == "--contacts" || option == "--by-part" || option == "--separation";
+  return option == "--contacts" || option == "--part-pairs" || option == "--separation";
 }
 
 TEST(OutputPlan, KnowsEveryOptionOfEveryCommandThatNamesAFile) {

@@ -89,9 +89,9 @@ TEST(ContactFiles, SayTheSameAsTheRun) {
 TEST(ContactFiles, AreGraphsThatOthersRead) {
   const ScratchFolder folder;
   const Outcome run = shell(
-      "throng run corridor --seconds 4 --person-near 1 --lcm off --log off --contacts c", folder);
+      "throng run corridor --seconds 4 --closest-parts 1 --lcm off --log off --contacts c", folder);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("no seconds below 2 m: person_near_m is 1\n"));
+  EXPECT_THAT(run.err, HasSubstr("no seconds below 2 m: closest_parts_m is 1\n"));
   write_file(folder / "read.py", R"(
 import sys
 def edges(file):
@@ -161,13 +161,13 @@ constexpr const char* kCell = R"(
 name: cell
 step_s: 1/20
 duration_s: 3
-near_m: 0.8
+proximity_m: 0.8
 culling: {exact: true}
 ground: {min_m: [-4, -3], max_m: [4, 3]}
 groups:
   - {name: cart, model: ROBOT, count: 1, height_m: 1.3, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [1, -2], max_m: [3, 2]}, {min_m: [-3, -2], max_m: [-1, 2]}]}
   - {name: people, count: 12, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [1, -2], max_m: [3, 2]}, {min_m: [-3, -2], max_m: [-1, 2]}]}
-separation: {human_mps: 1.2, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.1}
+separation: {human_speed_mps: 1.2, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.1}
 )";
 
 TEST(SeparationFiles, SayTheSameAsTheRun) {
@@ -179,7 +179,8 @@ TEST(SeparationFiles, SayTheSameAsTheRun) {
   const std::string run = "throng run cell.yaml --lcm off --log off --json r.json";
   const Outcome outcome = shell(run + " --separation s", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("note: separation: distances are known up to near_m = 0.8 m"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("note: separation: distances are known up to proximity_m = 0.8 m"));
   EXPECT_THAT(outcome.out, HasSubstr("\nseparated "));
   const auto with = nlohmann::json::parse(read_file(folder / "r.json"));
   const auto& separation = with["separation"];

@@ -63,7 +63,7 @@ TEST(RunRecording, ASceneAroundItNamesItsFile) {
   write_file(folder / "walk.csv", table("id;t;x;y"));
   write_file(
       folder / "walk.yaml",
-      "kind: recorded\nrecording: {file: walk.csv, name: walkers, step: recorded, from_s: 1}\n"
+      "kind: recorded\nrecording: {file: walk.csv, name: walkers, sampling: recorded, start_s: 1}\n"
       "obstacles:\n  - {kind: cylinder, position_m: [3, 3], diameter_m: 0.4, height_m: 2}\n"
       "ground: {min_m: [-5, -5], max_m: [10, 5]}\n");
   const Outcome outcome = shell("throng run walk.yaml --lcm off --log off --json -", folder);

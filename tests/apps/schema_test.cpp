@@ -161,7 +161,7 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a misspelt key", kGround + kGroup + "duration: 3\n"},
       {"a quoted number", kGround + kGroup + "duration_s: \"3\"\n"},
       {"a step out of range", kGround + kGroup + "step_s: 2\n"},
-      {"no goals", with_group("speed_mps: 1")},
+      {"no goals", with_group("desired_speed_mps: 1")},
       {"no goals at all", with_group("goals: []")},
       {"an arrival that is none", with_group(goals + ", on_arrival: go")},
       {"a goal without a corner", with_group("goals: [{min_m: [15, 1]}]")},
@@ -184,8 +184,8 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a share of an age that is none", with_group(goals + ", ages: {old: 1}")},
       {"a negative share", with_group(goals + ", ages: {young: -1}")},
       {"ages of nobody", with_group(goals + ", ages: {}")},
-      {"a style that is none", with_group(goals + ", styles: silly")},
-      {"a share of a style that is none", with_group(goals + ", styles: {silly: 1}")},
+      {"a style that is none", with_group(goals + ", gait_styles: silly")},
+      {"a share of a style that is none", with_group(goals + ", gait_styles: {silly: 1}")},
       {"a radius too wide", with_group(goals + ", radius_m: 2.5")},
       {"a corner of one number", with_group("goals: [{min_m: [15], max_m: [19, 9]}]")},
       {"an obstacle of no kind", kGround + kGroup + "obstacles: [{position_m: [5, 5]}]\n"},
@@ -215,17 +215,17 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
       "random: "
       "true}\n"
       "    goals:\n"
-      "      - {min_m: [9, 1], max_m: [10, 9], pass: true}\n"
-      "      - {nearest_of: [{min_m: [15, 1], max_m: [19, 4]}, {min_m: [15, 6], max_m: [19, 9]}], "
+      "      - {min_m: [9, 1], max_m: [10, 9], waypoint: true}\n"
+      "      - {any_of: [{min_m: [15, 1], max_m: [19, 4]}, {min_m: [15, 6], max_m: [19, 9]}], "
       "wait_s: 2, capacity: 3, queue: {spacing_m: 1/2, line: [[14, 5], [14, 7], [11, 8]]}}\n"
       "    on_arrival: leave\n"
-      "    delay_s: {mean: 2, deviation: 1, min: 0, max: 5}\n"
+      "    premovement_s: {mean: 2, std_dev: 1, min: 0, max: 5}\n"
       "    ages: {young: 1/2, elderly: 1}\n"
-      "    styles: {plain: 3, brisk: 1}\n"
-      "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
+      "    gait_styles: {plain: 3, brisk: 1}\n"
+      "    desired_speed_mps: {mean: 1.2, std_dev: 0.1, min: 1, max: 1.5}\n"
       "    height_m: 1.8\n    radius_m: 0.2\n"
       "obstacles:\n"
-      "  - {name: a, kind: box, position_m: [6, 5], size_m: [0.5, 2, 3], heading_deg: 90, "
+      "  - {name: a, kind: box, position_m: [6, 5], size_m: [0.5, 2, 3], yaw_deg: 90, "
       "bottom_m: "
       "0}\n"
       "  - {kind: cylinder, position_m: [12, 5], diameter_m: 1, height_m: 2}\n";
@@ -240,18 +240,18 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
   ASSERT_EQ(group.sources.size(), 1u);
   EXPECT_EQ(group.sources[0].rate_per_s, 0.5);
   EXPECT_EQ(group.sources[0].start_s, 1);
-  EXPECT_TRUE(group.sources[0].random);
+  EXPECT_TRUE(group.sources[0].is_poisson);
   ASSERT_EQ(group.goals.size(), 2u);
-  EXPECT_TRUE(group.goals[0].pass);
+  EXPECT_TRUE(group.goals[0].waypoint);
   EXPECT_EQ(group.goals[1].areas.size(), 2u);
   EXPECT_EQ(group.goals[1].wait_s.mean, 2);
   EXPECT_EQ(group.goals[1].capacity, 3);
   EXPECT_EQ(group.goals[1].queue.spacing_m, 0.5);
   EXPECT_EQ(group.goals[1].queue.line_m.size(), 3u);
   EXPECT_EQ(group.on_arrival, OnArrival::kLeave);
-  EXPECT_EQ(group.delay_s.max, 5);
+  EXPECT_EQ(group.premovement_s.max, 5);
   EXPECT_EQ(group.ages, (AgeShares{0, 0, 0.5, 0, 1, 0}));
-  EXPECT_EQ(group.styles, (StyleShares{3, 0, 1, 0, 0, 0}));
+  EXPECT_EQ(group.gait_styles, (StyleShares{3, 0, 1, 0, 0, 0}));
 }
 
 }  // namespace

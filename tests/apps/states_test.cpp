@@ -77,9 +77,10 @@ TEST_F(ThinLog, BecomesThePageAsAWholeOneDoes) {
 }
 
 TEST_F(ThinLog, PartPosesComeWithTheStatesWhereAskedFor) {
-  record("--states-hz 10 --publish-parts --log parts.lcmlog");
-  EXPECT_EQ(messages("thin.lcmlog", "THRONG_PARTS"), 0);
-  EXPECT_EQ(messages("parts.lcmlog", "THRONG_PARTS"), messages("thin.lcmlog", "THRONG_STATES"));
+  record("--states-hz 10 --publish-part-poses --log parts.lcmlog");
+  EXPECT_EQ(messages("thin.lcmlog", "THRONG_PART_POSES"), 0);
+  EXPECT_EQ(messages("parts.lcmlog", "THRONG_PART_POSES"),
+            messages("thin.lcmlog", "THRONG_STATES"));
   for (const char* line :
        {"throng check parts.lcmlog", "throng monitor parts.lcmlog --json",
         "throng view parts.lcmlog --html parts.html", "throng render parts.lcmlog --out parts.png"})

@@ -69,7 +69,7 @@ TEST(RunStrategy, ALogSaysWhatItLeavesOut) {
 
 TEST(RunStrategy, KnowsNoDeadlineAndNoOtherName) {
   const ScratchFolder folder;
-  for (const char* options : {"--strategy two-pass --deadline-ms 5", "--strategy three-pass",
+  for (const char* options : {"--strategy two-pass --budget-ms 5", "--strategy three-pass",
                               "--strategy sphere --exact"}) {
     const Outcome refused =
         shell(std::string("throng run paper_15 --lcm off --log off ") + options, folder);

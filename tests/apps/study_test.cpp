@@ -51,7 +51,7 @@ TEST_F(Study, KnowsEveryOptionOfARunThatIsNoKeyOfAScene) {
   for (std::sregex_iterator at(help.begin(), help.end(), option), end; at != end; ++at) {
     std::string name = (*at)[1];
     std::replace(name.begin(), name.end(), '-', '_');
-    write_file(folder_ / "study.yaml", "scenes: [corridor]\n" + name + ": none\n");
+    write_file(folder_ / "study.yaml", "scenes: [corridor]\n" + name + ": '?'\n");
     const Outcome outcome = run("throng study study.yaml --out table.csv");
     EXPECT_EQ(outcome.exit_code, 2) << name;
     if (outcome.err.find("expected a key of a study") != std::string::npos) unknown.push_back(name);
@@ -69,7 +69,7 @@ TEST_F(Study, ATableHasARowForEachRunAndNoClock) {
   EXPECT_THAT(table, HasSubstr("\n12,12,"));
   EXPECT_THAT(table, HasSubstr(",bottleneck,2,0.3,40,0.3,40,"));
   EXPECT_THAT(read_file(folder_ / "whole.csv.times.csv"),
-              StartsWith("run,runs,study,set_up_s,wall_s"));
+              StartsWith("run,runs,study,setup_s,wall_s"));
   EXPECT_EQ(table.find("wall_s"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "whole.csv.journal"));
 }

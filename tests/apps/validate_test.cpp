@@ -35,7 +35,7 @@ TEST(Validate, GivesAVerdictForEveryStandardThatSharesATest) {
 TEST(Validate, WhatIsHeldAgainstRecordedPeopleComesWithEveryNumber) {
   const ScratchFolder folder;
   const Outcome outcome =
-      shell("throng validate --reality --only corner --json v.json --out report", folder);
+      shell("throng validate --empirical --only corner --json v.json --out report", folder);
   const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
   ASSERT_EQ(json["tests"].size(), 2u) << "and the walls";
   const auto& test = json["tests"][0];

@@ -91,7 +91,7 @@ TEST(Info, TellsWhoIsDrivenAndByWhat) {
   write_file(folder / "robot.yaml",
              "ground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\ngroups:\n"
              "  - name: robot\n    count: 1\n    spawn: {min_m: [-1, -1], max_m: [1, 1]}\n"
-             "    driven: ROBOT_DRIVE\n");
+             "    control_channel: ROBOT_DRIVE\n");
   const Outcome outcome = shell("throng info robot.yaml", folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("driven   by messages on the LCM channel ROBOT_DRIVE"));

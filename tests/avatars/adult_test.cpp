@@ -15,7 +15,7 @@
 
 #include "avatars/mesh/tri.h"
 #include "avatars/models/adult_body.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng::adult_test {
 namespace {

@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 
 namespace throng::gait_curves_test {
 namespace {

@@ -37,7 +37,7 @@ double slide_m(const Walking& walking, float speed, bool right) {
   constexpr int kSteps = 1000;
   const double stride = static_cast<double>(walking.gait.stride_length_m(speed, 1));
   const double mps = static_cast<double>(speed);
-  const double per_root = stride_per_root_speed(walking.style);
+  const double per_root = stride_per_sqrt_speed(walking.style);
   const double leg = stride * stride / (per_root * per_root * mps);
   const int lift_off = static_cast<int>(stance_fraction(mps / leg, walking.style) * kSteps);
   const size_t foot = right ? walking.right_foot : walking.left_foot;

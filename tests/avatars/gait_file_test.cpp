@@ -10,8 +10,8 @@
 
 #include "avatars/avatars.h"
 #include "base/errors.h"
+#include "base/files/atomic_file.h"
 #include "base/files/regular_file.h"
-#include "base/files/whole_file.h"
 #include "base/random.h"
 #include "tests/same_bits.h"
 
@@ -31,7 +31,7 @@ struct Folder {
 /// A model without joints.
 std::shared_ptr<const Model> crate_in(const Folder& folder) {
   const fs::path urdf = folder.path / "crate.urdf";
-  write_whole_file(urdf, std::string_view(R"(<robot name="crate"><link name="crate"><collision>
+  write_file_atomically(urdf, std::string_view(R"(<robot name="crate"><link name="crate"><collision>
     <geometry><box size="1 1 1"/></geometry></collision></link></robot>)"));
   return load_model(urdf);
 }
@@ -50,7 +50,7 @@ std::vector<float> answers(const Gait& gait) {
     const float phase = drawn(3 * i, 0, 1), speed = drawn(3 * i + 1, 0, 3);
     const float scale = drawn(3 * i + 2, 0.5f, 1.2f);
     gait.postures({&phase, 1}, {&speed, 1}, {&scale, 1}, row);
-    gait.look(0.4f, row);
+    gait.apply_head_yaw(0.4f, row);
     said.insert(said.end(), row.begin(), row.end());
     RootBox box;
     gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
@@ -58,16 +58,18 @@ std::vector<float> answers(const Gait& gait) {
     say({gait.stride_length_m(speed, scale), gait.swing().at(phase)});
     const FootTrack track = gait.track_at(speed, scale);
     say({track.stance, track.shift_m, track.side_m[0], track.side_m[1], track.stride_m});
-    const WalkRoom room = gait.room_of(box, scale);
-    const RootBox round = gait.box_of(room, scale);
-    say({room.x, room.y, round.min_m[0], round.min_m[1], round.max_m[0], round.max_m[1]});
-    const Swings& swings = gait.outline()->swung_at(speed, scale);
-    const Limbs limbs = swings.at(Swings::sixteenth_of(phase));
+    const WalkBounds packed_bounds = gait.walk_bounds_of(box, scale);
+    const RootBox round = gait.box_of(packed_bounds, scale);
+    say({packed_bounds.x, packed_bounds.y, round.min_m[0], round.min_m[1], round.max_m[0],
+         round.max_m[1]});
+    const LimbSweep& sweep = gait.outline()->sweep_at(speed, scale);
+    const LimbOutlines limbs = sweep.at(LimbSweep::phase_index(phase));
     for (size_t side = 0; side < 2; ++side)
-      for (size_t way = 0; way < 8; ++way)
-        say({limbs.arms[side].reaches_m[way], limbs.thighs[side].reaches_m[way],
-             swings.ever().arms[side].reaches_m[way], gait.outline()->drawn[side].reaches_m[way]});
-    say({swings.sway_m(), swings.outline().upper.at(48 * phase), swings.outline().upper.most_m()});
+      for (size_t direction = 0; direction < 8; ++direction)
+        say({limbs.arms[side].reaches_m[direction], limbs.thighs[side].reaches_m[direction],
+             sweep.envelope().arms[side].reaches_m[direction],
+             gait.outline()->tucked[side].reaches_m[direction]});
+    say({sweep.sway_m(), sweep.outline().upper.at(48 * phase), sweep.outline().upper.max_m()});
   }
   return said;
 }
@@ -76,34 +78,34 @@ std::vector<float> answers(const Gait& gait) {
 std::vector<float> walked(const Gait& gait) {
   constexpr size_t kCount = 16;
   std::vector<float> said;
-  std::vector<WalkPosture> postures(WalkChunk::kMostLanes);
-  WalkChunk chunk{};
-  chunk.count = kCount;
-  chunk.postures = postures.data();
-  chunk.step_s = 1.0f / 60;
+  std::vector<WalkPosture> postures(WalkBatch::kMaxLanes);
+  WalkBatch batch{};
+  batch.count = kCount;
+  batch.postures = postures.data();
+  batch.step_s = 1.0f / 60;
   std::vector<float> row(static_cast<size_t>(gait.column_count()));
   for (size_t lane = 0; lane < kCount; ++lane) {
-    chunk.gaits[lane] = &gait;
-    chunk.scales[lane] = drawn(static_cast<uint32_t>(lane), 0.8f, 1.1f);
-    chunk.present[lane] = chunk.w_before[lane] = chunk.w_after[lane] = chunk.stretch[lane] = 1;
-    chunk.gait_mps[lane] = kNotComeIn;
+    batch.gaits[lane] = &gait;
+    batch.scales[lane] = drawn(static_cast<uint32_t>(lane), 0.8f, 1.1f);
+    batch.present[lane] = batch.w_before[lane] = batch.w_after[lane] = batch.stride_scale[lane] = 1;
+    batch.gait_mps[lane] = kNotEntered;
   }
   for (uint32_t step = 0; step < 300; ++step) {
     for (size_t lane = 0; lane < kCount; ++lane) {
       const float speed =
           step % 100 < 70 ? drawn(static_cast<uint32_t>(100 + lane), 0.2f, 1.8f) : 0.0f;
-      chunk.way_x_m[lane] = speed * chunk.step_s;
-      chunk.ahead_mps[lane] = speed;
+      batch.displacement_x_m[lane] = speed * batch.step_s;
+      batch.ahead_mps[lane] = speed;
     }
-    chunk.fill_up();
-    Gait::walk(chunk, SimdTarget::kBest);
+    batch.fill_up();
+    Gait::walk(batch, SimdTarget::kBest);
     for (size_t lane = 0; lane < kCount; ++lane) {
       const Gait* one = &gait;
       const auto some = static_cast<uint32_t>(lane);
       Gait::postures({&one, 1}, postures, {&some, 1}, row);
       said.insert(said.end(), row.begin(), row.end());
-      said.insert(said.end(), {chunk.phases[lane], chunk.gait_mps[lane], chunk.room_x[lane],
-                               chunk.room_y[lane], gait.trunk_aside_m(postures[lane])});
+      said.insert(said.end(), {batch.phases[lane], batch.gait_mps[lane], batch.bounds_x[lane],
+                               batch.bounds_y[lane], gait.hips_offset_m(postures[lane])});
     }
   }
   return said;
@@ -119,7 +121,7 @@ TEST(GaitFile, HoldsTheGaitThatWasTabulated) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   for (size_t i = 0; i < kGaitStyleCount; ++i) {
     const auto style = static_cast<GaitStyle>(i);
-    SCOPED_TRACE(figures_of(style).name);
+    SCOPED_TRACE(parameters_of(style).name);
     write_gait_file(*adult, style, folder.path);
     const Gait tabulated(*adult, style);
     const Gait read = read_gait_file(folder.path / gait_file_name(*adult, style));
@@ -133,7 +135,7 @@ TEST(GaitFile, OfEachStyleOfTheBundledAdultIsMadeByTheBuild) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   for (size_t i = 0; i < kGaitStyleCount; ++i) {
     const fs::path name = gait_file_name(*adult, static_cast<GaitStyle>(i));
-    EXPECT_FALSE(made_file(fs::path("gaits") / name).empty()) << name;
+    EXPECT_FALSE(generated_file(fs::path("gaits") / name).empty()) << name;
   }
 }
 
@@ -152,7 +154,7 @@ TEST(GaitFile, ThatIsDamagedOrShortIsRefused) {
   const fs::path file = folder.path / gait_file_name(*adult, GaitStyle::kPlain);
   const std::vector<uint8_t> whole = RegularFile(file, "a gait", 1 << 28).bytes();
   const auto is_refused = [&](const std::vector<uint8_t>& bytes) {
-    write_whole_file(file, bytes);
+    write_file_atomically(file, bytes);
     EXPECT_THROW(read_gait_file(file), InputError) << bytes.size();
   };
   for (uint32_t i = 0; i < 20; ++i) {

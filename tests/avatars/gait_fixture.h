@@ -35,7 +35,7 @@ class Walking {
   }
 
   /// Of the style, for messages.
-  std::string name() const { return std::string(figures_of(style).name); }
+  std::string name() const { return std::string(parameters_of(style).name); }
 
   std::vector<float> posture(float phase, float speed_mps, float scale = 1) const {
     std::vector<float> row(static_cast<size_t>(gait.column_count()));

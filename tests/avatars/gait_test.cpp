@@ -265,17 +265,17 @@ TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
 std::vector<float> looking(const Walking& walking, float phase, float speed, uint32_t draw) {
   std::vector<float> row = walking.posture(phase, speed);
   const float share = draw % 3 == 0 ? 1 : draw % 3 == 1 ? -1 : random_float(draw, -1, 1);
-  walking.gait.look(share * Gait::kMostLook_rad, row);
+  walking.gait.apply_head_yaw(share * Gait::kMaxHeadYaw_rad, row);
   return row;
 }
 
 TEST(Gait, AHeadTurnsAloneAndWithinItsLimits) {
   const Walking& walking = Walking::adult();
   const size_t head = walking.column("head_yaw");
-  for (const float look : {-Gait::kMostLook_rad, -0.2f, 0.0f, 0.3f, Gait::kMostLook_rad}) {
+  for (const float look : {-Gait::kMaxHeadYaw_rad, -0.2f, 0.0f, 0.3f, Gait::kMaxHeadYaw_rad}) {
     const std::vector<float> ahead = walking.posture(0.3f, 1.34f);
     std::vector<float> row = ahead;
-    walking.gait.look(look, row);
+    walking.gait.apply_head_yaw(look, row);
     for (size_t c = 0; c < row.size(); ++c) {
       if (c == head) {
         EXPECT_NEAR(row[c], ahead[c] + look, 1e-6);
@@ -286,7 +286,7 @@ TEST(Gait, AHeadTurnsAloneAndWithinItsLimits) {
   }
   std::vector<float> row = walking.posture(0.3f, 1.34f);
   row[head] = walking.model->kinematics.columns()[head].upper - 0.1f;
-  walking.gait.look(0.4f, row);
+  walking.gait.apply_head_yaw(0.4f, row);
   EXPECT_EQ(row[head], walking.model->kinematics.columns()[head].upper);
 }
 
@@ -354,9 +354,9 @@ TEST(Gait, StylesDifferInStridesAndPosturesButNotInKind) {
   const std::span<const Walking> styles = Walking::styles();
   for (size_t a = 0; a < styles.size(); ++a) {
     SCOPED_TRACE(styles[a].name());
-    const StyleFigures& figures = figures_of(styles[a].style);
+    const StyleParameters& parameters = parameters_of(styles[a].style);
     EXPECT_NEAR(styles[a].gait.stride_length_m(1.34f, 1) / styles[0].gait.stride_length_m(1.34f, 1),
-                figures.stride, 1e-5);
+                parameters.stride, 1e-5);
     for (size_t b = 0; b < a; ++b) {
       float most = 0;
       for (int i = 0; i < 32; ++i) {
@@ -415,7 +415,7 @@ TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
   gait.postures(phases, speeds, scales, rows);
   Gait::postures(std::array{&gait, &gait, &gait}, phases, speeds, scales, of_batch);
   EXPECT_EQ(of_batch, rows);
-  gait.look(0.4f, {rows.data(), 2});
+  gait.apply_head_yaw(0.4f, {rows.data(), 2});
   EXPECT_EQ(of_batch, rows) << "no head to turn";
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("wheel"))], 0);

@@ -1,25 +1,25 @@
-// Where a leg goes, step after step: the slow way that foresee() is compared with.
+// Where a leg goes, step after step: the slow way that predict() is compared with.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "avatars/yielding/footfall.h"
+#include "avatars/body_avoidance/leg_state.h"
 
 namespace throng::test {
 
 class LegPath {
  public:
-  /// Another rhythm from `later_s` on.
-  LegPath(const Steps& steps, size_t side, float later_ps, float later_s)
+  /// Another rhythm from `delay_s` on.
+  LegPath(const WalkState& steps, size_t side, float later_ps, float delay_s)
       : s_(steps),
         side_(side),
         own_(steps.phase + 0.5f * static_cast<float>(side)),
         later_ps_(later_ps),
-        later_s_(later_s) {
+        later_s_(delay_s) {
     own_ -= std::floor(own_);
-    stands_ = s_.cycles_ps < kSlowestSteps_hz;
+    stands_ = s_.cadence_hz < kMinCadence_hz;
     const Eigen::Vector2f off(s_.shift_m[2 * side], s_.shift_m[2 * side + 1]);
     const float x = own_ < stance() ? s_.track.x_at(own_) : swing_x(swing_share(own_));
     Cycle first;
@@ -76,20 +76,20 @@ class LegPath {
     return Eigen::Vector2f(s_.ahead.dot(v), s_.ahead.x() * v.y() - s_.ahead.y() * v.x()) / s_.scale;
   }
   float cycles_in(float ahead_s) const {
-    return s_.cycles_ps * std::min(ahead_s, later_s_) +
+    return s_.cadence_hz * std::min(ahead_s, later_s_) +
            later_ps_ * std::max(ahead_s - later_s_, 0.0f);
   }
   float time_of(float cycles) const {
-    const float soon = s_.cycles_ps * later_s_;
-    return cycles <= soon ? cycles / s_.cycles_ps : later_s_ + (cycles - soon) / later_ps_;
+    const float soon = s_.cadence_hz * later_s_;
+    return cycles <= soon ? cycles / s_.cadence_hz : later_s_ + (cycles - soon) / later_ps_;
   }
   /// From where the gait has it, as the root will be when so many cycles have passed.
   Eigen::Vector2f goal_m(float cycles) const {
-    const float rate = time_of(cycles) < later_s_ ? s_.cycles_ps : later_ps_;
-    const float look_s = std::min(0.5f * stance() / rate, 0.9f);
-    const Eigen::Vector2f way = look_s * in_root(s_.velocity_mps);
-    return {way.x() + s_.track.x_at(0.5f * stance()) - s_.track.x_at(0),
-            side_ == 0 ? std::min(way.y(), 0.03f) : std::max(way.y(), -0.03f)};
+    const float rate = time_of(cycles) < later_s_ ? s_.cadence_hz : later_ps_;
+    const float horizon_s = std::min(0.5f * stance() / rate, 0.9f);
+    const Eigen::Vector2f offset = horizon_s * in_root(s_.velocity_mps);
+    return {offset.x() + s_.track.x_at(0.5f * stance()) - s_.track.x_at(0),
+            side_ == 0 ? std::min(offset.y(), 0.03f) : std::max(offset.y(), -0.03f)};
   }
   Eigen::Vector2f off_at_lift(size_t index) const {
     const float lifts_s = time_of(static_cast<float>(index) + stance() - own_);
@@ -108,7 +108,7 @@ class LegPath {
     cycles_.back().off_m = off_at_lift(index);
   }
 
-  Steps s_;
+  WalkState s_;
   size_t side_;
   float own_, later_ps_, later_s_;
   bool stands_;

@@ -42,7 +42,7 @@ class MeshFiles : public testing::Test {
     for (const auto byte : bytes) out.put(static_cast<char>(byte));
     return file(name);
   }
-  static std::string complaint(const fs::path& path, const ForeignLimits& limits = {}) {
+  static std::string complaint(const fs::path& path, const SandboxLimits& limits = {}) {
     try {
       read_mesh(path, limits);
     } catch (const InputError& error) {
@@ -128,7 +128,7 @@ TEST_F(MeshFiles, ExtensionsMayBeInCapitals) {
 
 TEST_F(MeshFiles, APlyThatIsCutAnywhereIsReadOrRefused) {
   const MeshSeed whole = seed("ply_binary");
-  const ForeignLimits quick = {.cpu_s = 1};
+  const SandboxLimits quick = {.cpu_s = 1};
   int refused = 0;
   for (const size_t length : {50u, 400u, 900u, 1090u}) {
     const std::vector<uint8_t> cut(whole.bytes.begin(),
@@ -139,7 +139,7 @@ TEST_F(MeshFiles, APlyThatIsCutAnywhereIsReadOrRefused) {
 }
 
 TEST_F(MeshFiles, AHeaderWithoutAnEndIsRefusedInTime) {
-  const ForeignLimits quick = {.cpu_s = 1, .wall_s = 60};
+  const SandboxLimits quick = {.cpu_s = 1, .wall_s = 60};
   EXPECT_THAT(complaint(write("a.ply", std::string("ply\nformat ascii 1.0\n")), quick),
               EndsWith("expected a ply mesh, found one that keeps assimp busy for more than 1 s of "
                        "processor time; export it again, for example as .stl or .tri"));

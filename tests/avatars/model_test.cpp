@@ -123,11 +123,11 @@ TEST(Model, links_without_geometry_carry_no_part) {
 TEST(Model, is_a_person_where_it_has_human_legs_and_a_robot_otherwise) {
   const auto adult = load_model(adult_urdf());
   EXPECT_TRUE(adult->is_person);
-  EXPECT_EQ(adult->root_above_ground_m(), 0) << "the root of people lies on the ground";
+  EXPECT_EQ(adult->root_height_m(), 0) << "the root of people lies on the ground";
   const auto rover =
       load_model(std::filesystem::path(THRONG_SOURCE_DIR) / "tests/lcm_io/fixtures/rover.urdf");
   EXPECT_FALSE(rover->is_person);
-  EXPECT_NEAR(rover->root_above_ground_m(), 0.1f, 1e-6f) << "half the height of its base";
+  EXPECT_NEAR(rover->root_height_m(), 0.1f, 1e-6f) << "half the height of its base";
   EXPECT_FALSE(load_model(fixtures() / "humanoid_description/urdf/humanoid.urdf")->is_person)
       << "other names than the gait knows";
 }
@@ -140,7 +140,7 @@ TEST_F(Files, a_robot_starts_as_near_to_zero_as_its_limits_let_it) {
       "</collision></link><joint name='hoist' type='prismatic'><parent link='a'/><child link='b'/>"
       "<axis xyz='0 0 -1'/><limit lower='3' upper='5' effort='1' velocity='1'/></joint></robot>"));
   EXPECT_FALSE(model->is_person);
-  EXPECT_NEAR(model->root_above_ground_m(), 3.1f, 1e-6f) << "the hook is the lowest";
+  EXPECT_NEAR(model->root_height_m(), 3.1f, 1e-6f) << "the hook is the lowest";
   EXPECT_NEAR(model->height_m, 3.6f, 1e-6f);
   EXPECT_NEAR(model->footprint_radius_m(), std::hypot(1.0f, 0.5f), 1e-6f);
   const std::string text = describe_model(*model);

@@ -1,5 +1,5 @@
 // How people who stand hold their arms: by id, within joints and bounds, and without haste.
-#include "avatars/yielding/standing_arms.h"
+#include "avatars/body_avoidance/standing_arms.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 #include <set>
 #include <vector>
 
+#include "avatars/body_avoidance/body_avoidance.h"
+#include "avatars/body_avoidance/upper_body_bounds.h"
 #include "avatars/stepping/standing.h"
-#include "avatars/yielding/upper_room.h"
-#include "avatars/yielding/yielding.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "tests/avatars/gait_fixture.h"
 
 namespace throng::standing_arms_test {
@@ -42,8 +42,8 @@ TEST(StandingPostures, PeopleTakeSeveralByIdAndTheSameEachTime) {
       counts[static_cast<size_t>(posture.hold)] += 1;
       mirrored += posture.is_mirrored ? 1 : 0;
       different.insert(posture.arms_rad[1]);
-      EXPECT_LE(std::abs(posture.trunk_rad), kMostStandingTrunk_rad);
-      EXPECT_LE(std::abs(posture.head_rad), kMostStandingHead_rad);
+      EXPECT_LE(std::abs(posture.trunk_rad), kMaxStandingTrunk_rad);
+      EXPECT_LE(std::abs(posture.head_rad), kMaxStandingHead_rad);
       EXPECT_EQ(standing_posture(seed, id).arms_rad, posture.arms_rad);
     }
     double shares = 0;
@@ -64,14 +64,14 @@ TEST(StandingPostures, PeopleTakeSeveralByIdAndTheSameEachTime) {
 struct Stander {
   std::vector<float> row;
 
-  Stander(const Walking& walking, const StandingPosture& posture, const Yield& yield, float shift_m,
-          float look_rad)
+  Stander(const Walking& walking, const StandingPosture& posture, const AvoidancePosture& avoidance,
+          float shift_m, float head_yaw_rad)
       : row(walking.posture(0.3f, 0)) {
     row[walking.column("pelvis_lateral")] += shift_m;
     for (const char* joint : {"left_shoulder_abduction", "right_shoulder_abduction"})
       row[walking.column(joint)] += kBreath_rad;
-    walking.gait.look(look_rad, row);
-    put_yield(walking.gait.outline()->columns, yield, posture, row);
+    walking.gait.apply_head_yaw(head_yaw_rad, row);
+    apply_avoidance(walking.gait.outline()->columns, avoidance, posture, row);
   }
 };
 
@@ -84,17 +84,18 @@ void expect_within_limits(const Walking& walking, const std::vector<float>& row)
 }
 
 /// The bounds of the gait: as if no posture of those who stand were known.
-RoundRoom room_of(const Gait& gait) {
+RoundBounds round_bounds_of(const Gait& gait) {
   return {gait.sphere_centre_m().z(), gait.sphere_radius_m(), gait.upright_radius_m()};
 }
 
-void expect_inside(const Walking& walking, const UpperRoom& room, const std::vector<float>& row) {
+void expect_inside(const Walking& walking, const UpperBodyBounds& upper_bounds,
+                   const std::vector<float>& row) {
   const std::vector<PartPose> poses = walking.poses(row);
-  std::vector<PartPose> upper(static_cast<size_t>(room.kinematics().output_count()));
+  std::vector<PartPose> upper(static_cast<size_t>(upper_bounds.kinematics().output_count()));
   const RootFrame root;
-  forward_kinematics(room.kinematics(), row, {&root, 1}, upper);
-  const RoundRoom all = room_of(walking.gait);
-  const std::optional<RootBox> box = room.box_within(upper, all, SimdTarget::kBest);
+  forward_kinematics(upper_bounds.kinematics(), row, {&root, 1}, upper);
+  const RoundBounds all = round_bounds_of(walking.gait);
+  const std::optional<RootBox> box = upper_bounds.box_within(upper, all, SimdTarget::kBest);
   ASSERT_TRUE(box) << "would not be allowed to stand so";
   for (size_t part = 0; part < poses.size(); ++part)
     for (const Eigen::Vector3f& vertex : walking.model->parts[part].mesh.vertices) {
@@ -118,24 +119,24 @@ TEST(StandingPostures, EachAndAllOnTheWayStayWithinJointsAndBounds) {
   std::uniform_real_distribution<float> unit(0, 1);
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
-    const UpperRoom room(*walking.model, walking.gait.outline()->columns);
+    const UpperBodyBounds upper_bounds(*walking.model, walking.gait.outline()->columns);
     std::vector<StandingPosture> postures = all_means();
     for (uint64_t id = 0; id < 150; ++id) postures.push_back(standing_posture(9, id));
     for (const StandingPosture& posture : postures)
       for (const float share : {0.0f, 0.25f, 0.5f, 0.8f, 1.0f}) {
         SCOPED_TRACE(testing::Message()
                      << "hold " << static_cast<int>(posture.hold) << ", share " << share);
-        Yield yield;
-        yield.standing = share;
+        AvoidancePosture avoidance;
+        avoidance.standing = share;
         const bool gives_way = unit(random) < 0.5f;
         if (gives_way) {
-          yield.trunk_rad = 1.4f * unit(random) - 0.7f;
-          yield.arms = {unit(random), unit(random)};
+          avoidance.trunk_rad = 1.4f * unit(random) - 0.7f;
+          avoidance.arms = {unit(random), unit(random)};
         }
-        const float shift_m = unit(random) < 0.5f ? -kMostShift_m : kMostShift_m;
-        const Stander stander(walking, posture, yield, shift_m, unit(random) - 0.5f);
+        const float shift_m = unit(random) < 0.5f ? -kMaxShift_m : kMaxShift_m;
+        const Stander stander(walking, posture, avoidance, shift_m, unit(random) - 0.5f);
         expect_within_limits(walking, stander.row);
-        expect_inside(walking, room, stander.row);
+        expect_inside(walking, upper_bounds, stander.row);
         if (testing::Test::HasFatalFailure()) return;
       }
   }
@@ -145,9 +146,9 @@ TEST(StandingPostures, JoinedHandsMeetAndNoHandIsInTheTrunk) {
   const Walking& walking = Walking::adult();
   for (uint64_t id = 0; id < 2000; ++id) {
     const StandingPosture posture = standing_posture(4, id);
-    Yield yield;
-    yield.standing = 1;
-    const Stander stander(walking, posture, yield, 0, 0);
+    AvoidancePosture avoidance;
+    avoidance.standing = 1;
+    const Stander stander(walking, posture, avoidance, 0, 0);
     const std::vector<PartPose> poses = walking.poses(stander.row);
     std::array<Eigen::AlignedBox3d, 2> hands;
     Eigen::AlignedBox3d trunk;
@@ -181,7 +182,7 @@ TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
   std::mt19937 random(6);
   for (const float step_s : {1.0f / 30, 1.0f / 60}) {
     double fastest = 0, hardest = 0;
-    const auto arms_at = [](const YieldMotion& motion) {
+    const auto arms_at = [](const AvoidanceMotion& motion) {
       std::vector<double> angles;
       for (const StandingPosture& posture : all_means())
         for (const auto& arm : posture.arms_rad)
@@ -189,7 +190,7 @@ TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
             angles.push_back(static_cast<double>(motion.standing * angle) / kDegree);
       return angles;
     };
-    YieldMotion motion;
+    AvoidanceMotion motion;
     std::vector<double> last = arms_at(motion), before = last;
     bool stands = false;
     for (int i = 0; i < 20000; ++i) {
@@ -211,7 +212,7 @@ TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
     EXPECT_LT(fastest, kMost_degps);
     EXPECT_LT(hardest, kMost_degps2);
     const auto takes_s = [&](bool comes) {
-      YieldMotion from;
+      AvoidanceMotion from;
       from.standing = comes ? 0 : 1;
       int steps = 0;
       for (; std::abs(from.standing - (comes ? 1.0f : 0.0f)) > 0.05f; ++steps)
@@ -231,15 +232,15 @@ TEST(StandingPostures, WhoDoesNotStandSoIsLeftAlone) {
     const std::vector<float> before = walking.posture(0.4f, speed_mps);
     for (uint64_t id = 0; id < 20; ++id) {
       std::vector<float> row = before;
-      put_yield(walking.gait.outline()->columns, {}, standing_posture(1, id), row);
+      apply_avoidance(walking.gait.outline()->columns, {}, standing_posture(1, id), row);
       EXPECT_EQ(row, before);
     }
-    Yield turned;
+    AvoidancePosture turned;
     turned.trunk_rad = 0.2f;
     turned.arms = {0.3f, 0.9f};
     std::vector<float> row = before, other = before;
-    put_yield(walking.gait.outline()->columns, turned, standing_posture(1, 3), row);
-    put_yield(walking.gait.outline()->columns, turned, {}, other);
+    apply_avoidance(walking.gait.outline()->columns, turned, standing_posture(1, 3), row);
+    apply_avoidance(walking.gait.outline()->columns, turned, {}, other);
     EXPECT_EQ(row, other);
   }
 }
@@ -248,17 +249,17 @@ TEST(StandingPostures, OutlinesHoldThemAsTheyAre) {
   const Walking& walking = Walking::adult();
   const Outline& outline = *walking.gait.outline();
   ASSERT_EQ(outline.standing.size(), 2 * kArmHoldCount);
-  const auto swings = [&](ArmHold hold) -> const Limbs& {
-    return outline.swung_in(mean_standing_posture(hold, false)).ever();
+  const auto swings = [&](ArmHold hold) -> const LimbOutlines& {
+    return outline.standing_sweep(mean_standing_posture(hold, false)).envelope();
   };
   constexpr size_t kAhead = 0, kLeft = 2, kBehind = 4, kRight = 6;
-  const Limbs& hanging = swings(ArmHold::kHanging);
-  const Limbs& joined = swings(ArmHold::kJoinedHigh);
+  const LimbOutlines& hanging = swings(ArmHold::kHanging);
+  const LimbOutlines& joined = swings(ArmHold::kJoinedHigh);
   EXPECT_GT(joined.arms[0].reaches_m[kAhead], hanging.arms[0].reaches_m[kAhead] + 0.05f);
   EXPECT_LT(joined.arms[0].reaches_m[kRight], hanging.arms[0].reaches_m[kRight]);
-  const Limbs& behind = swings(ArmHold::kBehindBack);
+  const LimbOutlines& behind = swings(ArmHold::kBehindBack);
   EXPECT_GT(behind.arms[1].reaches_m[kBehind], hanging.arms[1].reaches_m[kBehind] + 0.05f);
-  const Limbs& raised = swings(ArmHold::kOneHandRaised);
+  const LimbOutlines& raised = swings(ArmHold::kOneHandRaised);
   EXPECT_GT(raised.arms[0].reaches_m[kAhead], raised.arms[1].reaches_m[kAhead] + 0.1f);
   EXPECT_NEAR(raised.arms[1].reaches_m[kLeft], hanging.arms[1].reaches_m[kLeft], 1e-5f);
 }

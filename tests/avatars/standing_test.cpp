@@ -31,7 +31,7 @@ TEST(Standing, WeightIsShiftedSmoothlyOnceInAWhileAndBreathGoesOn) {
       bool breathed_in = false;
       for (int frame = 0; frame < kFrames; ++frame) {
         const QuietStanding now = quiet_standing(seed, id, 1e4 + frame * kStep_s);
-        ASSERT_LE(std::abs(now.shift_m), kMostShift_m);
+        ASSERT_LE(std::abs(now.shift_m), kMaxShift_m);
         ASSERT_GE(now.breath, 0);
         ASSERT_LE(now.breath, 1);
         breaths += now.breath > 0.9f && !breathed_in;
@@ -70,54 +70,54 @@ TEST(Standing, WeightIsShiftedSmoothlyOnceInAWhileAndBreathGoesOn) {
 }
 
 TEST(Standing, ComesAfterASecondAndGoesWithinAnother) {
-  float stood_s = 0, before = 0;
+  float standing_time_s = 0, before = 0;
   for (int frame = 0; frame < 120; ++frame) {
-    stood_s = stood_after(stood_s, true, static_cast<float>(kStep_s));
-    const float share = standing_share(stood_s);
+    standing_time_s = advance_standing_time(standing_time_s, true, static_cast<float>(kStep_s));
+    const float share = standing_share(standing_time_s);
     EXPECT_TRUE(frame >= 28 || share == 0) << "frame " << frame;
     EXPECT_LE(std::abs(share - before), 0.06f);
     before = share;
   }
   EXPECT_EQ(before, 1);
   int frames = 0;
-  for (; standing_share(stood_s) > 0; ++frames) {
-    stood_s = stood_after(stood_s, false, static_cast<float>(kStep_s));
-    EXPECT_LE(std::abs(standing_share(stood_s) - before), 0.16f);
-    before = standing_share(stood_s);
+  for (; standing_share(standing_time_s) > 0; ++frames) {
+    standing_time_s = advance_standing_time(standing_time_s, false, static_cast<float>(kStep_s));
+    EXPECT_LE(std::abs(standing_share(standing_time_s) - before), 0.16f);
+    before = standing_share(standing_time_s);
   }
   EXPECT_LE(frames, 16);
-  EXPECT_EQ(stood_s, 0) << "whoever has walked settles down anew";
+  EXPECT_EQ(standing_time_s, 0) << "whoever has walked settles down anew";
 }
 
 /// Some people of one style who stand, each as large as it likes.
 class Standers {
  public:
   explicit Standers(const Walking& walking, float ahead_mps = 0) : walking_(walking) {
-    chunk_.count = kPeople;
-    chunk_.step_s = static_cast<float>(kStep_s);
-    chunk_.postures = postures_.data();
+    batch_.count = kPeople;
+    batch_.step_s = static_cast<float>(kStep_s);
+    batch_.postures = postures_.data();
     for (size_t i = 0; i < kPeople; ++i) {
-      chunk_.scales[i] = 0.7f + 0.03f * static_cast<float>(i);
-      chunk_.phases[i] = static_cast<float>(i) / kPeople;
-      chunk_.gait_mps[i] = kNotComeIn;
-      chunk_.ahead_mps[i] = ahead_mps;
-      chunk_.present[i] = chunk_.stretch[i] = chunk_.w_before[i] = chunk_.w_after[i] = 1;
-      chunk_.gaits[i] = &walking.gait;
+      batch_.scales[i] = 0.7f + 0.03f * static_cast<float>(i);
+      batch_.phases[i] = static_cast<float>(i) / kPeople;
+      batch_.gait_mps[i] = kNotEntered;
+      batch_.ahead_mps[i] = ahead_mps;
+      batch_.present[i] = batch_.stride_scale[i] = batch_.w_before[i] = batch_.w_after[i] = 1;
+      batch_.gaits[i] = &walking.gait;
     }
   }
 
   void step(const std::array<QuietStanding, kPeople>& adds, SimdTarget target = SimdTarget::kBest) {
     for (size_t i = 0; i < kPeople; ++i) {
-      chunk_.shift_m[i] = adds[i].shift_m;
-      chunk_.breath[i] = adds[i].breath;
+      batch_.shift_m[i] = adds[i].shift_m;
+      batch_.breath[i] = adds[i].breath;
     }
-    Gait::walk(chunk_, target);
+    Gait::walk(batch_, target);
   }
   /// The people in turn: as far as it goes to either side, breathed in or not.
   void step_to_the_ends(uint64_t frame) {
     std::array<QuietStanding, kPeople> adds;
     for (size_t i = 0; i < kPeople; ++i)
-      adds[i] = {(i + frame) % 2 == 0 ? kMostShift_m : -kMostShift_m,
+      adds[i] = {(i + frame) % 2 == 0 ? kMaxShift_m : -kMaxShift_m,
                  (i / 2 + frame) % 2 == 0 ? 1.0f : 0.0f};
     step(adds);
   }
@@ -129,33 +129,33 @@ class Standers {
     Gait::postures({&gait, 1}, postures_, {&me, 1}, row);
     return walking_.poses(row);
   }
-  const WalkChunk& chunk() const { return chunk_; }
-  const std::array<WalkPosture, WalkChunk::kRoom>& postures() const { return postures_; }
+  const WalkBatch& batch() const { return batch_; }
+  const std::array<WalkPosture, WalkBatch::kCapacity>& postures() const { return postures_; }
   /// At scale 1.
   RootBox box(size_t i) const {
-    return walking_.gait.box_of({chunk_.room_x[i], chunk_.room_y[i]}, 1);
+    return walking_.gait.box_of({batch_.bounds_x[i], batch_.bounds_y[i]}, 1);
   }
 
  private:
   const Walking& walking_;
-  WalkChunk chunk_{};
-  std::array<WalkPosture, WalkChunk::kRoom> postures_{};
+  WalkBatch batch_{};
+  std::array<WalkPosture, WalkBatch::kCapacity> postures_{};
 };
 
 TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
   for (const Walking& walking : Walking::styles()) {
     Standers standers(walking);
     std::array<std::vector<Eigen::Vector3d>, kPeople> first;
-    double farthest_m = 0, highest_m = 0, most_shift_m = 0;
+    double farthest_m = 0, highest_m = 0, max_shift_m = 0;
     for (int frame = 0; frame < 1800; ++frame) {
       std::array<QuietStanding, kPeople> adds;
       for (size_t i = 0; i < kPeople; ++i) adds[i] = quiet_standing(7, i, frame * kStep_s);
       standers.step(adds);
       if (frame % 6 != 0) continue;
       for (size_t i = 0; i < kPeople; ++i) {
-        EXPECT_EQ(standers.chunk().out_of_reach[i], 0);
-        EXPECT_EQ(standers.chunk().shift_m[i], adds[i].shift_m);
-        most_shift_m = std::max(most_shift_m, static_cast<double>(std::abs(adds[i].shift_m)));
+        EXPECT_EQ(standers.batch().out_of_reach[i], 0);
+        EXPECT_EQ(standers.batch().shift_m[i], adds[i].shift_m);
+        max_shift_m = std::max(max_shift_m, static_cast<double>(std::abs(adds[i].shift_m)));
         const std::vector<PartPose> poses = standers.poses(i);
         size_t next = 0;
         for (const size_t foot : {walking.right_foot, walking.left_foot}) {
@@ -173,7 +173,7 @@ TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
     }
     std::printf("%s: soles move %.2f mm at most, and are %.2f mm above the ground or in it\n",
                 walking.name().c_str(), 1e3 * farthest_m, 1e3 * highest_m);
-    EXPECT_GT(most_shift_m, 0.035) << "nobody shifted any weight";
+    EXPECT_GT(max_shift_m, 0.035) << "nobody shifted any weight";
     EXPECT_LT(farthest_m, 0.002) << walking.name();
     EXPECT_LT(highest_m, 0.004) << walking.name();
   }
@@ -191,7 +191,7 @@ TEST(Standing, EveryPostureStaysInsideItsBoundsAndJointLimits) {
       for (uint64_t frame = 0; frame < 4; ++frame) {
         standers.step_to_the_ends(frame);
         for (size_t i = 0; i < kPeople; ++i) {
-          shifted += standers.chunk().shift_m[i] != 0;
+          shifted += standers.batch().shift_m[i] != 0;
           std::vector<float> row(columns.size());
           const Gait* gait = &walking.gait;
           const auto me = static_cast<uint32_t>(i);
@@ -231,8 +231,8 @@ TEST(Standing, WhoWalksIsLeftAlone) {
       EXPECT_TRUE(
           std::equal(std::begin(numbers), std::end(numbers), std::begin(others), std::end(others)))
           << "person " << i << ", frame " << frame;
-      EXPECT_EQ(asked.chunk().room_x[i], left_alone.chunk().room_x[i]);
-      EXPECT_EQ(asked.chunk().room_y[i], left_alone.chunk().room_y[i]);
+      EXPECT_EQ(asked.batch().bounds_x[i], left_alone.batch().bounds_x[i]);
+      EXPECT_EQ(asked.batch().bounds_y[i], left_alone.batch().bounds_y[i]);
     }
   }
 }

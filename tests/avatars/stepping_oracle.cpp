@@ -14,12 +14,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // The gait's table: speeds uniform in the root of the relative speed, phases of the cycle.
-constexpr double kFastestRelativeSpeed = 2.6;
+constexpr double kMaxRelativeSpeed = 2.6;
 constexpr int kSpeeds = 33;
 constexpr int kPhases = 128;
 
 constexpr double kComfort_rad = 0.3, kComfortShare = 0.12, kBeforeLift_s = 0.25;
-constexpr double kMostTurn_rad = 0.58, kMostTurnOutAtLanding_rad = 0.42;
+constexpr double kMaxTurn_rad = 0.58, kMaxLandingTurnOut_rad = 0.42;
 
 double fraction(double x) { return x - std::floor(x); }
 double own_phase(double phase, size_t side) { return side == 0 ? phase : fraction(phase + 0.5); }
@@ -69,8 +69,8 @@ SteppingOracle::SteppingOracle(const Model& model, GaitStyle style, double uprig
       leg_m_(walker_.value().leg_length_m()),
       upright_radius_m_(upright_radius_m) {
   for (int speed = 0; speed < kSpeeds; ++speed) {
-    const double root = std::sqrt(kFastestRelativeSpeed) * speed / (kSpeeds - 1);
-    cycles_.push_back(walker_->cycle(std::min(root * root, kFastestRelativeSpeed), kPhases));
+    const double root = std::sqrt(kMaxRelativeSpeed) * speed / (kSpeeds - 1);
+    cycles_.push_back(walker_->cycle(std::min(root * root, kMaxRelativeSpeed), kPhases));
     if (speed == 0) cycles_.back().assign(kPhases, WalkerPose(cycles_.back().front()));
     tracks_.push_back(track_of(speed));
   }
@@ -78,10 +78,10 @@ SteppingOracle::SteppingOracle(const Model& model, GaitStyle style, double uprig
 
 SteppingOracle::Track SteppingOracle::track_of(int node) const {
   const std::vector<WalkerPose>& cycle = cycles_[static_cast<size_t>(node)];
-  const double root = std::sqrt(kFastestRelativeSpeed) * node / (kSpeeds - 1);
+  const double root = std::sqrt(kMaxRelativeSpeed) * node / (kSpeeds - 1);
   Track track;
   track.stance = stance_fraction(root * root, style_);
-  track.stride_m = stride_per_root_speed(style_) * root * leg_m_;
+  track.stride_m = stride_per_sqrt_speed(style_) * root * leg_m_;
   track.shift_m = cycle.front().shift_m;
   for (size_t side = 0; side < 2; ++side) {
     const WalkerPose::Foot& strikes = cycle[side == 0 ? 0 : kPhases / 2].feet[side];
@@ -93,18 +93,17 @@ SteppingOracle::Track SteppingOracle::track_of(int node) const {
   return track;
 }
 
-double SteppingOracle::root_speed(double mps, double scale) const {
-  return std::min(std::sqrt(std::max(mps, 0.0) / (scale * leg_m_)),
-                  std::sqrt(kFastestRelativeSpeed));
+double SteppingOracle::sqrt_speed(double mps, double scale) const {
+  return std::min(std::sqrt(std::max(mps, 0.0) / (scale * leg_m_)), std::sqrt(kMaxRelativeSpeed));
 }
 
 int SteppingOracle::cell_of(double root) const {
-  const double cells = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed);
+  const double cells = root * (kSpeeds - 1) / std::sqrt(kMaxRelativeSpeed);
   return std::min(static_cast<int>(cells), kSpeeds - 2);
 }
 
 SteppingOracle::Track SteppingOracle::track_at(double root, int cell) const {
-  const double v = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed) - cell;
+  const double v = root * (kSpeeds - 1) / std::sqrt(kMaxRelativeSpeed) - cell;
   const Track &a = tracks_[static_cast<size_t>(cell)], &b = tracks_[static_cast<size_t>(cell) + 1];
   return {std::lerp(a.stance, b.stance, v),
           std::lerp(a.shift_m, b.shift_m, v),
@@ -115,10 +114,10 @@ SteppingOracle::Track SteppingOracle::track_at(double root, int cell) const {
 
 double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
                                     const Track& before, const Track& after) const {
-  const Vector2d way = moved(m);
+  const Vector2d displacement = moved(m);
   const double turn = turn_of(m);
-  const double speed = std::max(way.x(), 0.0) / m.step_s;
-  const double stride_m = std::max(after.stride_m, 0.03 * leg_m_) * m.scale * m.stretch;
+  const double speed = std::max(displacement.x(), 0.0) / m.step_s;
+  const double stride_m = std::max(after.stride_m, 0.03 * leg_m_) * m.scale * m.stride_scale;
   double finishing = 0, behind_m = 0, turn_need = 0, way_need = 0;
   for (size_t side = 0; side < 2; ++side) {
     const OracleFoot& foot = s.feet[side];
@@ -132,7 +131,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
     if (foot.turn_rad * turn <= 0)
       turn_need = std::max(
           turn_need, std::abs(foot.turn_rad - kBeforeLift_s / m.step_s * turn) / kComfort_rad);
-    if (foot.shift_m.dot(way) <= 0)
+    if (foot.shift_m.dot(displacement) <= 0)
       way_need = std::max(way_need, foot.shift_m.norm() / (kComfortShare * leg_m_));
   }
   double rate = speed / stride_m;
@@ -140,32 +139,33 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   rate = std::max(rate, finishing);
   const double turning = std::min(before.stance * std::abs(turn) / m.step_s / 0.87, 1.6);
   rate = std::max(rate, turning * std::min(speed / 0.2, 1.0));
-  const double aside_m = std::abs(way.y()) + std::max(-way.x(), 0.0);
+  const double aside_m = std::abs(displacement.y()) + std::max(-displacement.x(), 0.0);
   const double travel =
       std::max(std::abs(turn) / kComfort_rad, aside_m / m.scale / (kComfortShare * leg_m_));
   const double stepping = std::clamp(0.5 * before.stance * travel / m.step_s, 1.2, 1.6);
   const double due = 2 * std::max(turn_need, way_need) - 1;
-  const double urge = std::clamp(std::max(due, std::min(15 * due, 0.3)), 0.0, 1.0);
-  return std::max(rate, std::max(1 - speed / 0.8, 0.0) * stepping * urge);
+  const double urgency = std::clamp(std::max(due, std::min(15 * due, 0.3)), 0.0, 1.0);
+  return std::max(rate, std::max(1 - speed / 0.8, 0.0) * stepping * urgency);
 }
 
 SteppingOracle::Landing SteppingOracle::landing(const OracleMotion& m, double rate,
                                                 const Track& track, size_t side) const {
   const double ahead_s = std::min(0.5 * track.stance / std::max(rate, 1e-3), 0.9);
   const double steps = ahead_s / m.step_s;
-  const double turn = std::clamp(turn_of(m) * steps, -kMostTurn_rad, kMostTurn_rad);
+  const double turn = std::clamp(turn_of(m) * steps, -kMaxTurn_rad, kMaxTurn_rad);
   const double chord = std::abs(turn) > 1e-9 ? std::sin(0.5 * turn) / (0.5 * turn) : 1;
-  Vector2d way = steps * chord / m.scale * moved(m);
+  Vector2d displacement = steps * chord / m.scale * moved(m);
   // The trailing foot does not come too near to the leading one.
-  way.y() = side == 0 ? std::min(way.y(), 0.03) : std::max(way.y(), -0.03);
+  displacement.y() =
+      side == 0 ? std::min(displacement.y(), 0.03) : std::max(displacement.y(), -0.03);
   const Vector2d passes(track.x_at(0.5 * track.stance), track.side_m[side]);
   const Vector2d lands(track.x_at(0), track.side_m[side]);
-  constexpr double kUsed_rad = 0.95 * kMostTurn_rad;
-  const double inwards = kUsed_rad, outwards = kMostTurnOutAtLanding_rad;
+  constexpr double kUsed_rad = 0.95 * kMaxTurn_rad;
+  const double inwards = kUsed_rad, outwards = kMaxLandingTurnOut_rad;
   const double left = side == 0 ? inwards : outwards, right = side == 0 ? outwards : inwards;
   const double foot =
       turn > 0 ? std::max(turn, 2 * turn - kUsed_rad) : std::min(turn, 2 * turn + kUsed_rad);
-  return {Rotation2Dd(0.5 * turn) * way + Rotation2Dd(turn) * passes - lands,
+  return {Rotation2Dd(0.5 * turn) * displacement + Rotation2Dd(turn) * passes - lands,
           std::clamp(foot, -right, left)};
 }
 
@@ -183,7 +183,7 @@ OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion&
     foot.shift_m = Rotation2Dd(-turn_of(m)) * (stood - moved(m) / m.scale) - natural;
     foot.turn_rad -= turn_of(m);
   }
-  const double allowed = std::clamp(foot.turn_rad, -kMostTurn_rad, kMostTurn_rad);
+  const double allowed = std::clamp(foot.turn_rad, -kMaxTurn_rad, kMaxTurn_rad);
   const double forced = allowed - foot.turn_rad, contact_m = 0.25 * own_next;
   foot.shift_m += contact_m * forced * Vector2d(allowed, -1);
   foot.turn_rad = allowed;
@@ -204,9 +204,10 @@ OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goa
   const double swings_ps = std::max(rate / (1 - track.stance), 1e-3);
   const double until_s = (1 - v) / swings_ps + step_s;
   OracleFoot next = foot;
-  const auto go = [&](double to, double fastest_ps, double hardest_ps2, double& at, double& speed) {
-    go_on(to, 1 - u, v - u, hardest_ps2 / (swings_ps * swings_ps),
-          std::min(fastest_ps, hardest_ps2 * until_s) / swings_ps, at, speed);
+  const auto go = [&](double to, double max_speed_ps, double max_acceleration_ps2, double& at,
+                      double& speed) {
+    go_on(to, 1 - u, v - u, max_acceleration_ps2 / (swings_ps * swings_ps),
+          std::min(max_speed_ps, max_acceleration_ps2 * until_s) / swings_ps, at, speed);
   };
   go(goal.shift_m.x(), 100, 40, next.shift_m.x(), next.speed.x());
   go(goal.turn_rad, 3.6, 60, next.turn_rad, next.speed.z());
@@ -226,21 +227,21 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
   if (s.gait_mps < 0 || m.way_m.norm() > 1) {
     next.gait_mps = std::max(m.ahead_mps, 0.0);
     next.feet = {};
-    next.cycles_ps = -1;
+    next.cadence_hz = -1;
     return next;
   }
   const double change = std::max(m.ahead_mps, 0.0) - s.gait_mps;
   next.gait_mps += std::copysign(std::max(m.step_s / (0.25 + m.step_s) * std::abs(change),
                                           std::min(std::abs(change), 0.2 * m.step_s)),
                                  change);
-  const double root = root_speed(next.gait_mps, m.scale);
+  const double root = sqrt_speed(next.gait_mps, m.scale);
   const int cell = cell_of(root);
   const Track after = track_at(root, cell);
-  const Track before = track_at(root_speed(s.gait_mps, m.scale), cell);
-  const double wanted = std::min(cycles_per_s(s, m, before, after), 1.9), most = 14 * m.step_s;
+  const Track before = track_at(sqrt_speed(s.gait_mps, m.scale), cell);
+  const double target = std::min(cycles_per_s(s, m, before, after), 1.9), most = 14 * m.step_s;
   const double rate =
-      s.cycles_ps < 0 ? wanted : std::clamp(wanted, s.cycles_ps - most, s.cycles_ps + most);
-  next.cycles_ps = rate;
+      s.cadence_hz < 0 ? target : std::clamp(target, s.cadence_hz - most, s.cadence_hz + most);
+  next.cadence_hz = rate;
   next.phase = fraction(s.phase + rate * m.step_s);
   for (size_t side = 0; side < 2; ++side) {
     const double own = own_phase(s.phase, side), own_next = own_phase(next.phase, side);
@@ -261,17 +262,17 @@ bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const Orac
   const auto is_near_zero = [](double x, double size) {
     return x != 0 && std::abs(x) < kNear * size;
   };
-  const Vector2d way = moved(m);
-  if (is_near_zero(way.x(), way.norm())) return true;
-  const int cell = cell_of(root_speed(after.gait_mps, m.scale));
+  const Vector2d displacement = moved(m);
+  if (is_near_zero(displacement.x(), displacement.norm())) return true;
+  const int cell = cell_of(sqrt_speed(after.gait_mps, m.scale));
   for (size_t side = 0; side < 2; ++side) {
     const OracleFoot& foot = before.feet[side];
-    if (is_near_zero(foot.shift_m.dot(way), foot.shift_m.norm() * way.norm()) ||
+    if (is_near_zero(foot.shift_m.dot(displacement), foot.shift_m.norm() * displacement.norm()) ||
         is_near_zero(foot.turn_rad, 1))
       return true;
     for (const OracleState* s : {&before, &after}) {
       const double own = own_phase(s->phase, side);
-      const double stance = track_at(root_speed(s->gait_mps, m.scale), cell).stance;
+      const double stance = track_at(sqrt_speed(s->gait_mps, m.scale), cell).stance;
       for (const double turning : {0.0, 0.5 * stance, stance, 1.0})
         if (std::abs(own - turning) < kNear) return true;
     }
@@ -281,10 +282,10 @@ bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const Orac
 
 SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, size_t side,
                                             double drop_m, double raise_rad) const {
-  const double root = root_speed(s.gait_mps, scale);
+  const double root = sqrt_speed(s.gait_mps, scale);
   const int cell = cell_of(root);
   const Track track = track_at(root, cell);
-  const double v = root * (kSpeeds - 1) / std::sqrt(kFastestRelativeSpeed) - cell;
+  const double v = root * (kSpeeds - 1) / std::sqrt(kMaxRelativeSpeed) - cell;
   const double x = s.phase * kPhases;
   const int phase = std::min(static_cast<int>(x), kPhases - 1);
   const double u = x - phase;
@@ -293,12 +294,12 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
   double ground_x = 0, ground_z = 0, roll = 0;
   double natural_lean = 0;
   FootTarget target;
-  for (const int next_speed : {0, 1})
-    for (const int next_phase : {0, 1}) {
-      const double share = (next_speed == 1 ? v : 1 - v) * (next_phase == 1 ? u : 1 - u);
+  for (const int speed_stride : {0, 1})
+    for (const int phase_stride : {0, 1}) {
+      const double share = (speed_stride == 1 ? v : 1 - v) * (phase_stride == 1 ? u : 1 - u);
       const WalkerPose::Foot& foot =
-          cycles_[static_cast<size_t>(cell) + static_cast<size_t>(next_speed)]
-                 [(static_cast<size_t>(phase) + static_cast<size_t>(next_phase)) % kPhases]
+          cycles_[static_cast<size_t>(cell) + static_cast<size_t>(speed_stride)]
+                 [(static_cast<size_t>(phase) + static_cast<size_t>(phase_stride)) % kPhases]
                      .feet[side];
       const double rolled = leg.roll_m(foot.target.pitch_rad);
       hip += share * foot.hip_m;

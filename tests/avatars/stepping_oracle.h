@@ -21,7 +21,7 @@ struct OracleMotion {
   double scale = 1;
   double step_s = 1.0 / 60;
   bool is_present = true;
-  double stretch = 1;
+  double stride_scale = 1;
   /// So far from where they would do the feet land, root frame at scale 1.
   std::array<Eigen::Vector2d, 2> landing_m = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 };
@@ -38,7 +38,7 @@ struct OracleFoot {
 struct OracleState {
   double gait_mps = -1;  ///< below 0: has not come in
   double phase = 0;
-  double cycles_ps = -1;           ///< below 0: not known yet
+  double cadence_hz = -1;          ///< below 0: not known yet
   std::array<OracleFoot, 2> feet;  ///< right, left
 };
 
@@ -68,8 +68,8 @@ class SteppingOracle {
   /// `raise_rad`: the heel is higher than the gait has it.
   Ankle ankle(const OracleState& state, double scale, size_t side, double drop_m,
               double raise_rad = 0) const;
-  double longest_m(size_t side) const {
-    return walker_->leg(side).reach_m(Walker::kStraightestKnee_rad);
+  double max_reach_m(size_t side) const {
+    return walker_->leg(side).reach_m(Walker::kMinKneeBend_rad);
   }
   /// Where a foot lifts or lands, passes under the body, or trails it by a hair, and where the way
   /// is straight to the side: rounding decides.
@@ -86,10 +86,10 @@ class SteppingOracle {
     Eigen::Vector2d shift_m;
     double turn_rad = 0;
   };
-  double root_speed(double mps, double scale) const;
+  double sqrt_speed(double mps, double scale) const;
   Track track_of(int node) const;
-  Track track_at(double root_speed, int cell) const;
-  int cell_of(double root_speed) const;
+  Track track_at(double sqrt_speed, int cell) const;
+  int cell_of(double sqrt_speed) const;
   double cycles_per_s(const OracleState& s, const OracleMotion& m, const Track& before,
                       const Track& after) const;
   Landing landing(const OracleMotion& m, double cycles_per_s, const Track& track,

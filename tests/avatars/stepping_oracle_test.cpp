@@ -23,7 +23,7 @@ using test::Walking;
 
 constexpr uint64_t kSeeds = 24;
 constexpr uint64_t kFrames = 150;
-constexpr size_t kPeople = WalkChunk::kRoom;
+constexpr size_t kPeople = WalkBatch::kCapacity;
 
 // Single precision over numbers of up to a metre, and series cut off at 1e-4 of a chord: three
 // times what was found. What a swing has left of its way is a quotient of small numbers at its end.
@@ -42,54 +42,55 @@ double turned_by(float w, float z) {
   return 2 * std::atan2(static_cast<double>(z), static_cast<double>(w));
 }
 
-OracleState state_of(const WalkChunk& chunk, size_t i) {
+OracleState state_of(const WalkBatch& batch, size_t i) {
   OracleState state;
-  state.gait_mps = static_cast<double>(chunk.gait_mps[i]);
-  state.phase = static_cast<double>(chunk.phases[i]);
-  state.cycles_ps = static_cast<double>(chunk.momentum[WalkChunk::kCycles][i]);
+  state.gait_mps = static_cast<double>(batch.gait_mps[i]);
+  state.phase = static_cast<double>(batch.phases[i]);
+  state.cadence_hz = static_cast<double>(batch.gait_rates[WalkBatch::kCadence][i]);
   for (size_t side = 0; side < 2; ++side) {
-    const auto number = [&](const WalkChunk::Numbers* of, size_t n) {
+    const auto number = [&](const WalkBatch::Numbers* of, size_t n) {
       return static_cast<double>(of[3 * side + n][i]);
     };
     state.feet[side] = {
-        {number(chunk.feet, 0), number(chunk.feet, 1)},
-        number(chunk.feet, 2),
-        static_cast<double>(chunk.lift_m[side][i]),
-        {number(chunk.momentum, 0), number(chunk.momentum, 1), number(chunk.momentum, 2)}};
+        {number(batch.feet, 0), number(batch.feet, 1)},
+        number(batch.feet, 2),
+        static_cast<double>(batch.lift_m[side][i]),
+        {number(batch.gait_rates, 0), number(batch.gait_rates, 1), number(batch.gait_rates, 2)}};
   }
   return state;
 }
 
-OracleMotion motion_of(const WalkChunk& chunk, size_t i) {
+OracleMotion motion_of(const WalkBatch& batch, size_t i) {
   const auto landing_m = [&](size_t side) {
-    return Eigen::Vector2d(static_cast<double>(chunk.landing[2 * side][i]),
-                           static_cast<double>(chunk.landing[2 * side + 1][i]));
+    return Eigen::Vector2d(static_cast<double>(batch.landing[2 * side][i]),
+                           static_cast<double>(batch.landing[2 * side + 1][i]));
   };
-  return {{static_cast<double>(chunk.way_x_m[i]), static_cast<double>(chunk.way_y_m[i])},
-          turned_by(chunk.w_before[i], chunk.z_before[i]),
-          turned_by(chunk.w_after[i], chunk.z_after[i]),
-          static_cast<double>(chunk.ahead_mps[i]),
-          static_cast<double>(chunk.scales[i]),
-          static_cast<double>(chunk.step_s),
-          chunk.present[i] != 0,
-          static_cast<double>(chunk.stretch[i]),
+  return {{static_cast<double>(batch.displacement_x_m[i]),
+           static_cast<double>(batch.displacement_y_m[i])},
+          turned_by(batch.w_before[i], batch.z_before[i]),
+          turned_by(batch.w_after[i], batch.z_after[i]),
+          static_cast<double>(batch.ahead_mps[i]),
+          static_cast<double>(batch.scales[i]),
+          static_cast<double>(batch.step_s),
+          batch.present[i] != 0,
+          static_cast<double>(batch.stride_scale[i]),
           {landing_m(0), landing_m(1)}};
 }
 
 /// People who walk, turn, step aside, stop, jump and are away for a while, each in an own way.
 class Walkers {
  public:
-  Walkers(uint64_t seed, const Gait& gait, bool stretches = false)
-      : seed_(seed), stretches_(stretches) {
-    chunk_.count = kPeople;
-    chunk_.step_s = seed % 2 == 0 ? 1.0f / 60 : 1.0f / 30;
-    chunk_.postures = postures_.data();
+  Walkers(uint64_t seed, const Gait& gait, bool stride_scales = false)
+      : seed_(seed), stretches_(stride_scales) {
+    batch_.count = kPeople;
+    batch_.step_s = seed % 2 == 0 ? 1.0f / 60 : 1.0f / 30;
+    batch_.postures = postures_.data();
     for (size_t i = 0; i < kPeople; ++i) {
-      chunk_.scales[i] = draw(i, 0, 9, 0.7, 1.2);
-      chunk_.phases[i] = draw(i, 0, 8, 0, 1);
-      chunk_.gait_mps[i] = kNotComeIn;
-      chunk_.w_after[i] = 1;
-      chunk_.gaits[i] = &gait;
+      batch_.scales[i] = draw(i, 0, 9, 0.7, 1.2);
+      batch_.phases[i] = draw(i, 0, 8, 0, 1);
+      batch_.gait_mps[i] = kNotEntered;
+      batch_.w_after[i] = 1;
+      batch_.gaits[i] = &gait;
     }
   }
 
@@ -101,30 +102,30 @@ class Walkers {
       const float left = draw(i, stage, 5, 0, 1) < 0.6f ? 0 : draw(i, stage, 1, -0.5, 0.5);
       const float turn = draw(i, stage, 6, 0, 1) < 0.3f ? 0 : draw(i, stage, 2, -1.5, 1.5);
       const float jump = draw(i, frame, 7, 0, 1) < 0.002f ? 100.0f : 1.0f;
-      chunk_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
-      chunk_.stretch[i] =
+      batch_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
+      batch_.stride_scale[i] =
           stretches_ && draw(i, stage, 10, 0, 1) < 0.3f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
       for (uint32_t n = 0; n < 4; ++n)
-        chunk_.landing[n][i] =
+        batch_.landing[n][i] =
             stretches_ && draw(i, stage, 12, 0, 1) < 0.1f ? draw(i, stage, 13 + n, -0.06, 0.06) : 0;
-      chunk_.ahead_mps[i] = ahead;
-      chunk_.w_before[i] = chunk_.w_after[i];
-      chunk_.z_before[i] = chunk_.z_after[i];
-      const double heading = turned_by(chunk_.w_before[i], chunk_.z_before[i]);
-      const double after = heading + static_cast<double>(turn * chunk_.step_s);
-      chunk_.w_after[i] = static_cast<float>(std::cos(0.5 * after));
-      chunk_.z_after[i] = static_cast<float>(std::sin(0.5 * after));
-      const Eigen::Vector2d way =
+      batch_.ahead_mps[i] = ahead;
+      batch_.w_before[i] = batch_.w_after[i];
+      batch_.z_before[i] = batch_.z_after[i];
+      const double heading = turned_by(batch_.w_before[i], batch_.z_before[i]);
+      const double after = heading + static_cast<double>(turn * batch_.step_s);
+      batch_.w_after[i] = static_cast<float>(std::cos(0.5 * after));
+      batch_.z_after[i] = static_cast<float>(std::sin(0.5 * after));
+      const Eigen::Vector2d displacement =
           Eigen::Rotation2Dd(0.5 * (heading + after)) *
           Eigen::Vector2d(static_cast<double>(ahead), static_cast<double>(left)) *
-          static_cast<double>(jump * chunk_.step_s);
-      chunk_.way_x_m[i] = static_cast<float>(way.x());
-      chunk_.way_y_m[i] = static_cast<float>(way.y());
+          static_cast<double>(jump * batch_.step_s);
+      batch_.displacement_x_m[i] = static_cast<float>(displacement.x());
+      batch_.displacement_y_m[i] = static_cast<float>(displacement.y());
     }
-    Gait::walk(chunk_, target);
+    Gait::walk(batch_, target);
   }
 
-  const WalkChunk& chunk() const { return chunk_; }
+  const WalkBatch& batch() const { return batch_; }
 
  private:
   float draw(size_t person, uint64_t stage, uint32_t what, double low, double high) const {
@@ -134,12 +135,12 @@ class Walkers {
 
   uint64_t seed_;
   bool stretches_;
-  WalkChunk chunk_{};
+  WalkBatch batch_{};
   std::array<WalkPosture, kPeople> postures_;
 };
 
 /// The largest of what was found, and where.
-constexpr double kMostRaise_rad = 0.4;
+constexpr double kMaxHeelRaise_rad = 0.4;
 
 /// Of a foot that is turned so from the zero posture: toes up positive.
 double pitch_of(const Eigen::Matrix3d& turn) {
@@ -193,14 +194,14 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
   int taken_back = 0, turning_points = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Walkers walkers(seed, walking().gait, true);
-    const WalkChunk& chunk = walkers.chunk();
+    const WalkBatch& batch = walkers.batch();
     for (uint64_t frame = 0; frame < kFrames; ++frame) {
       std::array<OracleState, kPeople> before;
-      for (size_t i = 0; i < kPeople; ++i) before[i] = state_of(chunk, i);
+      for (size_t i = 0; i < kPeople; ++i) before[i] = state_of(batch, i);
       walkers.step(frame, target_of(seed));
       for (size_t i = 0; i < kPeople; ++i) {
-        const OracleMotion motion = motion_of(chunk, i);
-        const OracleState expected = oracle_.step(before[i], motion), found = state_of(chunk, i);
+        const OracleMotion motion = motion_of(batch, i);
+        const OracleState expected = oracle_.step(before[i], motion), found = state_of(batch, i);
         speed.take(std::abs(expected.gait_mps - found.gait_mps), seed, frame, i);
         if (!motion.is_present) {
           EXPECT_EQ(expected.phase, found.phase);
@@ -210,9 +211,9 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
           ++turning_points;
           continue;
         }
-        cycles.take(std::abs(expected.cycles_ps - found.cycles_ps), seed, frame, i);
+        cycles.take(std::abs(expected.cadence_hz - found.cadence_hz), seed, frame, i);
         phase.take(std::abs(std::remainder(expected.phase - found.phase, 1.0)), seed, frame, i);
-        if (chunk.out_of_reach[i] != 0) {  // what legs do not reach is taken back, never more
+        if (batch.out_of_reach[i] != 0) {  // what legs do not reach is taken back, never more
           ++taken_back;
           for (size_t side = 0; side < 2; ++side)
             EXPECT_LE(found.feet[side].shift_m.norm(),
@@ -243,37 +244,39 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
 
 /// Whatever somebody does, steps get quicker and the pelvis sinks no harder than they may.
 TEST_P(SteppingOracleTest, NeitherStepsNorPelvisJerk) {
-  constexpr double kCyclesChange_hz_ps = 14, kSinking_mps = 0.12, kSinking_mps2 = 1.5;
+  constexpr double kCadenceChange_hz_ps = 14, kMaxDropSpeed_mps = 0.12,
+                   kMaxDropAcceleration_mps2 = 1.5;
   Worst cycles, sinking, sunk;
   int sank = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Walkers walkers(seed, walking().gait, true);
-    const WalkChunk& chunk = walkers.chunk();
+    const WalkBatch& batch = walkers.batch();
     const auto now = [&](size_t what, size_t i) {
-      return static_cast<double>(chunk.momentum[what][i]);
+      return static_cast<double>(batch.gait_rates[what][i]);
     };
     for (uint64_t frame = 0; frame < kFrames; ++frame) {
       std::array<std::array<double, 3>, kPeople> before;
       for (size_t i = 0; i < kPeople; ++i)
-        before[i] = {now(WalkChunk::kCycles, i), now(WalkChunk::kSunk, i),
-                     now(WalkChunk::kSinking, i)};
+        before[i] = {now(WalkBatch::kCadence, i), now(WalkBatch::kPelvisDrop, i),
+                     now(WalkBatch::kPelvisDropSpeed, i)};
       walkers.step(frame, target_of(seed));
-      const auto step_s = static_cast<double>(chunk.step_s);
+      const auto step_s = static_cast<double>(batch.step_s);
       for (size_t i = 0; i < kPeople; ++i) {
         // Who has just come in has no pace yet, and who has no legs for a step takes the gait's.
-        const bool has_pace = before[i][0] >= 0 && now(WalkChunk::kCycles, i) >= 0;
-        if (chunk.present[i] == 0 || !has_pace || chunk.out_of_reach[i] != 0) continue;
-        cycles.take(std::abs(now(WalkChunk::kCycles, i) - before[i][0]) / step_s, seed, frame, i);
-        sunk.take(std::abs(now(WalkChunk::kSunk, i) - before[i][1]) / step_s, seed, frame, i);
-        sinking.take(std::abs(now(WalkChunk::kSinking, i) - before[i][2]) / step_s, seed, frame, i);
-        sank += now(WalkChunk::kSunk, i) > 0;
+        const bool has_pace = before[i][0] >= 0 && now(WalkBatch::kCadence, i) >= 0;
+        if (batch.present[i] == 0 || !has_pace || batch.out_of_reach[i] != 0) continue;
+        cycles.take(std::abs(now(WalkBatch::kCadence, i) - before[i][0]) / step_s, seed, frame, i);
+        sunk.take(std::abs(now(WalkBatch::kPelvisDrop, i) - before[i][1]) / step_s, seed, frame, i);
+        sinking.take(std::abs(now(WalkBatch::kPelvisDropSpeed, i) - before[i][2]) / step_s, seed,
+                     frame, i);
+        sank += now(WalkBatch::kPelvisDrop, i) > 0;
       }
     }
   }
   constexpr double kRounding = 1e-3;
-  cycles.expect_below(kCyclesChange_hz_ps + kRounding, "change of cycles a second, a second");
-  sunk.expect_below(kSinking_mps + kRounding, "a pelvis that sinks, m/s");
-  sinking.expect_below(kSinking_mps2 + kRounding, "a pelvis that begins to sink, m/s2");
+  cycles.expect_below(kCadenceChange_hz_ps + kRounding, "change of cycles a second, a second");
+  sunk.expect_below(kMaxDropSpeed_mps + kRounding, "a pelvis that sinks, m/s");
+  sinking.expect_below(kMaxDropAcceleration_mps2 + kRounding, "a pelvis that begins to sink, m/s2");
   EXPECT_GT(sank, 1000) << "hardly any pelvis sank";
 }
 
@@ -287,20 +290,20 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
   int lowered = 0, too_far = 0, flat = 0, raised = 0, tilted = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
     Walkers walkers(seed, w.gait);
-    const WalkChunk& chunk = walkers.chunk();
+    const WalkBatch& batch = walkers.batch();
     for (uint64_t frame = 0; frame < kFrames; ++frame) {
       walkers.step(frame, target_of(seed));
       if (frame % 10 != 9) continue;
       for (uint32_t i = 0; i < kPeople; ++i) {
-        if (chunk.present[i] == 0 || chunk.gait_mps[i] < 0 || chunk.out_of_reach[i] != 0) continue;
+        if (batch.present[i] == 0 || batch.gait_mps[i] < 0 || batch.out_of_reach[i] != 0) continue;
         const Gait* gait = &w.gait;
-        Gait::postures({&gait, 1}, {chunk.postures, kPeople}, {&i, 1}, row);
+        Gait::postures({&gait, 1}, {batch.postures, kPeople}, {&i, 1}, row);
         const std::vector<PartPose> poses = w.poses(row);
-        const OracleState state = state_of(chunk, i);
-        const auto drop_m = static_cast<double>(chunk.postures[i].numbers[WalkPosture::kDrop]);
+        const OracleState state = state_of(batch, i);
+        const auto drop_m = static_cast<double>(batch.postures[i].numbers[WalkPosture::kDrop]);
         lowered += drop_m > 0;
         for (size_t side = 0; side < 2; ++side) {
-          const auto scale = static_cast<double>(chunk.scales[i]);
+          const auto scale = static_cast<double>(batch.scales[i]);
           const Eigen::Isometry3d foot = to_isometry(poses[parts[side]]);
           const Eigen::Matrix3d turn =
               foot.linear() * to_isometry(zero[parts[side]]).linear().transpose();
@@ -309,17 +312,17 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
           double raise_rad = natural.pitch_rad - pitch_of(turn);
           if (std::abs(raise_rad) < 1e-4) raise_rad = 0;
           const bool may_rise =
-              natural.is_behind && natural.from_hip_m > oracle_.longest_m(side) - 1e-3;
+              natural.is_behind && natural.from_hip_m > oracle_.max_reach_m(side) - 1e-3;
           if (raise_rad != 0 && (!may_rise || is_at_limit(w, row, side))) {  // that tilts the foot
             ++tilted;
             continue;
           }
           raised += raise_rad > 0;
-          EXPECT_LE(raise_rad, kMostRaise_rad + 1e-4);
+          EXPECT_LE(raise_rad, kMaxHeelRaise_rad + 1e-4);
           const SteppingOracle::Ankle expected =
               oracle_.ankle(state, scale, side, drop_m, raise_rad);
           // A pelvis that is still sinking leaves a foot away from where it should be.
-          if (expected.from_hip_m > oracle_.longest_m(side) - kHeightBound_m) {
+          if (expected.from_hip_m > oracle_.max_reach_m(side) - kHeightBound_m) {
             ++too_far;
             continue;
           }

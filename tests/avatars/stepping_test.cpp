@@ -31,40 +31,41 @@ struct Pace {
 class Path {
  public:
   explicit Path(float start_mps = 0, float step_s = 1.0f / 60) {
-    chunk_.count = 1;
-    chunk_.step_s = step_s;
-    chunk_.scales[0] = chunk_.present[0] = chunk_.stretch[0] = chunk_.w_before[0] =
-        chunk_.w_after[0] = 1;
-    chunk_.gait_mps[0] = kNotComeIn;
-    chunk_.ahead_mps[0] = start_mps;
+    batch_.count = 1;
+    batch_.step_s = step_s;
+    batch_.scales[0] = batch_.present[0] = batch_.stride_scale[0] = batch_.w_before[0] =
+        batch_.w_after[0] = 1;
+    batch_.gait_mps[0] = kNotEntered;
+    batch_.ahead_mps[0] = start_mps;
     walk();
   }
 
   void step(const Pace& pace, const QuietStanding& standing = {}) {
     standing_ = standing;
-    const double step_s = static_cast<double>(chunk_.step_s);
+    const double step_s = static_cast<double>(batch_.step_s);
     const double turn = static_cast<double>(pace.turn_radps) * step_s;
     // The chord of an arc.
-    const Eigen::Vector2d way = Eigen::Rotation2Dd(heading_rad_ + 0.5 * turn) *
-                                Eigen::Vector2d(static_cast<double>(pace.forward_mps) * step_s,
-                                                static_cast<double>(pace.left_mps) * step_s);
-    chunk_.way_x_m[0] = static_cast<float>(way.x());
-    chunk_.way_y_m[0] = static_cast<float>(way.y());
-    set_turn(chunk_.w_before[0], chunk_.z_before[0]);
+    const Eigen::Vector2d displacement =
+        Eigen::Rotation2Dd(heading_rad_ + 0.5 * turn) *
+        Eigen::Vector2d(static_cast<double>(pace.forward_mps) * step_s,
+                        static_cast<double>(pace.left_mps) * step_s);
+    batch_.displacement_x_m[0] = static_cast<float>(displacement.x());
+    batch_.displacement_y_m[0] = static_cast<float>(displacement.y());
+    set_turn(batch_.w_before[0], batch_.z_before[0]);
     heading_rad_ += turn;
-    set_turn(chunk_.w_after[0], chunk_.z_after[0]);
-    chunk_.ahead_mps[0] = pace.forward_mps;
-    position_m_ += way;
+    set_turn(batch_.w_after[0], batch_.z_after[0]);
+    batch_.ahead_mps[0] = pace.forward_mps;
+    position_m_ += displacement;
     walk();
   }
   void steps(const Pace& pace, double seconds) {
-    for (int i = 0; i < seconds / static_cast<double>(chunk_.step_s); ++i) step(pace);
+    for (int i = 0; i < seconds / static_cast<double>(batch_.step_s); ++i) step(pace);
   }
   /// Nobody turns or goes sideways at once: the pace comes within a second.
   void ease_into(const Pace& pace) {
-    const auto steps = static_cast<int>(std::lround(1 / chunk_.step_s));
+    const auto steps = static_cast<int>(std::lround(1 / batch_.step_s));
     for (int i = 0; i < steps; ++i) {
-      const float share = static_cast<float>(i) * chunk_.step_s;
+      const float share = static_cast<float>(i) * batch_.step_s;
       step({pace.forward_mps, share * pace.left_mps, share * pace.turn_radps});
     }
   }
@@ -84,10 +85,12 @@ class Path {
   const std::vector<PartPose>& poses() const { return poses_; }
   /// The farthest that a foot is from where the gait has it.
   float shift_m() const {
-    return std::max(std::hypot(chunk_.feet[0][0], chunk_.feet[1][0]),
-                    std::hypot(chunk_.feet[3][0], chunk_.feet[4][0]));
+    return std::max(std::hypot(batch_.feet[0][0], batch_.feet[1][0]),
+                    std::hypot(batch_.feet[3][0], batch_.feet[4][0]));
   }
-  RootBox bounds() const { return walking_.gait.box_of({chunk_.room_x[0], chunk_.room_y[0]}, 1); }
+  RootBox bounds() const {
+    return walking_.gait.box_of({batch_.bounds_x[0], batch_.bounds_y[0]}, 1);
+  }
 
  private:
   void set_turn(float& w, float& z) const {
@@ -96,27 +99,27 @@ class Path {
   }
 
   void walk() {
-    std::array<WalkPosture, WalkChunk::kRoom> postures;
-    chunk_.postures = postures.data();
-    chunk_.gaits[0] = &walking_.gait;
-    chunk_.shift_m[0] = standing_.shift_m;
-    chunk_.breath[0] = standing_.breath;
-    Gait::walk(chunk_, SimdTarget::kScalar);
-    out_of_reach_ += chunk_.out_of_reach[0] != 0;
+    std::array<WalkPosture, WalkBatch::kCapacity> postures;
+    batch_.postures = postures.data();
+    batch_.gaits[0] = &walking_.gait;
+    batch_.shift_m[0] = standing_.shift_m;
+    batch_.breath[0] = standing_.breath;
+    Gait::walk(batch_, SimdTarget::kScalar);
+    out_of_reach_ += batch_.out_of_reach[0] != 0;
     row_.resize(static_cast<size_t>(walking_.gait.column_count()));
     const uint32_t me = 0;
-    Gait::postures({&chunk_.gaits[0], 1}, postures, {&me, 1}, row_);
+    Gait::postures({&batch_.gaits[0], 1}, postures, {&me, 1}, row_);
     poses_ = walking_.poses(row_);
     for (size_t side = 0; side < 2; ++side) watch_foot(side);
   }
 
   bool is_planted(size_t side) const {
-    const float speed = chunk_.gait_mps[0], phase = chunk_.phases[0];
+    const float speed = batch_.gait_mps[0], phase = batch_.phases[0];
     const double stride = static_cast<double>(walking_.gait.stride_length_m(speed, 1));
     const double mps = static_cast<double>(speed);
     double stance = stance_fraction(0);
     if (mps > 0.01) {
-      const double leg = stride * stride / (kStridePerRootSpeed * kStridePerRootSpeed * mps);
+      const double leg = stride * stride / (kStridePerSqrtSpeed * kStridePerSqrtSpeed * mps);
       stance = stance_fraction(mps / leg);
     }
     const float own = side == 0 ? phase : phase + (phase < 0.5f ? 0.5f : -0.5f);
@@ -149,7 +152,7 @@ class Path {
   }
 
   // In an order without gaps between them.
-  WalkChunk chunk_{};
+  WalkBatch batch_{};
   Eigen::Vector2d position_m_ = Eigen::Vector2d::Zero();
   const Walking& walking_ = Walking::adult();
   double heading_rad_ = 0;
@@ -271,7 +274,7 @@ TEST(Stepping, EveryPoseOfAWildWalkStaysInsideItsBoundsAndJointLimits) {
             random_uniform({seed, i / 9, 0, Purpose::kBoxWorld}, low, high, index));
       };
       const bool strolls = draw(5, 0, 1) < 0.3f;
-      const QuietStanding standing{draw(3, -kMostShift_m, kMostShift_m), draw(4, 0, 1)};
+      const QuietStanding standing{draw(3, -kMaxShift_m, kMaxShift_m), draw(4, 0, 1)};
       path.step({draw(0, -0.5, strolls ? 0.5 : 2.6), draw(1, -0.8, 0.8), draw(2, -3, 3)}, standing);
       shifted += path.shift_m() > 0.01f;
       for (size_t c = 0; c < columns.size(); ++c) {
@@ -305,57 +308,57 @@ TEST(Stepping, EveryTargetGivesTheSameBits) {
   const Walking& walking = Walking::adult();
   const Gait other(*walking.model, GaitStyle::kShortSteps);
   for (uint64_t seed = 1; seed <= 8; ++seed) {
-    WalkChunk start{};
-    start.count = 1 + 9 * seed % WalkChunk::kRoom;
+    WalkBatch start{};
+    start.count = 1 + 9 * seed % WalkBatch::kCapacity;
     start.step_s = 1.0f / 30;
-    std::vector<WalkChunk> chunks(simd_targets_of_this_machine().size(), start);
-    std::vector<std::array<WalkPosture, WalkChunk::kRoom>> postures(chunks.size());
+    std::vector<WalkBatch> chunks(simd_targets_of_this_machine().size(), start);
+    std::vector<std::array<WalkPosture, WalkBatch::kCapacity>> postures(chunks.size());
     for (size_t target = 0; target < chunks.size(); ++target)
       chunks[target].postures = postures[target].data();
     for (uint64_t frame = 0; frame < 60; ++frame)
       for (size_t target = 0; target < chunks.size(); ++target) {
-        WalkChunk& chunk = chunks[target];
-        for (size_t i = 0; i < chunk.count; ++i) {
+        WalkBatch& batch = chunks[target];
+        for (size_t i = 0; i < batch.count; ++i) {
           const auto draw = [&](uint32_t index, double low, double high) {
             return static_cast<float>(
                 random_uniform({seed, i, frame / 7, Purpose::kBoxWorld}, low, high, index));
           };
           if (frame == 0) {
-            chunk.scales[i] = draw(9, 0.6, 1.2);
-            chunk.phases[i] = draw(8, 0, 1);
-            chunk.gait_mps[i] = kNotComeIn;
-            chunk.w_after[i] = 1;
-            chunk.gaits[i] = i % 3 == 0 ? &walking.gait : &other;
+            batch.scales[i] = draw(9, 0.6, 1.2);
+            batch.phases[i] = draw(8, 0, 1);
+            batch.gait_mps[i] = kNotEntered;
+            batch.w_after[i] = 1;
+            batch.gaits[i] = i % 3 == 0 ? &walking.gait : &other;
           }
-          chunk.present[i] = draw(7, 0, 1) < 0.95f;
-          chunk.stretch[i] = draw(10, 0.6, 1.7);
-          chunk.ahead_mps[i] = draw(0, -0.5, 2.5);
-          chunk.shift_m[i] = draw(11, -kMostShift_m, kMostShift_m);
-          chunk.breath[i] = draw(12, 0, 1);
-          chunk.w_before[i] = chunk.w_after[i];
-          chunk.z_before[i] = chunk.z_after[i];
+          batch.present[i] = draw(7, 0, 1) < 0.95f;
+          batch.stride_scale[i] = draw(10, 0.6, 1.7);
+          batch.ahead_mps[i] = draw(0, -0.5, 2.5);
+          batch.shift_m[i] = draw(11, -kMaxShift_m, kMaxShift_m);
+          batch.breath[i] = draw(12, 0, 1);
+          batch.w_before[i] = batch.w_after[i];
+          batch.z_before[i] = batch.z_after[i];
           const Eigen::Quaternionf turn =
-              Eigen::Quaternionf(chunk.w_after[i], 0, 0, chunk.z_after[i]) *
+              Eigen::Quaternionf(batch.w_after[i], 0, 0, batch.z_after[i]) *
               Eigen::AngleAxisf(draw(1, -0.1, 0.1), Eigen::Vector3f::UnitZ());
-          chunk.w_after[i] = turn.w();
-          chunk.z_after[i] = turn.z();
+          batch.w_after[i] = turn.w();
+          batch.z_after[i] = turn.z();
           const float jump = draw(5, 0, 1) < 0.01f ? 40.0f : 1.0f;
-          chunk.way_x_m[i] = jump * draw(2, -0.06, 0.06);
-          chunk.way_y_m[i] = jump * draw(3, -0.06, 0.06);
+          batch.displacement_x_m[i] = jump * draw(2, -0.06, 0.06);
+          batch.displacement_y_m[i] = jump * draw(3, -0.06, 0.06);
         }
-        Gait::walk(chunk, simd_targets_of_this_machine()[target]);
-        const WalkChunk& reference = chunks.front();
-        for (size_t i = 0; i < chunk.count; ++i) {
-          ASSERT_TRUE(same_bits(chunk.postures[i].numbers, reference.postures[i].numbers))
+        Gait::walk(batch, simd_targets_of_this_machine()[target]);
+        const WalkBatch& reference = chunks.front();
+        for (size_t i = 0; i < batch.count; ++i) {
+          ASSERT_TRUE(same_bits(batch.postures[i].numbers, reference.postures[i].numbers))
               << name_of(simd_targets_of_this_machine()[target]) << ", seed " << seed << ", lane "
               << i << ", frame " << frame;
-          ASSERT_EQ(chunk.feet_of(i), reference.feet_of(i));
-          for (size_t n = 0; n < WalkChunk::kMomentumNumbers; ++n)
-            ASSERT_EQ(chunk.momentum[n][i], reference.momentum[n][i]) << "momentum " << n;
-          ASSERT_EQ(chunk.room_x[i], reference.room_x[i]);
-          ASSERT_EQ(chunk.room_y[i], reference.room_y[i]);
-          ASSERT_EQ(chunk.phases[i], reference.phases[i]);
-          ASSERT_EQ(chunk.gait_mps[i], reference.gait_mps[i]);
+          ASSERT_EQ(batch.feet_of(i), reference.feet_of(i));
+          for (size_t n = 0; n < WalkBatch::kGaitRateCount; ++n)
+            ASSERT_EQ(batch.gait_rates[n][i], reference.gait_rates[n][i]) << "momentum " << n;
+          ASSERT_EQ(batch.bounds_x[i], reference.bounds_x[i]);
+          ASSERT_EQ(batch.bounds_y[i], reference.bounds_y[i]);
+          ASSERT_EQ(batch.phases[i], reference.phases[i]);
+          ASSERT_EQ(batch.gait_mps[i], reference.gait_mps[i]);
         }
       }
   }

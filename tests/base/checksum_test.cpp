@@ -59,7 +59,7 @@ TEST(Checksum, TheLengthAndTheOrderCount) {
   EXPECT_EQ(seen.size(), 201u + 28u) << "words that change places";
 }
 
-// Logs hold these numbers: another result is another check_kind.
+// Logs hold these numbers: another result is another checksum_kind.
 TEST(Checksum, IsTheSameOnEveryMachine) {
   std::vector<uint8_t> bytes(100);
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(i);

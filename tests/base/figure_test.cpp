@@ -12,10 +12,10 @@ namespace throng::figure_test {
 namespace {
 
 TEST(FigureText, StaysInItsQuotesOnOneLine) {
-  EXPECT_EQ(figure_text("left hand"), "'left hand'");
-  EXPECT_EQ(figure_text("it's"), "'it''s'");
-  EXPECT_EQ(figure_text("''"), "''''''");
-  EXPECT_EQ(figure_text("a\nb\tc\x7f"), "'a b c '");
+  EXPECT_EQ(gnuplot_quoted("left hand"), "'left hand'");
+  EXPECT_EQ(gnuplot_quoted("it's"), "'it''s'");
+  EXPECT_EQ(gnuplot_quoted("''"), "''''''");
+  EXPECT_EQ(gnuplot_quoted("a\nb\tc\x7f"), "'a b c '");
 }
 
 TEST(FigureText, RunsNoCommandOfAName) {
@@ -30,8 +30,8 @@ TEST(FigureText, RunsNoCommandOfAName) {
                                 "$(" + touch + ")", "x'\n!" + touch + "\n"}) {
     Figure figure;
     figure.id = "figure";
-    figure.script =
-        "set xtics (" + figure_text(name) + " 0)\nplot [0:1] x title " + figure_text(name) + "\n";
+    figure.script = "set xtics (" + gnuplot_quoted(name) + " 0)\nplot [0:1] x title " +
+                    gnuplot_quoted(name) + "\n";
     EXPECT_NE(draw(figure, folder).find("</svg>"), std::string::npos) << name;
     EXPECT_FALSE(fs::exists(folder / "touched")) << name;
   }

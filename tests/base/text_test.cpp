@@ -30,7 +30,7 @@ TEST(Text, OfAnyBytesIsShownAsAName) {
   // Cut characters, surrogates, what is longer than it need be, beyond the last code point.
   for (const char* bytes : {"\xc3", "\xe6\x97", "\xed\xa0\x80", "\xc0\xaf", "\xe0\x80\xaf",
                             "\xf4\x90\x80\x80", "\xf8", "\x80"}) {
-    EXPECT_EQ(find_no_utf8(bytes), 0u);
+    EXPECT_EQ(find_invalid_utf8(bytes), 0u);
     EXPECT_EQ(printable_character(bytes), 0u);
   }
   for (uint64_t seed = 1; seed <= 20'000; ++seed) {
@@ -40,7 +40,7 @@ TEST(Text, OfAnyBytesIsShownAsAName) {
     for (uint64_t i = 0; i < length; ++i)
       text += static_cast<char>(random_bits(key, static_cast<uint32_t>(i + 1)));
     const std::string fit = escaped(text), name = name_after(text);
-    ASSERT_EQ(find_no_utf8(fit), std::string::npos) << "seed " << seed;
+    ASSERT_EQ(find_invalid_utf8(fit), std::string::npos) << "seed " << seed;
     ASSERT_LE(name.size(), kMaxNameBytes) << "seed " << seed;
     if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
       ASSERT_EQ(defect_of_name(name), "") << "seed " << seed;
@@ -62,8 +62,8 @@ TEST(Text, NamesAreSaidAsAPersonSaysThem) {
            {"torso", "torso"},
            {"_", "_"},
            {"", ""}}) {
-    EXPECT_EQ(spoken(name), said);
-    EXPECT_EQ(spoken(spoken(name)), said) << "said twice";
+    EXPECT_EQ(display_name(name), said);
+    EXPECT_EQ(display_name(display_name(name)), said) << "said twice";
   }
 }
 
@@ -77,9 +77,9 @@ TEST(Text, OneOfAThingIsOne) {
 
 TEST(Text, HasOnePieceMoreThanSeparators) {
   using Pieces = std::vector<std::string>;
-  EXPECT_EQ(pieces_of("", ','), Pieces({""}));
-  EXPECT_EQ(pieces_of("a", ','), Pieces({"a"}));
-  EXPECT_EQ(pieces_of("a,,b,", ','), Pieces({"a", "", "b", ""}));
+  EXPECT_EQ(split_text("", ','), Pieces({""}));
+  EXPECT_EQ(split_text("a", ','), Pieces({"a"}));
+  EXPECT_EQ(split_text("a,,b,", ','), Pieces({"a", "", "b", ""}));
 }
 
 }  // namespace

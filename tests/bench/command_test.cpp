@@ -173,7 +173,7 @@ TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
   EXPECT_GT(line_count(pairs), line_count(touching));
   EXPECT_EQ(read_file(folder / "f/README.txt").substr(0, 33), "Frames of 80 people with 15 parts");
 
-  ASSERT_EQ(shell("own_engine f", folder).exit_code, 0);
+  ASSERT_EQ(shell("custom_engine f", folder).exit_code, 0);
   const Outcome agreed = shell("throng bench --check f/found.csv", folder);
   EXPECT_EQ(agreed.exit_code, 0) << agreed.out;
   EXPECT_THAT(agreed.out, HasSubstr("0 missing, 0 that are none\nthey agree"));

@@ -129,12 +129,12 @@ TEST(BenchAgeing, OurWorkIsThatOfAFreshStructure) {
 }
 
 TEST(BenchSpread, IsOfTheSortedValues) {
-  const Spread odd = spread_of({5, 1, 3});
+  const TimeStats odd = time_stats_of({5, 1, 3});
   EXPECT_EQ(odd.min, 1);
   EXPECT_EQ(odd.median, 3);
   EXPECT_EQ(odd.p95, 5);
-  EXPECT_EQ(spread_of({4, 2}).median, 3);
-  EXPECT_EQ(spread_of({}).median, 0);
+  EXPECT_EQ(time_stats_of({4, 2}).median, 3);
+  EXPECT_EQ(time_stats_of({}).median, 0);
 }
 
 }  // namespace

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/volume_list.h"
 
 namespace throng::workbench_test {
 namespace {
 
-using bench::LawRow;
+using bench::NoMissResult;
 using bench::TestedVolumeOf;
 
 constexpr uint64_t kSeed = 20266;
@@ -48,12 +48,12 @@ struct KernelSphere : Sphere {
   }
 };
 
-LawRow law_of(const bench::TestedVolume& volume, uint64_t pairs, int threads) {
+NoMissResult law_of(const bench::TestedVolume& volume, uint64_t pairs, int threads) {
   Workers workers(threads);
-  LawRow sum;
-  for (const LawRow& row : bench::check_law(volume, pairs, kSeed, workers)) {
-    EXPECT_GT(row.near, pairs / 10) << row.family;
-    EXPECT_GT(row.touching, row.near / 100) << row.family;
+  NoMissResult sum;
+  for (const NoMissResult& row : bench::check_no_misses(volume, pairs, kSeed, workers)) {
+    EXPECT_GT(row.tested, pairs / 10) << row.family;
+    EXPECT_GT(row.touching, row.tested / 100) << row.family;
     sum.add(row);
   }
   return sum;
@@ -61,20 +61,20 @@ LawRow law_of(const bench::TestedVolume& volume, uint64_t pairs, int threads) {
 
 TEST(Workbench, TheVolumesOfTheProjectKeepTheLaw) {
   for (const bench::TestedVolume* volume : bench::project_volumes()) {
-    const LawRow sum = law_of(*volume, 1000, 1);
+    const NoMissResult sum = law_of(*volume, 1000, 1);
     EXPECT_EQ(sum.missed, 0u) << volume->name() << ": " << sum.first_miss->where;
     EXPECT_GE(sum.reported, sum.touching) << volume->name();
-    EXPECT_LT(sum.touching, sum.near) << volume->name();
+    EXPECT_LT(sum.touching, sum.tested) << volume->name();
   }
 }
 
 TEST(Workbench, CatchesAVolumeThatIsTooSmallAndShowsThePair) {
-  const LawRow sum = law_of(TestedVolumeOf<ThinSphere>("thin"), 20'000, 2);
+  const NoMissResult sum = law_of(TestedVolumeOf<ThinSphere>("thin"), 20'000, 2);
   EXPECT_GT(sum.missed, 0u);
   ASSERT_TRUE(sum.first_miss);
   // The pair stands for itself: its triangles touch, and the volume says that it is apart.
   const bench::Miss& miss = *sum.first_miss;
-  ExactCounters counters;
+  TriangleCounters counters;
   EXPECT_TRUE(solids_touch({miss.shape_a.points, miss.shape_a.triangles}, miss.a.pose, miss.a.scale,
                            {miss.shape_b.points, miss.shape_b.triangles}, miss.b.pose, miss.b.scale,
                            miss.test.a_to_b_m, counters));
@@ -88,8 +88,8 @@ TEST(Workbench, CatchesAVolumeThatIsTooSmallAndShowsThePair) {
 
 TEST(Workbench, SamePairsForAnyNumberOfThreads) {
   const TestedVolumeOf<ThinSphere> thin("thin");
-  const LawRow one = law_of(thin, 5000, 1), three = law_of(thin, 5000, 3);
-  EXPECT_EQ(one.near, three.near);
+  const NoMissResult one = law_of(thin, 5000, 1), three = law_of(thin, 5000, 3);
+  EXPECT_EQ(one.tested, three.tested);
   EXPECT_EQ(one.touching, three.touching);
   EXPECT_EQ(one.reported, three.reported);
   EXPECT_EQ(one.missed, three.missed);
@@ -97,9 +97,9 @@ TEST(Workbench, SamePairsForAnyNumberOfThreads) {
 }
 
 TEST(Workbench, AFitAndATestAreEnough) {
-  const LawRow bare = law_of(TestedVolumeOf<BareSphere>("bare"), 5000, 1);
-  const LawRow whole = law_of(TestedVolumeOf<Sphere>("sphere"), 5000, 1);
-  EXPECT_EQ(bare.near, whole.near);
+  const NoMissResult bare = law_of(TestedVolumeOf<BareSphere>("bare"), 5000, 1);
+  const NoMissResult whole = law_of(TestedVolumeOf<Sphere>("sphere"), 5000, 1);
+  EXPECT_EQ(bare.tested, whole.tested);
   EXPECT_EQ(bare.reported, whole.reported);
   EXPECT_EQ(bare.missed, 0u);
 }
@@ -110,9 +110,9 @@ TEST(Workbench, AKernelHasToAgreeWithItsTest) {
 }
 
 TEST(Workbench, PutsAVolumeBesideThoseOfTheProject) {
-  WorkbenchOptions options{.near_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
+  WorkbenchOptions options{.proximity_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
   const WorkbenchResult result = try_volume(TestedVolumeOf<BareSphere>("bare"), options);
-  EXPECT_TRUE(result.keeps_the_law());
+  EXPECT_TRUE(result.has_no_misses());
   ASSERT_EQ(result.figure_3.size(), bench::project_volumes().size() + 1);
   const auto& bare = result.figure_3.back();
   const auto& sphere = result.figure_3.front();

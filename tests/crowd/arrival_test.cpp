@@ -19,7 +19,7 @@ namespace throng::arrival_test {
 namespace {
 
 constexpr int kStepsASecond = 20;
-constexpr int kLongest_s = 120;
+constexpr int kMaxDuration_s = 120;
 constexpr int kPeople = 24;
 /// Of each kind of goal, depth and model.
 constexpr uint64_t kSeeds = 1;
@@ -83,9 +83,10 @@ int stranded(const SmallWorld& world) {
 }
 
 /// Steps until so many have left, at most for `longest_s`; returns the time.
-double leave(SmallWorld& world, uint64_t people, int longest_s = kLongest_s) {
+double leave(SmallWorld& world, uint64_t people, int longest_s = kMaxDuration_s) {
   int step = 0;
-  for (; step < longest_s * kStepsASecond && world.crowd.traffic().counters().left < people; ++step)
+  for (; step < longest_s * kStepsASecond && world.crowd.population().counters().left < people;
+       ++step)
     world.crowd.step();
   return step / double{kStepsASecond};
 }
@@ -108,7 +109,7 @@ TEST_P(Goals, AreReachedHoweverShallowOrLeaveAllStrandedAtOnce) {
         }
         EXPECT_EQ(stranded(world), 0);
         longest_s = std::max(longest_s, leave(world, kPeople));
-        EXPECT_EQ(world.crowd.traffic().counters().left, kPeople);
+        EXPECT_EQ(world.crowd.population().counters().left, kPeople);
       }
   printf("goals %s: %d runs, all arrived within %.1f s\n", std::string(name_of(GetParam())).c_str(),
          runs, longest_s);
@@ -129,7 +130,7 @@ TEST_P(Goals, AreReachedThroughOpeningsOfABodysWidth) {
       }
       SmallWorld world(scene_of(plan, GetParam(), 7), 1);
       leave(world, kPeople);
-      EXPECT_EQ(world.crowd.traffic().counters().left, kPeople);
+      EXPECT_EQ(world.crowd.population().counters().left, kPeople);
     }
 }
 
@@ -137,7 +138,7 @@ TEST_P(Goals, AreReachedThroughOpeningsOfABodysWidth) {
 int staying(const SmallWorld& world) {
   int people = 0;
   for (uint32_t id = 0; id < world.crowd.size(); ++id)
-    people += world.crowd.journeys().doing(id) == Doing::kStaying;
+    people += world.crowd.journeys().state(id) == JourneyState::kStaying;
   return people;
 }
 
@@ -150,7 +151,7 @@ TEST_P(Goals, HoldNobodyWhoStaysBehindOthersThatStay) {
       Scene scene = scene_of(plan, GetParam(), 3);
       scene.groups[0].on_arrival = OnArrival::kStay;
       SmallWorld world(scene, 1);
-      for (int step = 0; step < kLongest_s * kStepsASecond && staying(world) < kPeople; ++step)
+      for (int step = 0; step < kMaxDuration_s * kStepsASecond && staying(world) < kPeople; ++step)
         world.crowd.step();
       EXPECT_EQ(staying(world), kPeople);
     }
@@ -165,7 +166,7 @@ TEST_P(Goals, AreReachedOnAGroundWithCoarseCells) {
     scene.ground.max_m = {1000, 1000};
     SmallWorld world(scene, 1);
     leave(world, kPeople);
-    EXPECT_EQ(world.crowd.traffic().counters().left, kPeople);
+    EXPECT_EQ(world.crowd.population().counters().left, kPeople);
   }
 }
 
@@ -189,13 +190,13 @@ TEST_P(Goals, OnTheWayAreReachedHoweverShallow) {
                                       << depth_m << " m deep");
       Scene scene = scene_of(plan, GetParam(), 6);
       Goal passed = plan.goal, waited = plan.goal;
-      passed.pass = true;
+      passed.waypoint = true;
       waited.wait_s = {1, 0, 1, 1};
       scene.groups[0].goals = {passed, Rectangle{{2, 5}, {10, 8}}, waited,
                                Rectangle{{2, 5}, {10, 8}}};
       SmallWorld world(scene, 1);
-      leave(world, kPeople, 2 * kLongest_s);
-      EXPECT_EQ(world.crowd.traffic().counters().left, kPeople);
+      leave(world, kPeople, 2 * kMaxDuration_s);
+      EXPECT_EQ(world.crowd.population().counters().left, kPeople);
     }
 }
 
@@ -212,13 +213,13 @@ TEST_P(Goals, AreReachedByDiscsOfEverySize) {
         scene.groups[0].radius_m = radius_m;
         SmallWorld world(scene, 1);
         leave(world, 6);
-        EXPECT_EQ(world.crowd.traffic().counters().left, 6u);
+        EXPECT_EQ(world.crowd.population().counters().left, 6u);
       }
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Goals,
                          testing::Values(SteeringKind::kHeuristic, SteeringKind::kOrca,
-                                         SteeringKind::kSpeed),
+                                         SteeringKind::kCollisionFreeSpeed),
                          [](const auto& each) { return std::string(name_of(each.param)); });
 
 }  // namespace

@@ -26,7 +26,7 @@ uint64_t hash_of(const Crowd& crowd) {
       hash.add(crowd.positions_m()[i][axis]).add(crowd.velocities_mps()[i][axis]);
       hash.add(crowd.headings()[i][axis]);
     }
-    hash.add(crowd.walked_m()[i]).add(static_cast<double>(crowd.looks_rad()[i]));
+    hash.add(crowd.displacements_m()[i]).add(static_cast<double>(crowd.head_yaws_rad()[i]));
   }
   return hash.value();
 }
@@ -56,20 +56,20 @@ TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
   scene.groups = {group(1, {{0.9, 0.9}, {1.1, 1.1}}, {{{9.5, 10}, {11.5, 11.5}}})};
   SmallWorld world(scene, 1);
   ASSERT_EQ(world.crowd.size(), 1u);
-  double looked = 0, most = 0, before = 1;
+  double looked = 0, max = 0, before = 1;
   for (int step = 0; step < 700; ++step) {
     world.crowd.step();
-    const double look = static_cast<double>(world.crowd.looks_rad()[0]);
-    ASSERT_LE(std::abs(look), static_cast<double>(Gait::kMostLook_rad));
+    const double look = static_cast<double>(world.crowd.head_yaws_rad()[0]);
+    ASSERT_LE(std::abs(look), static_cast<double>(Gait::kMaxHeadYaw_rad));
     const Eigen::Vector2d& at = world.crowd.positions_m()[0];
     if (at.x() > 2 && at.x() < 5) looked = std::max(looked, std::abs(look));  // straight on
-    if (at.x() > 7 && at.y() < 8 && look > most) {
-      most = look;
+    if (at.x() > 7 && at.y() < 8 && look > max) {
+      max = look;
       before = world.crowd.headings()[0].y();
     }
   }
   EXPECT_LT(looked, 0.1) << "nobody looks aside on a straight way";
-  EXPECT_GT(most, 0.2) << "to the left, where the way goes on";
+  EXPECT_GT(max, 0.2) << "to the left, where the way goes on";
   EXPECT_LT(before, 0.95) << "while the body has not turned north yet";
 }
 
@@ -80,8 +80,8 @@ TEST(Crowd, WhatIsWalkedIsTheWayBetweenPositions) {
                                               world.crowd.positions_m().end());
     world.crowd.step();
     for (size_t i = 0; i < before.size(); ++i)
-      ASSERT_NEAR(world.crowd.walked_m()[i], (world.crowd.positions_m()[i] - before[i]).norm(),
-                  1e-12);
+      ASSERT_NEAR(world.crowd.displacements_m()[i],
+                  (world.crowd.positions_m()[i] - before[i]).norm(), 1e-12);
   }
 }
 
@@ -112,7 +112,7 @@ TEST(Crowd, NobodyEntersOrCrossesAWall) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     SmallWorld world(crossing(seed, 600), 2);
-    const Walkable& walkable = world.ways.walkable();
+    const Walkable& walkable = world.map.walkable();
     double nearest_m = 1e9;
     for (int step = 0; step < 600; ++step) {
       const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
@@ -131,12 +131,13 @@ TEST(Crowd, NobodyEntersOrCrossesAWall) {
 
 TEST(Crowd, WalksTheSameForEveryNumberOfThreadsByEveryModel) {
   for (const SteeringKind model : all_steering_kinds()) {
-    for (const bool density_speed : {false, true}) {
-      SCOPED_TRACE(testing::Message() << name_of(model) << ", density_speed " << density_speed);
+    for (const bool density_dependent_speed : {false, true}) {
+      SCOPED_TRACE(testing::Message()
+                   << name_of(model) << ", density_dependent_speed " << density_dependent_speed);
       std::set<uint64_t> hashes;
       for (const int threads : {1, 2, 3, 8}) {
         Scene scene = crossing(5, 1200);
-        scene.steering = {model, density_speed};
+        scene.steering = {model, density_dependent_speed};
         SmallWorld world(scene, threads);
         for (int step = 0; step < 300; ++step) world.crowd.step();
         hashes.insert(hash_of(world.crowd));
@@ -148,12 +149,13 @@ TEST(Crowd, WalksTheSameForEveryNumberOfThreadsByEveryModel) {
 
 TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
   for (const SteeringKind model : all_steering_kinds()) {
-    for (const bool density_speed : {false, true}) {
-      SCOPED_TRACE(testing::Message() << name_of(model) << ", density_speed " << density_speed);
+    for (const bool density_dependent_speed : {false, true}) {
+      SCOPED_TRACE(testing::Message()
+                   << name_of(model) << ", density_dependent_speed " << density_dependent_speed);
       std::set<uint64_t> hashes;
       for (const SimdTarget target : simd_targets_of_this_machine()) {
         Scene scene = crossing(6, 1000);
-        scene.steering = {model, density_speed};
+        scene.steering = {model, density_dependent_speed};
         SmallWorld world(scene, 1, target);
         for (int step = 0; step < 200; ++step) world.crowd.step();
         hashes.insert(hash_of(world.crowd));
@@ -166,9 +168,9 @@ TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
 TEST(Crowd, TheModelsWalkDifferently) {
   std::set<uint64_t> hashes;
   for (const SteeringKind model : all_steering_kinds())
-    for (const bool density_speed : {false, true}) {
+    for (const bool density_dependent_speed : {false, true}) {
       Scene scene = crossing(2, 400);
-      scene.steering = {model, density_speed};
+      scene.steering = {model, density_dependent_speed};
       SmallWorld world(scene, 1);
       for (int step = 0; step < 60; ++step) world.crowd.step();
       hashes.insert(hash_of(world.crowd));
@@ -190,17 +192,17 @@ TEST(Crowd, WhoeverKeepsToASideWalksAsSomebodyBesideThemDoes) {
     // At least a metre from the walls, more than 20 m from the goal.
     const RandomKey key{.seed = seed};
     const Eigen::Vector2d at_m(random_uniform(key, 3, 30, 0), random_uniform(key, 3, 9, 1));
-    const double to_left_m = random_uniform(key, -2, 2, 2);
-    const Eigen::Vector2d way = journeys.direction(0, at_m);
-    OwnSide side;
-    side.to_left_m = to_left_m;
+    const double offset_m = random_uniform(key, -2, 2, 2);
+    const Eigen::Vector2d direction = journeys.direction(0, at_m);
+    LateralOffset side;
+    side.offset_m = offset_m;
     const Eigen::Vector2d own = journeys.direction(0, at_m, side);
-    EXPECT_EQ(own, journeys.direction(0, side.beside_m(at_m, way)));
+    EXPECT_EQ(own, journeys.direction(0, side.beside_m(at_m, direction)));
     // Beside the latest way as long as it goes on, and beside the shortest where it turned.
-    EXPECT_EQ(journeys.direction(0, at_m, {to_left_m, way}), own);
-    EXPECT_EQ(journeys.direction(0, at_m, {to_left_m, -way}), own);
-    EXPECT_EQ(journeys.direction(0, at_m, {0, -way}), way);
-    turned += (own - way).norm() > 0.01;
+    EXPECT_EQ(journeys.direction(0, at_m, {offset_m, direction}), own);
+    EXPECT_EQ(journeys.direction(0, at_m, {offset_m, -direction}), own);
+    EXPECT_EQ(journeys.direction(0, at_m, {0, -direction}), direction);
+    turned += (own - direction).norm() > 0.01;
   }
   EXPECT_GT(turned, 100);
 }
@@ -228,7 +230,7 @@ double flow_through_a_door(int people, uint64_t seed) {
 }
 
 /// However many press behind, a door of 1 m carries what is observed: from 1.2 a second (Weidmann
-/// 1993) to 15 % more than the mean of experiments (1.86; analysis/validation/reality_tables.h).
+/// 1993) to 15 % more than the mean of experiments (1.86; analysis/validation/empirical_tables.h).
 TEST(Crowd, AJamPressesNobodyThroughADoor) {
   // Thirty people say it to a tenth; the experiments' mean is that of many more.
   constexpr uint64_t kSeeds = 24;
@@ -248,7 +250,7 @@ TEST(Crowd, AJamPressesNobodyThroughADoor) {
 /// Density slows people as Weidmann observed; those who keep no gap by themselves walk at their
 /// free speed without it.
 TEST(Crowd, DensitySpeedSlowsAStream) {
-  const auto mean_speed = [](double density_per_m2, bool density_speed) {
+  const auto mean_speed = [](double density_per_m2, bool density_dependent_speed) {
     Scene scene;
     scene.seed = 4;
     scene.ground = {{0, 0}, {60, 6}};
@@ -256,7 +258,7 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
     scene.groups = {group(static_cast<int>(density_per_m2 * 6 * length_m),
                           {{0.3, 0.3}, {length_m, 5.7}}, {{{58, 0}, {60, 6}}})};
     scene.groups[0].speed_mps = kExactly134;
-    scene.steering = {SteeringKind::kOrca, density_speed};
+    scene.steering = {SteeringKind::kOrca, density_dependent_speed};
     SmallWorld world(scene, 1);
     double walked_m = 0;
     int walkers = 0;
@@ -267,7 +269,7 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
         // The middle of the stream: neither its thin front nor those at the start.
         const double x = world.crowd.positions_m()[i].x();
         if (x < 8 || x > 20) continue;
-        walked_m += world.crowd.walked_m()[i];
+        walked_m += world.crowd.displacements_m()[i];
         ++walkers;
       }
     }
@@ -283,8 +285,8 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
 
 /// In a passage too narrow to overtake, a crowd in haste behind somebody slow.
 TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
-  for (const bool density_speed : {false, true}) {
-    SCOPED_TRACE(testing::Message() << "density_speed " << density_speed);
+  for (const bool density_dependent_speed : {false, true}) {
+    SCOPED_TRACE(testing::Message() << "density_dependent_speed " << density_dependent_speed);
     Scene scene;
     scene.seed = 7;
     scene.ground = {{0, 0}, {40, 0.8}};
@@ -350,7 +352,7 @@ double expect_plaza_keeps_moving(const Plaza& plaza) {
   double stall_s = 0;
   for (int step = 0; step < plaza.seconds / scene.step_s; ++step) {
     world.crowd.step();
-    deepest_m = std::max(deepest_m, world.crowd.counters().deepest_overlap_m);
+    deepest_m = std::max(deepest_m, world.crowd.counters().max_overlap_m);
     stall_s = std::max(stall_s, world.crowd.counters().longest_stall_s);
   }
   const SteeringCounters& counters = world.crowd.counters();
@@ -383,12 +385,12 @@ TEST(Spawn, NobodyStandsInAnObstacleOrInAnotherPerson) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const SmallWorld world(crossing(seed, 1600), 1);
-    const std::vector<Person>& people = world.spawned.people;
+    const std::vector<AgentSpec>& people = world.spawned.people;
     int unplaced = 0;
     for (const int count : world.spawned.unplaced) unplaced += count;
     EXPECT_EQ(people.size() + static_cast<size_t>(unplaced), 1600u) << "somebody vanished";
     for (size_t i = 0; i < people.size(); ++i) {
-      ASSERT_GE(world.ways.walkable().clearance_m(people[i].position_m), people[i].radius_m);
+      ASSERT_GE(world.map.walkable().clearance_m(people[i].position_m), people[i].radius_m);
       for (size_t j = 0; j < i; ++j)
         ASSERT_GE((people[i].position_m - people[j].position_m).norm(),
                   people[i].radius_m + people[j].radius_m);

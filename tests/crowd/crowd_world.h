@@ -7,7 +7,7 @@
 #include "base/workers.h"
 #include "crowd/crowd.h"
 #include "crowd/navigation/footprints.h"
-#include "crowd/navigation/ways.h"
+#include "crowd/navigation/navigation_map.h"
 #include "crowd/spawn.h"
 #include "scenes/file/scene.h"
 
@@ -35,14 +35,14 @@ struct SmallWorld {
   SmallWorld(Scene scene_in, int threads, SimdTarget simd = SimdTarget::kBest)
       : scene(std::move(scene_in)),
         workers(threads),
-        ways(scene, workers),
-        spawned(spawn(scene, ways)),
-        crowd(ways, spawned.people, {scene.seed, scene.step_s, scene.steering, simd}, workers) {}
+        map(scene, workers),
+        spawned(spawn(scene, map)),
+        crowd(map, spawned.people, {scene.seed, scene.step_s, scene.steering, simd}, workers) {}
 
   Scene scene;
   Workers workers;
-  Ways ways;
-  Spawned spawned;
+  NavigationMap map;
+  SpawnResult spawned;
   Crowd crowd;
 };
 

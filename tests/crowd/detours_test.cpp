@@ -17,7 +17,7 @@
 namespace throng::detours_test {
 namespace {
 
-using Walkers = std::vector<Detours::Walker>;
+using Walkers = std::vector<Detours::AgentSample>;
 const Eigen::Vector2d kStand = Eigen::Vector2d::Zero();
 
 /// Ground of 40 m by 40 m, whose upper side everybody goes to.
@@ -30,19 +30,20 @@ Scene field_of(std::vector<Obstacle> obstacles = {}) {
 }
 
 /// So many per m2 of an area.
-Walkers crowd(const Rectangle& area, double per_m2, const Eigen::Vector2d& pace) {
+Walkers crowd(const Rectangle& area, double per_m2, const Eigen::Vector2d& relative_velocity) {
   Walkers walkers;
   const double apart_m = 1 / std::sqrt(per_m2);
   const Eigen::Vector2i count = ((area.size_m() / apart_m).array() - 0.5).ceil().cast<int>();
   for (int row = 0; row < count.y(); ++row)
     for (int column = 0; column < count.x(); ++column)
-      walkers.push_back({area.min_m + apart_m * Eigen::Vector2d(column + 0.5, row + 0.5), pace});
+      walkers.push_back(
+          {area.min_m + apart_m * Eigen::Vector2d(column + 0.5, row + 0.5), relative_velocity});
   return walkers;
 }
 
 struct Field {
   explicit Field(Scene scene_in, const Walkers& walkers = {})
-      : scene(std::move(scene_in)), ways(scene, workers) {
+      : scene(std::move(scene_in)), map(scene, workers) {
     look_at(walkers);
   }
 
@@ -53,16 +54,16 @@ struct Field {
           period, walkers.size(), [&](size_t i) { return walkers[i]; }, workers);
   }
   Eigen::Vector2d straight(const Eigen::Vector2d& place_m) const {
-    return ways.way(0).direction(place_m);
+    return map.field(0).direction(place_m);
   }
-  Eigen::Vector2d bent(const Eigen::Vector2d& place_m, double minds = 1) const {
-    return detours.bend(0, place_m, straight(place_m), minds);
+  Eigen::Vector2d detoured(const Eigen::Vector2d& place_m, double delay_weight = 1) const {
+    return detours.detoured_direction(0, place_m, straight(place_m), delay_weight);
   }
   /// To the goal in steps, as whoever follows bent ways goes; the end of it if that is never.
   std::vector<Eigen::Vector2d> follow(Eigen::Vector2d place_m) const {
     std::vector<Eigen::Vector2d> places_m = {place_m};
     for (int step = 0; step < 2000 && !scene.groups[0].goals[0].contains(place_m); ++step) {
-      place_m += 0.1 * bent(place_m);
+      place_m += 0.1 * detoured(place_m);
       places_m.push_back(place_m);
     }
     return places_m;
@@ -70,19 +71,19 @@ struct Field {
 
   Scene scene;
   Workers workers{2};
-  Ways ways;
-  Detours detours{ways, workers};
+  NavigationMap map;
+  Detours detours{map, workers};
 };
 
 double left_of_straight(const Field& field, const Eigen::Vector2d& place_m) {
-  const Eigen::Vector2d straight = field.straight(place_m), bent = field.bent(place_m);
-  return straight.x() * bent.y() - straight.y() * bent.x();
+  const Eigen::Vector2d straight = field.straight(place_m), detoured = field.detoured(place_m);
+  return straight.x() * detoured.y() - straight.y() * detoured.x();
 }
 
 TEST(Detours, InALooseCrowdWaysAreAsInAnEmptyScene) {
   const Field field(field_of(), crowd({{0, 0}, {40, 40}}, 0.5, kStand));
-  EXPECT_FALSE(field.detours.is_bent(0));
-  EXPECT_EQ(field.bent({20, 10}), field.straight({20, 10}));
+  EXPECT_FALSE(field.detours.is_detoured(0));
+  EXPECT_EQ(field.detoured({20, 10}), field.straight({20, 10}));
 }
 
 TEST(Detours, WhoComesUpToACrowdThatStandsGoesRoundItByTheNearerSide) {
@@ -121,15 +122,15 @@ TEST(Detours, WhoStandsInTheCrowdFollowsTheWayAsItIs) {
 
 TEST(Detours, AreForgottenWhenTheCrowdIsGone) {
   Field field(field_of(), crowd({{14, 18}, {26, 24}}, 3, kStand));
-  ASSERT_TRUE(field.detours.is_bent(0));
+  ASSERT_TRUE(field.detours.is_detoured(0));
   field.look_at({});
-  EXPECT_FALSE(field.detours.is_bent(0));
+  EXPECT_FALSE(field.detours.is_detoured(0));
 }
 
 TEST(Detours, ACrowdBehindAWallIsInNobodysWay) {
   // Two halls beside each other, with a wall of 0.2 m between them that is no cell's border.
   Field field(field_of({box(20.3, 16, 0.2, 32)}), crowd({{20.5, 0}, {40, 34}}, 3, kStand));
-  ASSERT_TRUE(field.detours.is_bent(0));
+  ASSERT_TRUE(field.detours.is_detoured(0));
   for (int y = 2; y < 28; ++y) EXPECT_NEAR(left_of_straight(field, {16, y}), 0, 0.02) << "at " << y;
 }
 
@@ -145,16 +146,17 @@ Field random_field(uint64_t seed) {
   Walkers walkers;
   for (int i = 0; i < 6; ++i) {
     const Eigen::Vector2d at(draw(0, 30), draw(4, 30));
-    const double angle = draw(0, 6.28), pace = draw(0, 1);
-    const Walkers more = crowd({at, at + Eigen::Vector2d(draw(2, 10), draw(2, 10))}, draw(0.5, 5),
-                               pace * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    const double angle = draw(0, 6.28), relative_velocity = draw(0, 1);
+    const Walkers more =
+        crowd({at, at + Eigen::Vector2d(draw(2, 10), draw(2, 10))}, draw(0.5, 5),
+              relative_velocity * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
     walkers.insert(walkers.end(), more.begin(), more.end());
   }
   return Field(field_of(std::move(boxes)), walkers);
 }
 
 TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
-  int bent = 0;
+  int detoured = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Field field = random_field(seed);
@@ -164,19 +166,19 @@ TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
         const double x = 0.7 * column + 0.4, y = 0.7 * row + 0.4;
         const Eigen::Vector2d straight = field.straight({x, y});
         if (straight.isZero()) continue;
-        for (const double minds : {0.5, 1.5, 100.0}) {
-          const Eigen::Vector2d way = field.bent({x, y}, minds);
-          ASSERT_NEAR(way.norm(), 1, 1e-9);
-          ASSERT_GT(way.dot(straight), 0);
-          bent += way.dot(straight) < 0.98;
+        for (const double delay_weight : {0.5, 1.5, 100.0}) {
+          const Eigen::Vector2d direction = field.detoured({x, y}, delay_weight);
+          ASSERT_NEAR(direction.norm(), 1, 1e-9);
+          ASSERT_GT(direction.dot(straight), 0);
+          detoured += direction.dot(straight) < 0.98;
         }
       }
   }
-  EXPECT_GT(bent, 5000);
+  EXPECT_GT(detoured, 5000);
 }
 
 /// What the ways through a block that stands cost, by brute force: all ways of two straight pieces.
-double least_cost(const Rectangle& block, double costs, const Eigen::Vector2d& from_m) {
+double min_cost(const Rectangle& block, double costs, const Eigen::Vector2d& from_m) {
   const auto cost = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     constexpr int kPieces = 200;
     double sum = 0;
@@ -186,13 +188,13 @@ double least_cost(const Rectangle& block, double costs, const Eigen::Vector2d& f
     }
     return sum;
   };
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int row = 0; row < 2 * 36; ++row)
     for (int column = 0; column < 2 * 40; ++column) {
       const Eigen::Vector2d by(0.5 * column + 0.25, 0.5 * row + 2.25);
-      least = std::min(least, cost(from_m, by) + cost(by, {by.x(), 38}));
+      min = std::min(min, cost(from_m, by) + cost(by, {by.x(), 38}));
     }
-  return least;
+  return min;
 }
 
 TEST(Detours, CostHardlyMoreThanTheBestThereIs) {
@@ -213,7 +215,7 @@ TEST(Detours, CostHardlyMoreThanTheBestThereIs) {
     for (const Eigen::Vector2d& place_m : places_m)
       cost += 0.1 * (block.contains(place_m) ? kStands : 1);
     sum += cost;
-    best += least_cost(block, kStands, from);
+    best += min_cost(block, kStands, from);
     straight += 36 + (kStands - 1) * block.size_m().y();
   }
   std::printf("straight on %.0f m, bent %.0f m, the best %.0f m\n", straight, sum, best);
@@ -255,7 +257,7 @@ TEST(Detours, ACrowdUsesTheWholeOfAWideCorner) {
     std::printf("half of them within %.1f m of the edge, 90 %% within %.1f m\n",
                 away_m[away_m.size() / 2], away_m[away_m.size() * 9 / 10]);
     EXPECT_GT(away_m[away_m.size() * 9 / 10], 3.5) << "2.2 if all went the shortest way";
-    EXPECT_EQ(world.crowd.traffic().counters().left, 400u);
+    EXPECT_EQ(world.crowd.population().counters().left, 400u);
   }
 }
 

@@ -26,7 +26,7 @@ Scene two_rooms(uint64_t seed, int people) {
   return scene;
 }
 
-Door door(std::vector<Cue> opens, std::vector<Cue> closes) {
+Door door(std::vector<TriggerRule> opens, std::vector<TriggerRule> closes) {
   return {"door", {0, -0.6}, {0, 0.6}, std::move(opens), std::move(closes)};
 }
 
@@ -59,28 +59,27 @@ TEST_P(Doors, PeopleWaitBeforeAClosedOneCalmlyAndGoOnWhenItOpens) {
     EXPECT_EQ(in_the_east(world), 0);
     const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
                                               world.crowd.positions_m().end());
-    double least_gap_m = 9, nearest_m = 9, farthest_m = 0, moved_m = 0;
+    double min_gap_m = 9, nearest_m = 9, farthest_m = 0, moved_m = 0;
     int faces_door = 0;
     walk(world, 9);
     for (uint32_t id = 0; id < world.crowd.size(); ++id) {
       const Eigen::Vector2d& place = world.crowd.positions_m()[id];
       const Eigen::Vector2d leaf(0, std::clamp(place.y(), -0.6, 0.6));
-      least_gap_m =
-          std::min(least_gap_m, (place - leaf).norm() - world.spawned.people[id].radius_m);
+      min_gap_m = std::min(min_gap_m, (place - leaf).norm() - world.spawned.people[id].radius_m);
       nearest_m = std::min(nearest_m, place.norm());
       farthest_m = std::max(farthest_m, place.norm());
       moved_m = std::max(moved_m, (place - before[id]).norm());
       faces_door += world.crowd.headings()[id].dot(-place.normalized()) > 0.5;
     }
     EXPECT_EQ(in_the_east(world), 0);
-    EXPECT_GT(least_gap_m, 0) << "somebody leans on the door";
+    EXPECT_GT(min_gap_m, 0) << "somebody leans on the door";
     EXPECT_LT(nearest_m, 1);
     EXPECT_LT(farthest_m, 5) << "somebody stays far from the door";
     EXPECT_LT(moved_m, 0.4) << "somebody does not stand still";
     EXPECT_GE(faces_door, 22);
     EXPECT_LT(world.crowd.counters().longest_stall_s, 3) << "who waits is not stuck";
     walk(world, 50);
-    EXPECT_EQ(world.crowd.traffic().counters().left, 24u);
+    EXPECT_EQ(world.crowd.population().counters().left, 24u);
   }
 }
 
@@ -94,17 +93,17 @@ TEST_P(Doors, NoneShutsOnAnybody) {
     bool was_closing = false;
     for (int step = 0; step < 30 * kStepsASecond; ++step) {
       world.crowd.step();
-      was_closing |= world.ways.doors()[0] == DoorState::kClosing;
-      if (world.ways.doors()[0] != DoorState::kShut) continue;
+      was_closing |= world.map.doors()[0] == DoorState::kClosing;
+      if (world.map.doors()[0] != DoorState::kShut) continue;
       for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-        if (world.crowd.traffic().present()[id] == 0) continue;
-        ASSERT_GT(world.ways.nearest_door(0, world.crowd.positions_m()[id]).distance_m, 0.05)
+        if (world.crowd.population().present()[id] == 0) continue;
+        ASSERT_GT(world.map.nearest_door(0, world.crowd.positions_m()[id]).distance_m, 0.05)
             << "person " << id << ", step " << step;
       }
     }
     stood_in += was_closing;
-    EXPECT_EQ(world.ways.doors()[0], DoorState::kShut);
-    const int left = static_cast<int>(world.crowd.traffic().counters().left);
+    EXPECT_EQ(world.map.doors()[0], DoorState::kShut);
+    const int left = static_cast<int>(world.crowd.population().counters().left);
     EXPECT_GT(left, 0);
     EXPECT_LT(left, 40);
     EXPECT_EQ(in_the_east(world), left) << "gone people stay where they left";
@@ -126,22 +125,22 @@ TEST_P(Doors, WhoFindsOneClosedTakesAnotherUnlessThatIsFar) {
     scene.doors = {door({{100, "", 0}}, {})};
     SmallWorld world(with_model(scene), 1);
     walk(world, 40);
-    EXPECT_EQ(world.crowd.traffic().counters().left, far_m < 10 ? 6u : 0u);
+    EXPECT_EQ(world.crowd.population().counters().left, far_m < 10 ? 6u : 0u);
   }
 }
 
 TEST(DoorCues, AtTheSameMomentClosingComesSecondAndLaterOnesCount) {
   Scene scene = two_rooms(1, 1);
-  scene.groups[0].delay_s = {100, 0, 100, 100};
+  scene.groups[0].premovement_s = {100, 0, 100, 100};
   scene.doors = {door({{1, "", 0}, {3, "", 0}}, {{2, "", 0}, {3, "", 0}})};
   SmallWorld world(scene, 1);
-  EXPECT_EQ(world.ways.doors()[0], DoorState::kShut);
+  EXPECT_EQ(world.map.doors()[0], DoorState::kShut);
   walk(world, 1.2);
-  EXPECT_EQ(world.ways.doors()[0], DoorState::kOpen);
+  EXPECT_EQ(world.map.doors()[0], DoorState::kOpen);
   walk(world, 1);
-  EXPECT_EQ(world.ways.doors()[0], DoorState::kShut);
+  EXPECT_EQ(world.map.doors()[0], DoorState::kShut);
   walk(world, 2);
-  EXPECT_EQ(world.ways.doors()[0], DoorState::kShut);
+  EXPECT_EQ(world.map.doors()[0], DoorState::kShut);
 }
 
 /// Sixteen people go east, and ten who stand in the east wait for them.
@@ -151,8 +150,8 @@ Scene exchange(uint64_t seed) {
   scene.groups[1].name = "second";
   scene.groups[1].on_arrival = OnArrival::kLeave;
   scene.groups[0].goals.insert(scene.groups[0].goals.begin(), Rectangle{{0.5, -3}, {2, 3}});
-  scene.groups[0].goals[0].pass = true;
-  scene.groups[1].after = Cue{1, "first", 1};
+  scene.groups[0].goals[0].waypoint = true;
+  scene.groups[1].after = TriggerRule{1, "first", 1};
   return scene;
 }
 
@@ -167,15 +166,15 @@ TEST_P(Doors, AGroupSetsOutWhenAnotherHasBeenWhereItWaitsFor) {
       world.crowd.step();
       const double now_s = static_cast<double>(step) / kStepsASecond;
       bool all_out = true, one_walks = false;
-      for (uint32_t id = 0; id < 16; ++id) all_out &= world.crowd.journeys().has_been_at(id, 1);
+      for (uint32_t id = 0; id < 16; ++id) all_out &= world.crowd.journeys().has_visited(id, 1);
       for (uint32_t id = 16; id < world.crowd.size(); ++id)
-        one_walks |= world.crowd.journeys().doing(id) == Doing::kWalking;
+        one_walks |= world.crowd.journeys().state(id) == JourneyState::kWalking;
       if (all_out && all_out_s < 0) all_out_s = now_s;
       if (one_walks && sets_out_s < 0) sets_out_s = now_s;
     }
     EXPECT_GT(all_out_s, 3);
     EXPECT_NEAR(sets_out_s, all_out_s + 1, 0.25) << "a second later, at the next decision";
-    EXPECT_EQ(world.crowd.traffic().counters().left, world.crowd.size());
+    EXPECT_EQ(world.crowd.population().counters().left, world.crowd.size());
   }
 }
 

@@ -45,7 +45,7 @@ Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<
   }
   if (outside == Outside::kStrip) exits.areas = {{{0, -3}, {kHall_m, -2}}};
   wall(kHall_m);
-  exits.pass = true;
+  exits.waypoint = true;
   scene.groups = {group(people, spawn, {})};
   scene.groups[0].goals = {exits};
   scene.groups[0].on_arrival = OnArrival::kLeave;
@@ -80,16 +80,16 @@ struct Leaving {
         if (now >= Journeys::kOpen) continue;
         changes[id] += chosen[id] < Journeys::kOpen && chosen[id] != now;
         chosen[id] = now;
-        const uint32_t first = world.crowd.journeys().first_of_party(id);
+        const uint32_t first = world.crowd.journeys().first_member(id);
         const uint32_t firsts = world.crowd.journeys().exit(first);
         apart += firsts < Journeys::kOpen && firsts != now;
       }
       seconds = step * scene.step_s;
-      if (world.crowd.traffic().counters().left == people) break;
+      if (world.crowd.population().counters().left == people) break;
     }
   }
   int through(size_t door) const { return by_door.contains(door) ? by_door.at(door) : 0; }
-  uint64_t left() const { return world.crowd.traffic().counters().left; }
+  uint64_t left() const { return world.crowd.population().counters().left; }
 
   SmallWorld world;
   std::map<size_t, int> by_door;
@@ -179,12 +179,12 @@ TEST_P(Choice, CompanionsHeadForOneExit) {
   for (const uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
     Scene crowded = scene(seed, 160, kNearHalf, kTwoDoors);
-    crowded.groups[0].companions = {1, {1, 1, 1}};
+    crowded.groups[0].social_groups = {1, {1, 1, 1}};
     const Leaving leaving(crowded, kTwoDoors);
     const Journeys& journeys = leaving.world.crowd.journeys();
     int parties = 0;
     for (uint32_t id = 0; id < leaving.changes.size(); ++id) {
-      parties += journeys.first_of_party(id) == id;
+      parties += journeys.first_member(id) == id;
       changed += leaving.changes[id];
     }
     EXPECT_EQ(leaving.left(), 160u);
@@ -209,9 +209,9 @@ TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
     scene.obstacles.push_back(box(21.5, kDepth_m + 0.1, 5, 0.2));
     scene.groups[0].goals[0].areas.push_back({{1, kDepth_m + 2}, {kHall_m - 1, kDepth_m + 3}});
     SmallWorld world(scene, 2);
-    ASSERT_EQ(world.ways.exits().size(), 2u);
+    ASSERT_EQ(world.map.exits().size(), 2u);
     for (int step = 0; step < 200 * kStepsASecond; ++step) world.crowd.step();
-    EXPECT_EQ(world.crowd.traffic().counters().left, world.crowd.size());
+    EXPECT_EQ(world.crowd.population().counters().left, world.crowd.size());
     int north = 0;
     for (const Eigen::Vector2d& place : world.crowd.positions_m()) north += place.y() > kDepth_m;
     EXPECT_GE(3 * north, static_cast<int>(world.crowd.size()));
@@ -232,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(Models, Choice,
 TEST(ExitWays, OneDoorIsNoChoice) {
   for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
     SmallWorld world(hall(1, 5, kNearHalf, {{4, 1}}, outside), 1);
-    EXPECT_TRUE(world.ways.exits().empty());
+    EXPECT_TRUE(world.map.exits().empty());
     world.crowd.step();
     for (uint32_t id = 0; id < 5; ++id)
       EXPECT_EQ(world.crowd.journeys().exit(id), Journeys::kNoExit);
@@ -245,7 +245,7 @@ std::vector<Exit> exits_among(std::vector<Obstacle> obstacles) {
   scene.ground = {{0, 0}, {kHall_m, 20}};
   scene.obstacles = std::move(obstacles);
   scene.groups = {group(1, {{1, 17}, {23, 19}}, {{{0, 0}, {kHall_m, 1}}})};
-  return SmallWorld(scene, 1).ways.exits();
+  return SmallWorld(scene, 1).map.exits();
 }
 
 TEST(ExitWays, DoorsBeforeAGoalAreExitsAndColumnsAreNot) {
@@ -288,52 +288,53 @@ TEST(ExitWays, OfBundledScenesAreTheirDoorsAndAreas) {
   for (const SceneEntry& entry : bundled_scenes()) {
     const Scene scene = load_scene(entry.name);
     Workers workers(2);
-    const Ways ways(scene, workers);
+    const NavigationMap map(scene, workers);
     const auto known = expected.find(entry.name);
-    EXPECT_EQ(ways.exits().size(), known == expected.end() ? 0 : known->second) << entry.name;
+    EXPECT_EQ(map.exits().size(), known == expected.end() ? 0 : known->second) << entry.name;
   }
 }
 
 TEST(ExitWays, LeadThroughTheirOwnDoor) {
   for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
     const SmallWorld world(hall(1, 1, kNearHalf, kTwoDoors, outside), 1);
-    ASSERT_EQ(world.ways.exits().size(), 2u);
+    ASSERT_EQ(world.map.exits().size(), 2u);
     for (uint64_t draw = 0; draw < 50; ++draw)
       for (size_t exit = 0; exit < 2; ++exit) {
         const RandomKey key{3, draw, 0, Purpose::kGoal};
         Eigen::Vector2d at(random_uniform(key, 1, kHall_m - 1, 0), random_uniform(key, 1, 11, 1));
-        const FlowField& field = *world.ways.exits()[exit].field;
+        const FlowField& field = *world.map.exits()[exit].field;
         for (int step = 0; step < 600 && at.y() > -0.1; ++step) at += 0.1 * field.direction(at);
         EXPECT_NEAR(at.x(), kTwoDoors[exit].middle_m, 0.5) << "draw " << draw;
       }
   }
 }
 
-TEST(Approach, KnowsHowManyAreAhead) {
+TEST(DistanceHistogram, KnowsHowManyAreAhead) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Approach approach;
-    std::vector<float> ways_m;
+    DistanceHistogram histogram;
+    std::vector<float> distances_m;
     for (uint32_t i = 0; i < 300; ++i) {
       const RandomKey key{seed, i, 0, Purpose::kGoal};
-      const auto way_m = static_cast<float>(random_uniform(key, 0, i % 10 == 0 ? 900 : 60));
-      ways_m.push_back(way_m);
-      approach.add(way_m, 1);
+      const auto distance_m = static_cast<float>(random_uniform(key, 0, i % 10 == 0 ? 900 : 60));
+      distances_m.push_back(distance_m);
+      histogram.add(distance_m, 1);
       if (i % 3 == 0) continue;
-      approach.add(ways_m[i / 2], -1);
-      ways_m.erase(ways_m.begin() + static_cast<ptrdiff_t>(i / 2));
-      ways_m.insert(ways_m.begin() + static_cast<ptrdiff_t>(i / 2), way_m);
-      approach.add(way_m, 1);
+      histogram.add(distances_m[i / 2], -1);
+      distances_m.erase(distances_m.begin() + static_cast<ptrdiff_t>(i / 2));
+      distances_m.insert(distances_m.begin() + static_cast<ptrdiff_t>(i / 2), distance_m);
+      histogram.add(distance_m, 1);
     }
-    for (const float way_m : {0.0f, 3.2f, 30.0f, 55.0f, 64.0f, 300.0f, 2000.0f}) {
+    for (const float distance_m : {0.0f, 3.2f, 30.0f, 55.0f, 64.0f, 300.0f, 2000.0f}) {
       // As exact as the bins: those nearer by one more, and those not farther by one more.
-      const float bin_m = way_m < 64 ? 0.5f : way_m < 570 ? 4.0f : 2000.0f;
-      const auto nearer = std::count_if(ways_m.begin(), ways_m.end(),
-                                        [&](float each) { return each < way_m - bin_m; });
-      const auto not_farther = std::count_if(ways_m.begin(), ways_m.end(),
-                                             [&](float each) { return each <= way_m + bin_m; });
-      EXPECT_GE(approach.ahead_of(way_m), static_cast<double>(nearer)) << way_m;
-      EXPECT_LE(approach.ahead_of(way_m), static_cast<double>(not_farther)) << way_m;
+      const float bin_m = distance_m < 64 ? 0.5f : distance_m < 570 ? 4.0f : 2000.0f;
+      const auto nearer = std::count_if(distances_m.begin(), distances_m.end(),
+                                        [&](float each) { return each < distance_m - bin_m; });
+      const auto not_farther =
+          std::count_if(distances_m.begin(), distances_m.end(),
+                        [&](float each) { return each <= distance_m + bin_m; });
+      EXPECT_GE(histogram.ahead_of(distance_m), static_cast<double>(nearer)) << distance_m;
+      EXPECT_LE(histogram.ahead_of(distance_m), static_cast<double>(not_farther)) << distance_m;
     }
   }
 }

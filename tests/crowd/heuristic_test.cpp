@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-#include "analysis/validation/recorded_set_ups.h"
+#include "analysis/validation/recorded_setups.h"
 #include "analysis/validation/trial.h"
 #include "crowd/steering/heuristic_tuning.h"
 #include "tests/crowd/steering_draws.h"
@@ -22,8 +22,8 @@ constexpr float kFree_mps = 1.34f;
 constexpr float kPeriod_s = 0.1f;
 
 struct Someone {
-  Eigen::Vector2f at_m, velocity_mps, wanted_mps;
-  float urge = 0, eagerness = 0;
+  Eigen::Vector2f at_m, velocity_mps, preferred_mps;
+  float impatience = 0, catch_up = 0;
 };
 struct Wall {
   Eigen::Vector2f away;
@@ -38,24 +38,24 @@ struct Moment {
   std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1,
                                       SteeringFunction model = decide_heuristic_scalar) const {
     const size_t count = people.size();
-    std::vector<Seen> seen;
+    std::vector<NeighbourState> published;
     for (const Someone& each : people) {
-      const float length = each.wanted_mps.norm();
-      seen.push_back({.x_m = each.at_m.x(),
-                      .y_m = each.at_m.y(),
-                      .vx_mps = each.velocity_mps.x(),
-                      .vy_mps = each.velocity_mps.y(),
-                      .wanted_x_mps = each.wanted_mps.x(),
-                      .wanted_y_mps = each.wanted_mps.y(),
-                      .way_x = length > 0 ? each.wanted_mps.x() / length : 0,
-                      .way_y = length > 0 ? each.wanted_mps.y() / length : 0,
-                      .radius_m = 0.22f,
-                      .urge = each.urge,
-                      .eagerness = each.eagerness,
-                      .max_speed_mps = 1.2f * kFree_mps,
-                      .horizon_s = 2});
+      const float length = each.preferred_mps.norm();
+      published.push_back({.x_m = each.at_m.x(),
+                           .y_m = each.at_m.y(),
+                           .vx_mps = each.velocity_mps.x(),
+                           .vy_mps = each.velocity_mps.y(),
+                           .preferred_x_mps = each.preferred_mps.x(),
+                           .preferred_y_mps = each.preferred_mps.y(),
+                           .direction_x = length > 0 ? each.preferred_mps.x() / length : 0,
+                           .direction_y = length > 0 ? each.preferred_mps.y() / length : 0,
+                           .radius_m = 0.22f,
+                           .impatience = each.impatience,
+                           .catch_up = each.catch_up,
+                           .max_speed_mps = 1.2f * kFree_mps,
+                           .horizon_s = 2});
     }
-    std::vector<uint32_t> near(NeighbourGrid::kMost * count), starts(count + 1);
+    std::vector<uint32_t> near(NeighbourGrid::kMaxNeighbours * count), starts(count + 1);
     std::vector<uint8_t> counts(count);
     for (uint32_t i = 0; i < count; ++i) {
       std::vector<uint32_t> others(count);
@@ -65,8 +65,8 @@ struct Moment {
         return (people[a].at_m - people[i].at_m).squaredNorm() <
                (people[b].at_m - people[i].at_m).squaredNorm();
       });
-      others.resize(std::min(others.size(), NeighbourGrid::kMost));
-      std::copy(others.begin(), others.end(), near.begin() + NeighbourGrid::kMost * i);
+      others.resize(std::min(others.size(), NeighbourGrid::kMaxNeighbours));
+      std::copy(others.begin(), others.end(), near.begin() + NeighbourGrid::kMaxNeighbours * i);
       counts[i] = static_cast<uint8_t>(others.size());
       starts[i + 1] = static_cast<uint32_t>(walls.size());
     }
@@ -77,7 +77,7 @@ struct Moment {
       clearances.push_back(wall.clearance_m);
     }
     SteeringView view;
-    view.seen = seen.data();
+    view.published = published.data();
     view.neighbours = near.data();
     view.neighbour_counts = counts.data();
     view.wall_x = wall_x.data();
@@ -105,10 +105,10 @@ Moment random_moment(uint64_t seed) {
     Someone each;
     each.at_m = {uniform(seed, id, -half_m, half_m), uniform(seed, id + 1, -half_m, half_m)};
     each.velocity_mps = polar(uniform(seed, id + 2, 0, 1.5), uniform(seed, id + 3, -3.14, 3.14));
-    each.wanted_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
-                            uniform(seed, id + 5, -3.14, 3.14));
-    if (uniform(seed, id + 7, 0, 1) < 0.2f) each.urge = uniform(seed, 900 + i, 0, 1);
-    if (uniform(seed, id + 7, 0, 1) < 0.4f) each.eagerness = uniform(seed, 950 + i, 0, 1);
+    each.preferred_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
+                               uniform(seed, id + 5, -3.14, 3.14));
+    if (uniform(seed, id + 7, 0, 1) < 0.2f) each.impatience = uniform(seed, 900 + i, 0, 1);
+    if (uniform(seed, id + 7, 0, 1) < 0.4f) each.catch_up = uniform(seed, 950 + i, 0, 1);
     // Some stand in one place.
     if (i > 0 && uniform(seed, id + 6, 0, 1) < 0.05f) each.at_m = moment.people.back().at_m;
     moment.people.push_back(each);
@@ -122,9 +122,9 @@ Moment random_moment(uint64_t seed) {
 
 TEST(Heuristic, SomebodyAloneWalksOnAtTheFreeSpeed) {
   for (uint64_t seed = 1; seed <= 100; ++seed) {
-    const Eigen::Vector2f wanted = polar(kFree_mps, uniform(seed, 0, -3.14, 3.14));
-    const Moment moment{{{{0, 0}, wanted, wanted}}, {}};
-    EXPECT_LE((moment.decide().front() - wanted).norm(), 1e-5f) << "seed " << seed;
+    const Eigen::Vector2f preferred = polar(kFree_mps, uniform(seed, 0, -3.14, 3.14));
+    const Moment moment{{{{0, 0}, preferred, preferred}}, {}};
+    EXPECT_LE((moment.decide().front() - preferred).norm(), 1e-5f) << "seed " << seed;
   }
 }
 
@@ -143,9 +143,9 @@ TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
     const Eigen::Vector2f v = moment.decide().front();
     ASSERT_TRUE(v.allFinite());
     EXPECT_LE(v.norm(), 1.2f * kFree_mps + 1e-4f);
-    constexpr float kMost_mps2 = 3.5f;
+    constexpr float kMax_mps2 = 3.5f;
     if (moment.walls.empty() && moment.people.front().velocity_mps.norm() <= 1.2f * kFree_mps) {
-      EXPECT_LE((v - moment.people.front().velocity_mps).norm(), kMost_mps2 * kPeriod_s + 1e-4f);
+      EXPECT_LE((v - moment.people.front().velocity_mps).norm(), kMax_mps2 * kPeriod_s + 1e-4f);
     }
     // Shoulders turn at a wall: two tenths of the radius.
     const SteeringView defaults;
@@ -156,17 +156,18 @@ TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
 }
 
 TEST(Heuristic, NobodyTurnsIntoAWayFasterThanFeetFollow) {
-  constexpr float kMost_mps = heuristic::kTuning.across_mps2 * kPeriod_s;
-  float most_mps = 0;
+  constexpr float kMaxSpeed_mps = heuristic::kTuning.across_mps2 * kPeriod_s;
+  float max_mps = 0;
   for (uint64_t seed = 1; seed <= 200; ++seed) {
-    const Eigen::Vector2f way = polar(1, uniform(seed, 0, -3.14, 3.14)), right(way.y(), -way.x());
+    const Eigen::Vector2f direction = polar(1, uniform(seed, 0, -3.14, 3.14)),
+                          right(direction.y(), -direction.x());
     const Eigen::Vector2f now = polar(uniform(seed, 1, 0, 1.5), uniform(seed, 2, -3.14, 3.14));
-    const Moment moment{{{{0, 0}, now, kFree_mps * way}}, {}};
+    const Moment moment{{{{0, 0}, now, kFree_mps * direction}}, {}};
     const float across_mps = std::abs((moment.decide().front() - now).dot(right));
-    EXPECT_LE(across_mps, kMost_mps + 1e-5f) << "seed " << seed;
-    most_mps = std::max(most_mps, across_mps);
+    EXPECT_LE(across_mps, kMaxSpeed_mps + 1e-5f) << "seed " << seed;
+    max_mps = std::max(max_mps, across_mps);
   }
-  EXPECT_GT(most_mps, 0.99f * kMost_mps);
+  EXPECT_GT(max_mps, 0.99f * kMaxSpeed_mps);
 }
 
 /// Somebody walks slowly, and somebody fast comes up a metre behind, a little to the right.
@@ -196,8 +197,8 @@ TEST(Heuristic, WhoWaitsKeepsItsPlaceUntilOthersAreVeryNear) {
 }
 
 TEST(Heuristic, WhoeverIsStuckGoesRoundOnTheLeftIfNoWayLeadsRoundOnTheRight) {
-  const auto to_left_mps = [](float urge) {
-    const Moment moment{{{{0, 0}, {0, 0}, {kFree_mps, 0}, urge},
+  const auto to_left_mps = [](float impatience) {
+    const Moment moment{{{{0, 0}, {0, 0}, {kFree_mps, 0}, impatience},
                          {{0.45f, 0.02f}, {0, 0}, {0, 0}},
                          {{0.25f, -0.4f}, {0, 0}, {0, 0}}},
                         {}};
@@ -238,8 +239,8 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
     const auto turned = [](const Eigen::Vector2f& v) { return Eigen::Vector2f(-v.y(), v.x()); };
     Moment quarter = moment;
     for (Someone& each : quarter.people)
-      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.wanted_mps), each.urge,
-              each.eagerness};
+      each = {turned(each.at_m), turned(each.velocity_mps), turned(each.preferred_mps),
+              each.impatience, each.catch_up};
     for (Wall& wall : quarter.walls) wall.away = turned(wall.away);
     bool one_place = false;  // two in one place part along x
     for (size_t i = 1; i < moment.people.size(); ++i)
@@ -251,11 +252,12 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
 }
 
 /// How fast somebody who stands sets out behind one so far ahead who walks off at 0.1 m/s.
-float sets_out_mps(float ahead_m, float eagerness) {
-  const Eigen::Vector2f wanted(kFree_mps, 0);
+float sets_out_mps(float ahead_m, float catch_up) {
+  const Eigen::Vector2f preferred(kFree_mps, 0);
   // Walls to both sides leave no way past.
-  const Moment moment{{{{0, 0}, {0, 0}, wanted, 0, eagerness}, {{ahead_m, 0}, {0.06f, 0}, wanted}},
-                      {{{0, 1}, 0.03f}, {{0, -1}, 0.03f}}};
+  const Moment moment{
+      {{{0, 0}, {0, 0}, preferred, 0, catch_up}, {{ahead_m, 0}, {0.06f, 0}, preferred}},
+      {{{0, 1}, 0.03f}, {{0, -1}, 0.03f}}};
   return moment.decide().front().x();
 }
 
@@ -289,7 +291,7 @@ TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {
 
 /// Walks everybody for so long; returns how near two of them came.
 float walk(std::vector<Someone>& people, double seconds) {
-  float least_m = 1e9f;
+  float min_m = 1e9f;
   const auto decisions = static_cast<int>(seconds / static_cast<double>(kPeriod_s));
   for (int i = 0; i < decisions; ++i) {
     const std::vector<Eigen::Vector2f> next = Moment{people, {}}.decide(0, people.size());
@@ -299,18 +301,18 @@ float walk(std::vector<Someone>& people, double seconds) {
     }
     for (size_t a = 0; a < people.size(); ++a)
       for (size_t b = 0; b < a; ++b)
-        least_m = std::min(least_m, (people[a].at_m - people[b].at_m).norm());
+        min_m = std::min(min_m, (people[a].at_m - people[b].at_m).norm());
   }
-  return least_m;
+  return min_m;
 }
 
 /// Two who walk from where they are to where the other one was.
 float nearest_m(float lateral_m) {
   std::vector<Someone> two = {{{0, 0}, {kFree_mps, 0}, {kFree_mps, 0}},
                               {{10, lateral_m}, {-kFree_mps, 0}, {-kFree_mps, 0}}};
-  const float least = walk(two, 10);
+  const float min = walk(two, 10);
   EXPECT_GT(two[0].at_m.x(), two[1].at_m.x()) << "they never passed, lateral " << lateral_m;
-  return least;
+  return min;
 }
 
 TEST(Heuristic, TwoHeadOnPassAsRecordedPeopleDo) {
@@ -343,12 +345,12 @@ TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
     std::vector<Someone> people;
     for (uint64_t i = 0; i < 10; ++i) {
       const Eigen::Vector2f from = polar(uniform(seed, i, 5, 9), 0.628f * static_cast<float>(i));
-      const Eigen::Vector2f wanted = -kFree_mps * from.normalized();
-      people.push_back({from, wanted, wanted});
+      const Eigen::Vector2f preferred = -kFree_mps * from.normalized();
+      people.push_back({from, preferred, preferred});
     }
     EXPECT_GE(walk(people, 20), 0.3f);
     for (const Someone& each : people)
-      EXPECT_GT(each.at_m.dot(each.wanted_mps), 3) << "did not get to the other side";
+      EXPECT_GT(each.at_m.dot(each.preferred_mps), 3) << "did not get to the other side";
   }
 }
 
@@ -377,14 +379,15 @@ TEST(HeuristicCrowd, SomebodyAloneGetsThroughANarrowDoor) {
 TEST(HeuristicCrowd, FastPeopleOvertakeSlowOnes) {
   for (uint64_t seed = 11; seed <= 12; ++seed) {
     Outcome outcome;
-    EXPECT_TRUE(judge_overtaking(overtake(20, SteeringKind::kHeuristic, seed, outcome)).passed)
+    EXPECT_TRUE(
+        judge_overtaking(measure_overtaking(20, SteeringKind::kHeuristic, seed, outcome)).passed)
         << "seed " << seed;
   }
 }
 
 TEST(HeuristicCrowd, TwoWaysInOneCorridorFormLanesAndFlow) {
   Outcome outcome;
-  const std::vector<double> flows = walk_two_ways(2, SteeringKind::kHeuristic, 3, outcome);
+  const std::vector<double> flows = measure_counterflow(2, SteeringKind::kHeuristic, 3, outcome);
   for (const double flow : flows) EXPECT_GE(flow, 0.8) << "seed 3";
   EXPECT_EQ(outcome.wall_crossings, 0);
 }
@@ -393,7 +396,7 @@ TEST(HeuristicCrowd, AWiderDoorLetsMorePeopleThrough) {
   Outcome outcome;
   double before = 0;
   for (const double width_m : {0.6, 1.2, 2.2}) {
-    const DoorFlow flow = pass_a_door(width_m, 90, SteeringKind::kHeuristic, 2, outcome);
+    const DoorFlow flow = measure_door_flow(width_m, 90, SteeringKind::kHeuristic, 2, outcome);
     EXPECT_GT(flow.flow_per_s, 1.3 * before) << width_m << " m, seed 2";
     EXPECT_EQ(flow.through, 90) << width_m << " m, seed 2";
     before = flow.flow_per_s;

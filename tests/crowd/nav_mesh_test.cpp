@@ -71,16 +71,16 @@ TEST(NavMesh, WhereADiscOf44CentimetresFitsIsAWayAndWhere40FitIsNone) {
           // Along the cells' diagonal a centimetre more is needed.
           if (turn_rad > 0.5 && width_m == 0.44) continue;
           Workers workers(1);
-          const Ways ways(gap_in_a_wall(width_m, thick_m, shift_m, turn_rad), workers);
+          const NavigationMap map(gap_in_a_wall(width_m, thick_m, shift_m, turn_rad), workers);
           const bool is_way = width_m > 0.42;
           const std::string which =
               ::testing::PrintToString(std::vector<double>{width_m, thick_m, shift_m, turn_rad});
-          const Stop& stop = ways.route(0)[0];
+          const Stop& stop = map.route(0)[0];
           EXPECT_EQ(stop.field->reaches({-4.5, 0.1}), is_way) << which;
           // At the edges of a very thin wall the mesh sees 2 cm more room than there is. People go
           // by the field.
           if (width_m == 0.40 && thick_m < 0.1) continue;
-          EXPECT_EQ(ways.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives,
+          EXPECT_EQ(map.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives,
                     is_way)
               << which;
         }
@@ -127,15 +127,15 @@ TEST(NavMesh, AgreesWithFlowFieldsAboutWaysAndTheirLengths) {
     }
     scene.groups = {group(1, {{-11, -11}, {-10, -10}}, {{{9.5, 9.5}, {11.5, 11.5}}})};
     Workers workers(1);
-    const Ways ways(scene, workers);
-    const Stop& stop = ways.route(0)[0];
+    const NavigationMap map(scene, workers);
+    const Stop& stop = map.route(0)[0];
     for (uint32_t i = 0; i < 40; ++i) {
       const RandomKey key{seed, i, 1, Purpose::kBoxWorld};
       const Eigen::Vector2d from(random_uniform(key, -11.0, 11.0, 0),
                                  random_uniform(key, -11.0, 11.0, 1));
-      if (ways.walkable().clearance_m(from) < 0.5) continue;
+      if (map.walkable().clearance_m(from) < 0.5) continue;
       const bool field_leads = stop.field->reaches(from);
-      const Path path = ways.nav_mesh().path(from, stop.goal.areas);
+      const Path path = map.nav_mesh().path(from, stop.goal.areas);
       ++asked;
       ways_found += field_leads && path.arrives;
       if (!field_leads || !path.arrives) {

@@ -23,7 +23,7 @@ std::vector<uint32_t> brute_force(const NeighbourGrid& grid, uint32_t own, float
   std::sort(all.begin(), all.end());
   std::vector<uint32_t> slots;
   for (const auto& [square, slot] : all)
-    if (slots.size() < NeighbourGrid::kMost) slots.push_back(slot);
+    if (slots.size() < NeighbourGrid::kMaxNeighbours) slots.push_back(slot);
   return slots;
 }
 
@@ -52,12 +52,13 @@ TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
         grid.rebuild(points);
         std::vector<uint32_t> all(points.size());
         std::iota(all.begin(), all.end(), 0);
-        std::vector<uint32_t> found(points.size() * NeighbourGrid::kMost);
+        std::vector<uint32_t> found(points.size() * NeighbourGrid::kMaxNeighbours);
         std::vector<uint8_t> counts(points.size());
         for (const float reach_m : {0.7f, 2.0f, 5.0f}) {
           grid.nearest(all, reach_m, found.data(), counts.data());
           for (uint32_t slot = 0; slot < points.size(); ++slot) {
-            const auto first = found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMost * slot);
+            const auto first =
+                found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMaxNeighbours * slot);
             const std::vector<uint32_t> slots(first, first + counts[slot]);
             ASSERT_EQ(slots, brute_force(grid, slot, reach_m))
                 << "slot " << slot << " reach " << reach_m << " m";
@@ -78,23 +79,24 @@ TEST(NeighbourGrid, FindsThemWhereTheyHaveWalkedTo) {
       grid.rebuild(points);
       std::vector<uint32_t> slots(points.size());
       std::iota(slots.begin(), slots.end(), 0);
-      std::vector<uint32_t> found(points.size() * NeighbourGrid::kMost);
+      std::vector<uint32_t> found(points.size() * NeighbourGrid::kMaxNeighbours);
       std::vector<uint8_t> counts(points.size());
       for (uint64_t step = 1; step <= 3; ++step) {
         double farthest_m = 0;
         for (uint32_t slot = 0; slot < points.size(); ++slot) {
           const RandomKey key{seed, slot, step, Purpose::kBoxWorld};
-          const Eigen::Vector2d way(random_uniform(key, -0.5, 0.5, 0),
-                                    random_uniform(key, -0.5, 0.5, 1));
+          const Eigen::Vector2d displacement(random_uniform(key, -0.5, 0.5, 0),
+                                             random_uniform(key, -0.5, 0.5, 1));
           const Eigen::Vector2d from =
               grid.middle_m() + Eigen::Vector2f(grid.x()[slot], grid.y()[slot]).cast<double>();
-          grid.move(slot, from + way);
-          farthest_m = std::max(farthest_m, way.norm());
+          grid.move(slot, from + displacement);
+          farthest_m = std::max(farthest_m, displacement.norm());
         }
         grid.add_slack_m(farthest_m);
         grid.nearest(slots, 2, found.data(), counts.data());
         for (const uint32_t slot : slots) {
-          const auto first = found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMost * slot);
+          const auto first =
+              found.begin() + static_cast<ptrdiff_t>(NeighbourGrid::kMaxNeighbours * slot);
           ASSERT_EQ(std::vector<uint32_t>(first, first + counts[slot]), brute_force(grid, slot, 2))
               << "slot " << slot << " after step " << step;
         }

@@ -23,7 +23,7 @@ constexpr float kSpacing_mps = 0.5f * (kMaxSpeed_mps / kRings + 6.3f * kMaxSpeed
 struct Case {
   std::vector<HalfPlane> planes;
   int hard = 0;
-  Eigen::Vector2f wanted_mps;
+  Eigen::Vector2f preferred_mps;
 };
 
 Case random_case(uint64_t seed, double tightest_mps, double loosest_mps) {
@@ -38,7 +38,7 @@ Case random_case(uint64_t seed, double tightest_mps, double loosest_mps) {
         i < c.hard ? uniform(seed, id++, -1.2, 0) : uniform(seed, id++, loosest_mps, tightest_mps);
     c.planes.push_back(plane);
   }
-  c.wanted_mps = polar(uniform(seed, id, 0, 1.5), uniform(seed, id + 1, -3.14, 3.14));
+  c.preferred_mps = polar(uniform(seed, id, 0, 1.5), uniform(seed, id + 1, -3.14, 3.14));
   return c;
 }
 
@@ -53,7 +53,7 @@ float worst(std::span<const HalfPlane> planes, const Eigen::Vector2f& v) {
 struct Sampled {
   bool feasible = false;
   float nearest_mps = 1e9f;
-  float least_violation_mps = 1e9f;
+  float min_violation_mps = 1e9f;
 };
 
 Sampled sample(const Case& c) {
@@ -66,10 +66,10 @@ Sampled sample(const Case& c) {
                                       6.2831853f * static_cast<float>(spoke) / kSpokes);
       if (worst(planes.first(hard), v) > 0) continue;
       const float soft = worst(planes.subspan(hard), v);
-      out.least_violation_mps = std::min(out.least_violation_mps, soft);
+      out.min_violation_mps = std::min(out.min_violation_mps, soft);
       if (soft > 0) continue;
       out.feasible = true;
-      out.nearest_mps = std::min(out.nearest_mps, (v - c.wanted_mps).norm());
+      out.nearest_mps = std::min(out.nearest_mps, (v - c.preferred_mps).norm());
     }
   }
   return out;
@@ -83,10 +83,10 @@ TEST(Orca, ChosenVelocityIsTheNearestFeasibleOne) {
     const Sampled oracle = sample(c);
     if (!oracle.feasible) continue;
     ++feasible;
-    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
+    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.preferred_mps, kMaxSpeed_mps);
     EXPECT_LE(worst(c.planes, v), kRounding_mps);
     EXPECT_LE(v.norm(), kMaxSpeed_mps + kRounding_mps);
-    const float found_mps = (v - c.wanted_mps).norm();
+    const float found_mps = (v - c.preferred_mps).norm();
     // No sample may be nearer; and where the feasible set is not a sliver, samples come near.
     EXPECT_LE(found_mps, oracle.nearest_mps + kRounding_mps)
         << "a sample is nearer by " << found_mps - oracle.nearest_mps << " m/s";
@@ -100,17 +100,17 @@ TEST(Orca, InfeasiblePlanesAreViolatedAsLittleAsPossible) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Case c = random_case(seed, 1.2, -0.3);
     const Sampled oracle = sample(c);
-    if (oracle.feasible || oracle.least_violation_mps < kSpacing_mps) continue;
+    if (oracle.feasible || oracle.min_violation_mps < kSpacing_mps) continue;
     ++infeasible;
-    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.wanted_mps, kMaxSpeed_mps);
+    const Eigen::Vector2f v = choose_velocity(c.planes, c.hard, c.preferred_mps, kMaxSpeed_mps);
     const std::span<const HalfPlane> planes(c.planes);
     const auto hard = static_cast<size_t>(c.hard);
     EXPECT_LE(worst(planes.first(hard), v), kRounding_mps) << "a wall was given up";
     EXPECT_LE(v.norm(), kMaxSpeed_mps + kRounding_mps);
     const float found_mps = worst(planes.subspan(hard), v);
-    EXPECT_LE(found_mps, oracle.least_violation_mps + kRounding_mps)
-        << "a sample violates less by " << found_mps - oracle.least_violation_mps << " m/s";
-    EXPECT_GE(found_mps, oracle.least_violation_mps - kSpacing_mps);
+    EXPECT_LE(found_mps, oracle.min_violation_mps + kRounding_mps)
+        << "a sample violates less by " << found_mps - oracle.min_violation_mps << " m/s";
+    EXPECT_GE(found_mps, oracle.min_violation_mps - kSpacing_mps);
   }
   EXPECT_GT(infeasible, 150) << "the cases no longer exercise the infeasible branch";
 }
@@ -128,7 +128,7 @@ TEST(Orca, TwoWhoBothObeyDoNotCollideWithinTheHorizon) {
     b.offset_m = -a.offset_m;
     std::swap(b.own_velocity_mps, b.other_velocity_mps);
     const auto obey = [](const Encounter& e) -> Eigen::Vector2f {
-      const HalfPlane plane = avoid(e);
+      const HalfPlane plane = avoidance_plane(e);
       const float violation = plane.violation_mps(e.own_velocity_mps);
       return violation > 0 ? Eigen::Vector2f(e.own_velocity_mps + violation * plane.normal)
                            : e.own_velocity_mps;
@@ -155,7 +155,7 @@ TEST(Orca, OverlappingDiscsPartWithinAStep) {
   e.own_velocity_mps = e.other_velocity_mps = Eigen::Vector2f::Zero();
   e.radius_m = 0.44f;
   e.step_s = 0.1f;
-  const HalfPlane plane = avoid(e);
+  const HalfPlane plane = avoidance_plane(e);
   EXPECT_NEAR(plane.normal.x(), -1, 1e-6);
   // Half of the 0.14 m that are missing, in 0.1 s.
   EXPECT_NEAR(plane.offset_mps, 0.7, 1e-5);
@@ -163,7 +163,7 @@ TEST(Orca, OverlappingDiscsPartWithinAStep) {
 
 TEST(Orca, StandingStillMeetsEveryWall) {
   for (const float clearance_m : {-0.2f, 0.0f, 0.1f, 2.0f}) {
-    const HalfPlane wall = keep_off(Eigen::Vector2f::UnitY(), clearance_m, 0.5f);
+    const HalfPlane wall = wall_plane(Eigen::Vector2f::UnitY(), clearance_m, 0.5f);
     EXPECT_LE(wall.violation_mps(Eigen::Vector2f::Zero()), 0)
         << "clearance " << clearance_m << " m";
   }

@@ -35,9 +35,9 @@ TEST(People, OfEveryAgeWalkAndStandAsTheirAgeDoes) {
     SCOPED_TRACE(fmt::format("{}, seed {}", age.name, kSeed));
     // Five standard errors, and what cutting an unsymmetric range off moves the mean by.
     const auto allowed = [](const Distribution& d) {
-      return (5 / std::sqrt(static_cast<double>(kDraws)) + 0.03) * d.deviation;
+      return (5 / std::sqrt(static_cast<double>(kDraws)) + 0.03) * d.std_dev;
     };
-    EXPECT_NEAR(mean_of(age.speed_mps, Purpose::kFreeSpeed), age.speed_mps.mean,
+    EXPECT_NEAR(mean_of(age.speed_mps, Purpose::kDesiredSpeed), age.speed_mps.mean,
                 allowed(age.speed_mps));
     EXPECT_NEAR(mean_of(age.height_m, Purpose::kHeight), age.height_m.mean, allowed(age.height_m));
   }
@@ -68,34 +68,34 @@ TEST(People, OfAMixAreOfSeveralAgesAndOthersOfOne) {
 
 /// Everybody of a bundled scene whose groups are all changed alike.
 template <typename Change>
-std::vector<Person> people_of(const Change& change) {
+std::vector<AgentSpec> people_of(const Change& change) {
   Scene scene = load_scene("corridor");
   for (Group& group : scene.groups) change(group);
   Workers workers(1);
-  const Ways ways(scene, workers);
-  return spawn(scene, ways).people;
+  const NavigationMap map(scene, workers);
+  return spawn(scene, map).people;
 }
 
 TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
-  const std::vector<Person> adults = people_of([](Group&) {});
-  const std::vector<Person> children =
+  const std::vector<AgentSpec> adults = people_of([](Group&) {});
+  const std::vector<AgentSpec> children =
       people_of([](Group& group) { group.ages = *ages_of("children"); });
   ASSERT_FALSE(children.empty());
-  for (const Person& child : children) {
+  for (const AgentSpec& child : children) {
     EXPECT_LE(child.height_m, 1.6);
-    EXPECT_LE(child.free_speed_mps, 1.61);
+    EXPECT_LE(child.desired_speed_mps, 1.61);
     EXPECT_LT(child.radius_m, 0.21);
   }
-  const std::vector<Person> marching = people_of([](Group& group) {
+  const std::vector<AgentSpec> marching = people_of([](Group& group) {
     group.ages = *ages_of("children");
     group.speed_mps = Distribution{1, 0, 1, 1};
   });
-  for (const Person& child : marching) {
+  for (const AgentSpec& child : marching) {
     EXPECT_LE(child.height_m, 1.6);
-    EXPECT_EQ(child.free_speed_mps, 1);
+    EXPECT_EQ(child.desired_speed_mps, 1);
   }
   // A mix draws the age besides: an adult of it is the adult of a group of adults.
-  const std::vector<Person> mixed =
+  const std::vector<AgentSpec> mixed =
       people_of([](Group& group) { group.ages = {1, 1, 0, 0, 0, 0}; });
   int alike = 0;
   for (size_t i = 0; i < std::min(adults.size(), mixed.size()); ++i)
@@ -114,22 +114,23 @@ TEST(People, WalkInEachStyleAsOftenAsItsShare) {
     const double share = shares[static_cast<size_t>(style)] / sum;
     const double deviation = std::sqrt(kDraws * share * (1 - share));
     EXPECT_NEAR(count, kDraws * share, 5 * deviation)
-        << figures_of(style).name << ", seed " << kSeed;
+        << parameters_of(style).name << ", seed " << kSeed;
   }
 }
 
 TEST(People, OfAGroupWalkInItsStylesUnlessDriven) {
-  const std::vector<Person> marching =
-      people_of([](Group& group) { group.styles = styles_of("stiff"); });
-  for (const Person& person : marching) EXPECT_EQ(person.style, GaitStyle::kStiff);
-  const std::vector<Person> driven = people_of([](Group& group) { group.driven = "MINE"; });
-  for (const Person& person : driven) EXPECT_EQ(person.style, GaitStyle::kPlain);
+  const std::vector<AgentSpec> marching =
+      people_of([](Group& group) { group.gait_styles = styles_of("stiff"); });
+  for (const AgentSpec& person : marching) EXPECT_EQ(person.style, GaitStyle::kStiff);
+  const std::vector<AgentSpec> driven =
+      people_of([](Group& group) { group.control_channel = "MINE"; });
+  for (const AgentSpec& person : driven) EXPECT_EQ(person.style, GaitStyle::kPlain);
 }
 
 TEST(People, StylesNameTheRun) {
   Scene scene = load_scene("corridor");
   const uint64_t by_age = content_hash_of(scene);
-  scene.groups[0].styles = age_group(Age::kAdult).styles;
+  scene.groups[0].gait_styles = age_group(Age::kAdult).styles;
   EXPECT_NE(content_hash_of(scene), by_age);
 }
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/elementary.h"
 #include "base/errors.h"
+#include "base/portable_math.h"
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
@@ -48,8 +48,8 @@ const std::vector<Rectangle> kThreeCounters = {
 struct Watch {
   std::vector<uint32_t> joined, let_in, served, before;
   std::vector<uint8_t> was_served, was_out;
-  size_t most_inside = 0;  ///< of an area, by where people are; those who were out again are not
-  size_t most_waiting = 0;
+  size_t max_inside = 0;  ///< of an area, by where people are; those who were out again are not
+  size_t max_waiting = 0;
 
   void look(const SmallWorld& world) {
     const Goal& goal = world.scene.groups[0].goals[0];
@@ -65,7 +65,7 @@ struct Watch {
     for (size_t i = 0; i < left; ++i) ASSERT_EQ(now[i], before[gone + i]) << "somebody overtook";
     for (size_t i = left; i < now.size(); ++i) joined.push_back(now[i]);
     before.assign(now.begin(), now.end());
-    most_waiting = std::max(most_waiting, now.size());
+    max_waiting = std::max(max_waiting, now.size());
     std::vector<size_t> inside(goal.areas.size(), 0);
     for (uint32_t id = 0; id < world.crowd.size(); ++id) {
       if (!world.crowd.journeys().is_present(id)) continue;
@@ -77,11 +77,11 @@ struct Watch {
         inside[area] += was_out[id] == 0 && r.contains(at_m);
       }
       if (was_served[id] != 0 && away_m > 0.25) was_out[id] = 1;
-      if (was_served[id] != 0 || !world.crowd.journeys().has_been_at(id, 1)) continue;
+      if (was_served[id] != 0 || !world.crowd.journeys().has_visited(id, 1)) continue;
       was_served[id] = 1;
       served.push_back(id);
     }
-    for (const size_t count : inside) most_inside = std::max(most_inside, count);
+    for (const size_t count : inside) max_inside = std::max(max_inside, count);
   }
 };
 
@@ -92,11 +92,11 @@ class QueuesOf : public testing::TestWithParam<SteeringKind> {
     return scene;
   }
   /// Until everybody has left, for so many seconds at most.
-  static void run(SmallWorld& world, Watch& watch, double most_s) {
-    for (int step = 0; step < most_s * kStepsASecond; ++step) {
+  static void run(SmallWorld& world, Watch& watch, double max_s) {
+    for (int step = 0; step < max_s * kStepsASecond; ++step) {
       world.crowd.step();
       ASSERT_NO_FATAL_FAILURE(watch.look(world)) << "step " << step;
-      if (world.crowd.traffic().counters().left == world.crowd.size()) return;
+      if (world.crowd.population().counters().left == world.crowd.size()) return;
     }
   }
 };
@@ -107,9 +107,9 @@ TEST_P(QueuesOf, ServeThoseFirstWhoCameFirstAndEverybodyInTheEnd) {
     SmallWorld world(with_model(hall(seed, 30, {kCounter}, 4)), 2);
     Watch watch;
     ASSERT_NO_FATAL_FAILURE(run(world, watch, 400));
-    EXPECT_EQ(world.crowd.traffic().counters().left, 30u);
-    EXPECT_GT(watch.most_waiting, 15u);
-    EXPECT_EQ(watch.most_inside, 1u);
+    EXPECT_EQ(world.crowd.population().counters().left, 30u);
+    EXPECT_GT(watch.max_waiting, 15u);
+    EXPECT_EQ(watch.max_inside, 1u);
     // One at a time: the order of being served is that of coming in, and of joining.
     ASSERT_LE(watch.joined.size(), watch.served.size());
     std::vector<uint32_t> served = watch.served;
@@ -126,20 +126,20 @@ TEST_P(QueuesOf, OneLineServesSeveralCounters) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     SmallWorld world(with_model(hall(seed, 40, kThreeCounters, 8)), 2);
     Watch watch;
-    std::array<int, 3> most{};
+    std::array<int, 3> max{};
     for (int step = 0; step < 400 * kStepsASecond; ++step) {
       world.crowd.step();
       ASSERT_NO_FATAL_FAILURE(watch.look(world)) << "step " << step;
       for (uint32_t id = 0; id < world.crowd.size(); ++id)
         for (size_t area = 0; area < 3; ++area)
-          most[area] +=
-              world.crowd.journeys().doing(id) == Doing::kWaiting &&
+          max[area] +=
+              world.crowd.journeys().state(id) == JourneyState::kWaiting &&
               std::abs(kThreeCounters[area].middle_m().x() - world.crowd.positions_m()[id].x()) < 1;
     }
-    EXPECT_EQ(world.crowd.traffic().counters().left, 40u);
-    EXPECT_EQ(watch.most_inside, 1u);
+    EXPECT_EQ(world.crowd.population().counters().left, 40u);
+    EXPECT_EQ(watch.max_inside, 1u);
     EXPECT_EQ(watch.let_in, watch.joined);
-    for (const int steps : most) EXPECT_GT(steps, 50 * kStepsASecond) << "a counter stood idle";
+    for (const int steps : max) EXPECT_GT(steps, 50 * kStepsASecond) << "a counter stood idle";
   }
 }
 
@@ -151,7 +151,7 @@ struct Looks {
 
   void look(const SmallWorld& world, const std::vector<Eigen::Vector2d>& headings) {
     const std::span<const uint32_t> line = world.crowd.queues().waiting(0);
-    for (size_t i = 0; i < std::min(line.size(), world.ways.queues()[0].plan.places); ++i) {
+    for (size_t i = 0; i < std::min(line.size(), world.map.queues()[0].plan.places); ++i) {
       const uint32_t id = line[i];
       const Eigen::Vector2d& at_m = world.crowd.positions_m()[id];
       const double turn = angle_between(headings[id], world.crowd.headings()[id]);
@@ -215,7 +215,7 @@ TEST_P(QueuesOf, StandAlongALineRoundItsCornersAndBeyondItsEnd) {
     scene.obstacles = {box(-0.5, 3.3, 7, 0.06)};
     SmallWorld world(scene, 2);
     for (int step = 0; step < 120 * kStepsASecond; ++step) world.crowd.step();
-    const QueuePlan& plan = world.ways.queues()[0].plan;
+    const QueuePlan& plan = world.map.queues()[0].plan;
     const std::span<const uint32_t> line = world.crowd.queues().waiting(0);
     ASSERT_EQ(line.size(), 21u);
     EXPECT_GT(plan.line.length_m(), 15.4 + 3);
@@ -235,13 +235,13 @@ TEST_P(QueuesOf, GatherAtTheEndOfALineThatIsTooShortAndKeepTheirOrder) {
     scene.groups[0].goals[0].queue = {0.8, {{0, 4}, {0, 1}}};
     scene.obstacles = {box(0, 0.2, 3, 0.2)};
     SmallWorld world(scene, 2);
-    ASSERT_EQ(world.ways.queues()[0].plan.places, 5u);
+    ASSERT_EQ(world.map.queues()[0].plan.places, 5u);
     Watch watch;
     ASSERT_NO_FATAL_FAILURE(run(world, watch, 500));
-    EXPECT_GT(watch.most_waiting, 12u);
-    EXPECT_EQ(world.crowd.traffic().counters().left, 30u);
+    EXPECT_GT(watch.max_waiting, 12u);
+    EXPECT_EQ(world.crowd.population().counters().left, 30u);
     EXPECT_EQ(watch.let_in, watch.joined);
-    EXPECT_EQ(watch.most_inside, 1u);
+    EXPECT_EQ(watch.max_inside, 1u);
   }
 }
 
@@ -264,9 +264,9 @@ TEST_P(QueuesOf, NeverHaveMoreInsideThanAGoalHolds) {
       SmallWorld world(with_model(room(seed, 25, capacity)), 2);
       Watch watch;
       ASSERT_NO_FATAL_FAILURE(run(world, watch, 600));
-      EXPECT_EQ(watch.most_inside, static_cast<size_t>(capacity));
+      EXPECT_EQ(watch.max_inside, static_cast<size_t>(capacity));
       EXPECT_EQ(watch.let_in, watch.joined);
-      EXPECT_EQ(world.crowd.traffic().counters().left, 25u);
+      EXPECT_EQ(world.crowd.population().counters().left, 25u);
     }
 }
 
@@ -276,9 +276,9 @@ TEST_P(QueuesOf, AreSharedByGroupsThatGoRoundAndRound) {
   scene.groups[1].count = 8;
   scene.groups[1].spawn = {{-9, 0}, {-5, 4}};
   for (Group& each : scene.groups) each.on_arrival = OnArrival::kLoop;
-  scene.groups[1].companions = Companions{1, {1, 0, 0}};
+  scene.groups[1].social_groups = SocialGroupRule{1, {1, 0, 0}};
   SmallWorld world(scene, 1);
-  ASSERT_EQ(world.ways.queues().size(), 1u);
+  ASSERT_EQ(world.map.queues().size(), 1u);
   for (int step = 0; step < 300 * kStepsASecond; ++step) {
     world.crowd.step();
     ASSERT_LE(world.crowd.queues().inside(0), 3u) << "step " << step;
@@ -296,7 +296,7 @@ TEST_P(QueuesOf, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, QueuesOf,
-                         testing::Values(SteeringKind::kOrca, SteeringKind::kSpeed,
+                         testing::Values(SteeringKind::kOrca, SteeringKind::kCollisionFreeSpeed,
                                          SteeringKind::kHeuristic),
                          [](const auto& each) { return std::string(name_of(each.param)); });
 
@@ -306,7 +306,7 @@ TEST(Queues, TakeAsLongForEachAsTheSeedDraws) {
     int steps = 0;
     for (int step = 0; step < 100 * kStepsASecond; ++step) {
       world.crowd.step();
-      steps += world.crowd.journeys().doing(0) == Doing::kWaiting;
+      steps += world.crowd.journeys().state(0) == JourneyState::kWaiting;
     }
     return static_cast<double>(steps) / kStepsASecond;
   };

@@ -8,11 +8,11 @@
 #include <cstdio>
 
 #include "avatars/gait/gait.h"
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "scenes/run/posing.h"
 #include "scenes/run/simulation.h"
 #include "tests/crowd/crowd_world.h"
-#include "tests/scenes/near_people.h"
+#include "tests/scenes/person_pairs.h"
 
 namespace throng::standing_test {
 namespace {
@@ -24,20 +24,20 @@ double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
 /// Of those who stand or creep in a queue: how fast they turn, and how far off their way they face.
 struct Queue {
   std::vector<double> turns_degps;
-  double turned_rad = 0, stood_s = 0;
+  double turned_rad = 0, standing_time_s = 0;
   int off = 0, faced = 0;
 
   void watch(const SmallWorld& world, const std::vector<Eigen::Vector2d>& before) {
     const Crowd& crowd = world.crowd;
     for (uint32_t id = 0; id < crowd.size(); ++id) {
-      if (crowd.journeys().doing(id) != Doing::kWalking) continue;
+      if (crowd.journeys().state(id) != JourneyState::kWalking) continue;
       if (crowd.velocities_mps()[id].norm() >= 0.2) continue;
       const double turn = std::abs(angle_between(before[id], crowd.headings()[id]));
       turns_degps.push_back(turn / kDegree / world.scene.step_s);
       turned_rad += turn;
-      stood_s += world.scene.step_s;
-      const Eigen::Vector2d way = crowd.journeys().direction(id, crowd.positions_m()[id]);
-      off += std::abs(angle_between(crowd.headings()[id], way)) > 45 * kDegree;
+      standing_time_s += world.scene.step_s;
+      const Eigen::Vector2d direction = crowd.journeys().direction(id, crowd.positions_m()[id]);
+      off += std::abs(angle_between(crowd.headings()[id], direction)) > 45 * kDegree;
       ++faced;
     }
   }
@@ -61,29 +61,29 @@ TEST(StandingPeople, WhoQueuesFacesTheWayAndTurnsSlowly) {
     std::printf(
         "seed %d: %.0f s of standing, 99 %% turn less than %.0f degrees/s, %.2f turns a minute, "
         "%.1f %% face more than 45 degrees off the way\n",
-        static_cast<int>(seed), queue.stood_s, fast,
-        queue.turned_rad / (360 * kDegree) / (queue.stood_s / 60), 100 * off);
-    ASSERT_GT(queue.stood_s, 300);
+        static_cast<int>(seed), queue.standing_time_s, fast,
+        queue.turned_rad / (360 * kDegree) / (queue.standing_time_s / 60), 100 * off);
+    ASSERT_GT(queue.standing_time_s, 300);
     EXPECT_LT(fast, 60);
     EXPECT_LT(off, 0.1);
   }
 }
 
 /// Twenty people who wait in the middle of a hall of 20 m.
-Scene hall(double delay_s, const Eigen::Vector2d& face_m) {
+Scene hall(double premovement_s, const Eigen::Vector2d& look_at_m) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
   scene.groups = {group(20, {{4, 4}, {16, 16}}, {{{6, 6}, {14, 14}}})};
-  scene.groups[0].delay_s = {delay_s, 0, delay_s, delay_s};
-  scene.groups[0].face_m = face_m;
+  scene.groups[0].premovement_s = {premovement_s, 0, premovement_s, premovement_s};
+  scene.groups[0].look_at_m = look_at_m;
   scene.groups[0].on_arrival = OnArrival::kStay;
   return scene;
 }
 
-void expect_all_face(const SmallWorld& world, const Eigen::Vector2d& face_m, double within_deg) {
+void expect_all_face(const SmallWorld& world, const Eigen::Vector2d& look_at_m, double within_deg) {
   for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-    const Eigen::Vector2d way = face_m - world.crowd.positions_m()[id];
-    const double off = std::abs(angle_between(world.crowd.headings()[id], way)) / kDegree;
+    const Eigen::Vector2d direction = look_at_m - world.crowd.positions_m()[id];
+    const double off = std::abs(angle_between(world.crowd.headings()[id], direction)) / kDegree;
     EXPECT_LT(off, within_deg) << "person " << id << " looks " << off << " degrees past it";
   }
 }
@@ -97,30 +97,31 @@ TEST(StandingPeople, AnAudienceFacesTheStageFromTheStartAndWhereItStays) {
   SmallWorld coming(hall(0, stage_m), 1);
   for (int step = 0; step < 40 * 60; ++step) coming.crowd.step();
   for (uint32_t id = 0; id < coming.crowd.size(); ++id)
-    ASSERT_EQ(coming.crowd.journeys().doing(id), Doing::kStaying);
+    ASSERT_EQ(coming.crowd.journeys().state(id), JourneyState::kStaying);
   expect_all_face(coming, stage_m, 26);
 }
 
 TEST(StandingPeople, OfAnAudience95PercentFaceTheStageWithin20Degrees) {
   for (const SteeringKind model : all_steering_kinds())
-    for (const double delay_s : {0.0, 100.0}) {  // who comes and stays; who waits to set out
+    for (const double premovement_s : {0.0, 100.0}) {  // who comes and stays; who waits to set out
       int near = 0, all = 0;
       for (uint64_t seed = 1; seed <= 5; ++seed) {
-        Scene scene = hall(delay_s, {10, 25});
+        Scene scene = hall(premovement_s, {10, 25});
         scene.seed = seed;
         scene.steering.model = model;
         scene.groups[0].count = 60;
         SmallWorld world(scene, 2);
         for (int step = 0; step < 40 * 60; ++step) world.crowd.step();
         for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-          if (world.crowd.journeys().doing(id) == Doing::kWalking) continue;
-          const Eigen::Vector2d way = *scene.groups[0].face_m - world.crowd.positions_m()[id];
-          near += std::abs(angle_between(world.crowd.headings()[id], way)) < 20 * kDegree;
+          if (world.crowd.journeys().state(id) == JourneyState::kWalking) continue;
+          const Eigen::Vector2d direction =
+              *scene.groups[0].look_at_m - world.crowd.positions_m()[id];
+          near += std::abs(angle_between(world.crowd.headings()[id], direction)) < 20 * kDegree;
           ++all;
         }
       }
       std::printf("%s, %.0f s: %d of %d face the stage within 20 degrees\n",
-                  std::string(name_of(model)).c_str(), delay_s, near, all);
+                  std::string(name_of(model)).c_str(), premovement_s, near, all);
       EXPECT_GT(all, 280);
       EXPECT_GE(near, 0.95 * all) << name_of(model) << ", seeds 1 to 5";
     }
@@ -132,12 +133,12 @@ TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
     Scene scene = hall(100, {0, 0});
     scene.groups[0].count = 1;
     SmallWorld world(scene, 1);
-    Spawned spawned = world.spawned;
+    SpawnResult spawned = world.spawned;
     const Eigen::Vector2d ahead = spawned.people[0].heading;
     const double angle = behind_deg * kDegree;
-    spawned.people[0].face_m =
+    spawned.people[0].look_at_m =
         spawned.people[0].position_m + 5 * (Eigen::Rotation2Dd(angle) * ahead);
-    Crowd crowd(world.ways, spawned.people, {1, scene.step_s, scene.steering, SimdTarget::kBest},
+    Crowd crowd(world.map, spawned.people, {1, scene.step_s, scene.steering, SimdTarget::kBest},
                 world.workers);
     double fastest = 0, before = 0, head_first = 0;
     int starts = 0;
@@ -150,12 +151,12 @@ TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
       fastest = std::max(fastest, turn / scene.step_s / kDegree);
       starts += turn > 0 && !turned;
       turned = turn > 0;
-      if (std::abs(now) < 3 * kDegree) head_first = static_cast<double>(crowd.looks_rad()[0]);
+      if (std::abs(now) < 3 * kDegree) head_first = static_cast<double>(crowd.head_yaws_rad()[0]);
       before = now;
     }
     if (behind_deg < 25) {
       EXPECT_EQ(starts, 0) << "the head does it alone";
-      EXPECT_NEAR(static_cast<double>(crowd.looks_rad()[0]), std::sin(angle), 0.01);
+      EXPECT_NEAR(static_cast<double>(crowd.head_yaws_rad()[0]), std::sin(angle), 0.01);
       continue;
     }
     EXPECT_EQ(starts, 1) << "in one go";
@@ -173,7 +174,7 @@ TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
   SmallWorld world(scene, 1);
   for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
   for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-    ASSERT_EQ(world.crowd.journeys().doing(id), Doing::kWaiting);
+    ASSERT_EQ(world.crowd.journeys().state(id), JourneyState::kWaiting);
     EXPECT_GT(world.crowd.headings()[id].y(), 0.85) << "person " << id << " does not look north";
   }
 }
@@ -181,8 +182,8 @@ TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
 /// The audience of a bundled scene before it sets out.
 Scene audience(bool yielding) {
   Scene scene = load_scene("evacuation");
-  scene.yielding = yielding;
-  scene.groups[0].delay_s = {100, 0, 100, 100};
+  scene.body_avoidance = yielding;
+  scene.groups[0].premovement_s = {100, 0, 100, 100};
   std::vector<std::string> notes;
   scale_to(scene, 60, notes);
   return scene;
@@ -220,7 +221,7 @@ TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
 
 TEST(StandingPeople, TakePosturesFromTheStartAndLeaveThemWhenTheySetOut) {
   Scene scene = audience(true);
-  scene.groups[0].delay_s = {3, 0, 3, 3};
+  scene.groups[0].premovement_s = {3, 0, 3, 3};
   Simulation simulation(scene, {.postures = true});
   const auto& kinematics = simulation.info().models.front()->kinematics;
   const auto elbow = static_cast<size_t>(kinematics.column_of("left_elbow_flexion"));
@@ -230,7 +231,7 @@ TEST(StandingPeople, TakePosturesFromTheStartAndLeaveThemWhenTheySetOut) {
   for (int i = 0; i < 60 * 8; ++i) {
     const Frame& frame = simulation.step();
     for (size_t id = 0; id < 60; ++id) {
-      const float standing = simulation.bodies().yields[id].standing;
+      const float standing = simulation.bodies().avoidance[id].standing;
       if (i < 60) {
         EXPECT_EQ(standing, 1) << "person " << id << " in frame " << i;
       }
@@ -258,7 +259,7 @@ TEST(StandingPeople, WhoNeverStopsNeverTakesAPosture) {
       for (size_t id = 0; id < has_stopped.size(); ++id) {
         has_stopped[id] |= frame.speeds_mps[id] < 2 * kStanding_mps;
         if (has_stopped[id] != 0) continue;
-        ASSERT_EQ(simulation.bodies().yields[id].standing, 0)
+        ASSERT_EQ(simulation.bodies().avoidance[id].standing, 0)
             << name << ": person " << id << " in frame " << i;
         ++walked;
       }
@@ -275,7 +276,7 @@ TEST(StandingPeople, TakePosturesWhereTheyStop) {
   for (int i = 0; i < 40 * 60; ++i) {
     const Frame& frame = simulation.step();
     for (size_t id = 0; id < 20; ++id) {
-      const Yield& yield = simulation.bodies().yields[id];
+      const AvoidancePosture& yield = simulation.bodies().avoidance[id];
       standing += i == 40 * 60 - 1 && yield.standing > 0.99f;
       before += i > 60 && frame.speeds_mps[id] > 0.5f && yield.standing > 0.5f;
     }
@@ -310,9 +311,9 @@ TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
   group.count = 110;
   group.spawn = {{-4, 4}, {0.5, 7.5}};
   group.radius_m = 0.08;
-  group.delay_s = {100, 0, 100, 100};
+  group.premovement_s = {100, 0, 100, 100};
   Simulation simulation(scene, {.threads = 2});
-  test::NearPeople people(simulation);
+  test::PersonPairs people(simulation);
   for (int i = 0; i < 1200; ++i) {
     const Frame& frame = simulation.step();
     if (i % 60 == 59) people.check(frame);

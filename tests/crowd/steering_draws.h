@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 
 namespace throng {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "base/random.h"
 #include "crowd/navigation/flow_field.h"
 #include "crowd/navigation/footprints.h"
@@ -81,10 +81,10 @@ TEST(Walkable, SlidingNeverEntersNorCrossesAWall) {
     const Eigen::Vector2d from(random_uniform(key, -4.0, 10.0, 0),
                                random_uniform(key, -4.0, 10.0, 1));
     if (walkable.clearance_m(from) < 0) continue;
-    const Eigen::Vector2d wish = from + Eigen::Vector2d(random_uniform(key, -0.7, 0.7, 2),
-                                                        random_uniform(key, -0.7, 0.7, 3));
-    const Eigen::Vector2d to = walkable.slide(from, wish, 0.1);
-    stopped_or_slid += to != wish;
+    const Eigen::Vector2d preferred = from + Eigen::Vector2d(random_uniform(key, -0.7, 0.7, 2),
+                                                             random_uniform(key, -0.7, 0.7, 3));
+    const Eigen::Vector2d to = walkable.slide(from, preferred, 0.1);
+    stopped_or_slid += to != preferred;
     ASSERT_GE(walkable.clearance_m(to), 0) << "try " << i;
     for (int k = 1; k < 50; ++k)
       ASSERT_GE(walkable.clearance_m(from + k / 50.0 * (to - from)), -1e-9)

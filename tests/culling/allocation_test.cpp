@@ -4,12 +4,12 @@
 
 #include "culling/culling.h"
 #include "tests/allocation_counter.h"
-#include "tests/culling/random_world.h"
+#include "tests/culling/random_bodies.h"
 
 namespace throng::allocation_test {
 namespace {
 
-void expect_none(const std::vector<test::RandomWorld>& frames, const CullerOptions& options,
+void expect_none(const std::vector<test::RandomBodies>& frames, const CullerOptions& options,
                  int threads) {
   Workers workers(threads);
   // The frames differ in poses only, so one set of types serves them all.
@@ -21,51 +21,51 @@ void expect_none(const std::vector<test::RandomWorld>& frames, const CullerOptio
   uint64_t grown = 0;
   for (const auto& frame : frames) {
     culler.step(frame.view(), frame);
-    grown += culler.counters().allocations_grown;
+    grown += culler.counters().buffers_grown;
   }
   EXPECT_EQ(test::allocations_so_far() - before, 0u)
       << "search " << static_cast<int>(options.pair_search) << ", " << threads << " threads, "
-      << (options.deadline_tests ? "with" : "without") << " a deadline";
+      << (options.budget_tests ? "with" : "without") << " a deadline";
   EXPECT_EQ(grown, 0u);
 }
 
 TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
-  std::vector<test::RandomWorld> frames;
+  std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 5; ++seed)
     frames.emplace_back(seed, 400, 6, Eigen::Vector3d::Zero());
   for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
     for (const int threads : {1, 3}) {
       CullerOptions options{.exact = search == PairSearch::kGrid, .pair_search = search};
       expect_none(frames, options, threads);
-      options.deadline_tests = 100'000;
+      options.budget_tests = 100'000;
       expect_none(frames, options, threads);
     }
   }
 }
 
 TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
-  std::vector<test::RandomWorld> frames;
+  std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
   for (const bool exact : {false, true}) {
     for (const int threads : {1, 3}) {
-      CullerOptions options{.exact = exact, .near = {0.2f, 0.4f, 0.1}};
+      CullerOptions options{.exact = exact, .proximity = {0.2f, 0.4f, 0.1}};
       expect_none(frames, options, threads);
-      options.deadline_tests = 100;
+      options.budget_tests = 100;
       expect_none(frames, options, threads);
     }
   }
 }
 
 TEST(Culler, AllocatesNothingForContactPointsOfFramesItHasSeen) {
-  std::vector<test::RandomWorld> frames;
+  std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
-  for (const float near_m : {0.0f, 0.2f}) {
+  for (const float margin_m : {0.0f, 0.2f}) {
     for (const int threads : {1, 3}) {
-      CullerOptions options{.exact = true, .near = {near_m, 0, 0.1, true}};
+      CullerOptions options{.exact = true, .proximity = {margin_m, 0, 0.1, true}};
       expect_none(frames, options, threads);
-      options.deadline_tests = 100;
+      options.budget_tests = 100;
       expect_none(frames, options, threads);
     }
   }

@@ -7,24 +7,24 @@
 #include "base/errors.h"
 #include "culling/strategies/paper_culler.h"
 #include "tests/culling/distance_oracle.h"
-#include "tests/culling/random_world.h"
+#include "tests/culling/random_bodies.h"
 #include "tests/same_bits.h"
 
 namespace throng::contact_points_test {
 namespace {
 
 using Eigen::Vector3d;
-using test::RandomWorld;
+using test::RandomBodies;
 
 /// Every other world lies far from the origin.
-RandomWorld world_of(uint64_t seed) {
-  return RandomWorld(seed, 20, 1.6, Vector3d::Constant(seed % 2 == 0 ? 40'000 : 0));
+RandomBodies world_of(uint64_t seed) {
+  return RandomBodies(seed, 20, 1.6, Vector3d::Constant(seed % 2 == 0 ? 40'000 : 0));
 }
 
-CullerOptions with_points(float near_m = 0, float body_near_m = 0) {
+CullerOptions with_points(float margin_m = 0, float closest_margin_m = 0) {
   CullerOptions options;
   options.exact = true;
-  options.near = {near_m, body_near_m, 0.1, true};
+  options.proximity = {margin_m, closest_margin_m, 0.1, true};
   return options;
 }
 
@@ -40,7 +40,7 @@ std::vector<PairKey> pairs_of(const Culler& culler) {
 
 /// The surfaces of a world's parts, and which part a key names.
 struct Parts {
-  explicit Parts(const RandomWorld& of) : world(of) {
+  explicit Parts(const RandomBodies& of) : world(of) {
     for (const auto& type : world.types) {
       surfaces.emplace_back();
       for (const PartShape& part : type->parts())
@@ -71,7 +71,7 @@ struct Parts {
     return out;
   }
 
-  const RandomWorld& world;
+  const RandomBodies& world;
   std::vector<std::vector<TriangleBvh>> surfaces;
 };
 
@@ -79,20 +79,20 @@ TEST(ContactPoints, AreOfEveryPairThatTouchesAndOfNoOther) {
   size_t points = 0;
   for (uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
-    const RandomWorld world = world_of(seed);
+    const RandomBodies world = world_of(seed);
     const Parts parts(world);
     Workers workers(1);
     Culler culler(world.types, with_points(), workers);
     culler.step(world.view(), world);
     ASSERT_EQ(pairs_of(culler.contact_points()), pairs_of(culler));
-    EXPECT_TRUE(culler.near_pairs().empty()) << "no margin, no rows";
+    EXPECT_TRUE(culler.proximity_pairs().empty()) << "no margin, no rows";
     for (const ContactPoint& row : culler.contact_points()) {
       ++points;
       const PairKey& key = row.pair;
       const Vector3d point(row.point_m.data());
       ASSERT_TRUE(parts.is_on(key.a(), key.part_a(), point)) << point.transpose();
       ASSERT_TRUE(parts.is_on(key.b(), key.part_b(), point)) << point.transpose();
-      const Vector3d direction = Eigen::Vector3f(row.direction.data()).cast<double>();
+      const Vector3d direction = Eigen::Vector3f(row.normal.data()).cast<double>();
       ASSERT_NEAR(direction.norm(), 1, 1e-6);
       ASSERT_GT(row.depth_m, 0) << "hulls of convex parts";
       const double end_of_a = parts.ends(key.a(), key.part_a(), direction).second;
@@ -107,23 +107,23 @@ TEST(ContactPoints, AreOfEveryPairThatTouchesAndOfNoOther) {
 TEST(ContactPoints, AreTheSameBesideMarginsAndChangeNothingOfThem) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
-    const RandomWorld world = world_of(seed);
+    const RandomBodies world = world_of(seed);
     Workers workers(1);
     Culler alone(world.types, with_points(), workers);
     alone.step(world.view(), world);
-    for (const auto& [near_m, body_near_m] :
+    for (const auto& [margin_m, closest_margin_m] :
          {std::pair(0.2f, 0.0f), std::pair(0.0f, 0.3f), std::pair(0.2f, 0.3f)}) {
-      CullerOptions options = with_points(near_m, body_near_m);
+      CullerOptions options = with_points(margin_m, closest_margin_m);
       Culler with(world.types, options, workers);
-      options.near.contact_points = false;
+      options.proximity.contact_points = false;
       Culler without(world.types, options, workers);
       with.step(world.view(), world);
       without.step(world.view(), world);
       EXPECT_TRUE(same_bits<ContactPoint>(with.contact_points(), alone.contact_points()));
       EXPECT_TRUE(without.contact_points().empty());
-      EXPECT_EQ(with.near_hash(), without.near_hash());
-      EXPECT_EQ(with.near_pairs().size(), without.near_pairs().size());
-      EXPECT_EQ(with.near_bodies().size(), without.near_bodies().size());
+      EXPECT_EQ(with.proximity_hash(), without.proximity_hash());
+      EXPECT_EQ(with.proximity_pairs().size(), without.proximity_pairs().size());
+      EXPECT_EQ(with.closest_parts().size(), without.closest_parts().size());
       EXPECT_EQ(with.hash(), without.hash());
       EXPECT_EQ(with.hash(), alone.hash());
     }
@@ -137,11 +137,11 @@ TEST(ContactPoints, AreTheSameForThreadsTargetsSearchesAndVolumes) {
   constexpr uint64_t kFrames = 4, kSeed = 7;
   const auto all_by = [](const CullerOptions& options, int threads) {
     Workers workers(threads);
-    const RandomWorld first(kSeed, 60, 3, Vector3d::Zero());
+    const RandomBodies first(kSeed, 60, 3, Vector3d::Zero());
     Culler culler(first.types, options, workers);
     std::vector<ContactPoint> out;
     for (uint64_t frame = 0; frame < kFrames; ++frame) {
-      const RandomWorld world(kSeed + frame, 60, 3, Vector3d::Zero());
+      const RandomBodies world(kSeed + frame, 60, 3, Vector3d::Zero());
       culler.step(world.view(), world);
       EXPECT_EQ(pairs_of(culler.contact_points()), pairs_of(culler));
       out.insert(out.end(), culler.contact_points().begin(), culler.contact_points().end());
@@ -168,22 +168,22 @@ TEST(ContactPoints, AreTheSameForThreadsTargetsSearchesAndVolumes) {
 /// What is left undecided has none, also where pairs are of whole bodies; what has one has that of
 /// the whole frame.
 TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
-  const RandomWorld world(5, 60, 3, Vector3d::Zero());
+  const RandomBodies world(5, 60, 3, Vector3d::Zero());
   Workers one(1), three(3);
   Culler whole(world.types, with_points(), one);
   whole.step(world.view(), world);
   const std::span<const ContactPoint> all = whole.contact_points();
-  for (const float near_m : {0.0f, 0.2f}) {
+  for (const float margin_m : {0.0f, 0.2f}) {
     size_t points = 0;
     for (const uint64_t tests : {0, 100, 400, 1'000'000}) {
-      SCOPED_TRACE(::testing::Message() << tests << " tests, margin " << near_m);
-      CullerOptions options = with_points(near_m);
-      options.deadline_tests = tests;
+      SCOPED_TRACE(::testing::Message() << tests << " tests, margin " << margin_m);
+      CullerOptions options = with_points(margin_m);
+      options.budget_tests = tests;
       Culler cut(world.types, options, one), again(world.types, options, three);
       cut.step(world.view(), world);
       again.step(world.view(), world);
       EXPECT_TRUE(same_bits<ContactPoint>(cut.contact_points(), again.contact_points()));
-      EXPECT_EQ(cut.near_pairs().empty(), near_m == 0);
+      EXPECT_EQ(cut.proximity_pairs().empty(), margin_m == 0);
       const std::vector<PairKey> touching = pairs_of(cut);
       for (const ContactPoint& row : cut.contact_points()) {
         EXPECT_TRUE(std::binary_search(touching.begin(), touching.end(), row.pair));
@@ -202,7 +202,7 @@ TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
 }
 
 TEST(ContactPoints, OfVolumesAndOfRecipesAreRefused) {
-  const RandomWorld world(1, 5, 1, Vector3d::Zero());
+  const RandomBodies world(1, 5, 1, Vector3d::Zero());
   Workers workers(1);
   CullerOptions options = with_points();
   options.exact = false;

@@ -11,17 +11,18 @@
 
 #include "base/errors.h"
 #include "culling/culling.h"
-#include "tests/culling/random_world.h"
+#include "tests/culling/random_bodies.h"
 #include "tests/culling/truth.h"
 
 namespace throng::culler_test {
 namespace {
 
-using test::RandomWorld;
+using test::RandomBodies;
 using test::Subset;
 using test::touching_by_brute_force;
 
-std::vector<PairKey> pairs_of(const RandomWorld& world, const CullerOptions& options, int threads) {
+std::vector<PairKey> pairs_of(const RandomBodies& world, const CullerOptions& options,
+                              int threads) {
   Workers workers(threads);
   Culler culler(world.types, options, workers);
   culler.step(world.view(), world);
@@ -42,7 +43,7 @@ TEST(Culler, NeverMissesATouchingPair) {
   for (const Place& place : kPlaces) {
     for (uint64_t seed = 1; seed <= 6; ++seed) {
       SCOPED_TRACE(::testing::Message() << place.name << ", seed " << seed);
-      const RandomWorld world(seed, place.extent_m == 0 ? 12 : 60, place.extent_m, place.centre_m);
+      const RandomBodies world(seed, place.extent_m == 0 ? 12 : 60, place.extent_m, place.centre_m);
       const std::vector<PairKey> truth = touching_by_brute_force(world);
       if (place.extent_m < 10) {
         ASSERT_GT(truth.size(), 20u);
@@ -63,8 +64,8 @@ TEST(Culler, NeverMissesATouchingPair) {
 TEST(Culler, GivesTheSamePairsOnEveryPathAndNumberOfThreads) {
   for (const Place& place : kPlaces) {
     for (uint64_t seed = 11; seed <= 14; ++seed) {
-      const RandomWorld world(seed, place.extent_m == 0 ? 12 : 700, place.extent_m * 2,
-                              place.centre_m);
+      const RandomBodies world(seed, place.extent_m == 0 ? 12 : 700, place.extent_m * 2,
+                               place.centre_m);
       for (const VolumeKind volume :
            {VolumeKind::kOrdop14, VolumeKind::kOrdop18, VolumeKind::kOrdop26}) {
         const auto reference = pairs_of(
@@ -93,7 +94,7 @@ TEST(Culler, GivesTheSamePairsOnEveryPathAndNumberOfThreads) {
 TEST(Culler, FindsNeighboursWhereverCellsLieInMemory) {
   // Wide enough for several strips of cells: a neighbour's slot may then come before one's own.
   for (uint64_t seed = 15; seed <= 22; ++seed) {
-    const RandomWorld world(seed, 6000, 30, Eigen::Vector3d::Zero());
+    const RandomBodies world(seed, 6000, 30, Eigen::Vector3d::Zero());
     const auto reference = pairs_of(world, {.pair_search = PairSearch::kSweep}, 1);
     ASSERT_GT(reference.size(), 10000u);
     for (const SimdTarget target : simd_targets_of_this_machine())
@@ -103,7 +104,7 @@ TEST(Culler, FindsNeighboursWhereverCellsLieInMemory) {
 }
 
 TEST(Culler, ReportsSortedPairsOfDifferentBodiesOnce) {
-  const RandomWorld world(21, 300, 5, Eigen::Vector3d::Zero());
+  const RandomBodies world(21, 300, 5, Eigen::Vector3d::Zero());
   const auto found = pairs_of(world, {}, 2);
   ASSERT_GT(found.size(), 100u);
   EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
@@ -112,7 +113,7 @@ TEST(Culler, ReportsSortedPairsOfDifferentBodiesOnce) {
 }
 
 TEST(Culler, NeverTestsStaticBodiesAgainstEachOther) {
-  const RandomWorld world(22, 300, 5, Eigen::Vector3d::Zero());
+  const RandomBodies world(22, 300, 5, Eigen::Vector3d::Zero());
   std::map<uint32_t, bool> is_static;
   for (size_t i = 0; i < world.ids.size(); ++i)
     is_static[world.ids[i]] = world.types[world.type_of[i]]->is_static();
@@ -121,7 +122,7 @@ TEST(Culler, NeverTestsStaticBodiesAgainstEachOther) {
 }
 
 TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
-  const RandomWorld world(31, 200, 4, Eigen::Vector3d::Zero());
+  const RandomBodies world(31, 200, 4, Eigen::Vector3d::Zero());
   Workers workers(2);
   Culler culler(world.types, {}, workers);
   std::set<PairKey> open;
@@ -151,7 +152,7 @@ TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
 
 /// A world whose source also says in which box each body is: as tight as its points allow.
 struct Bounded : PoseSource {
-  explicit Bounded(const RandomWorld& w) : world(w) {}
+  explicit Bounded(const RandomBodies& w) : world(w) {}
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
     world.poses(bodies, out);
   }
@@ -176,12 +177,12 @@ struct Bounded : PoseSource {
       }
     }
   }
-  const RandomWorld& world;
+  const RandomBodies& world;
 };
 
 TEST(Culler, BoundsSparePosingAndMissNothing) {
   for (uint64_t seed = 51; seed <= 54; ++seed) {
-    RandomWorld world(seed, 150, 4, Eigen::Vector3d(5'000, -3'000, 0));
+    RandomBodies world(seed, 150, 4, Eigen::Vector3d(5'000, -3'000, 0));
     // Half of them upright, as people are: only then does a rectangle turn with its body.
     for (size_t i = 0; i < world.roots.size(); i += 2)
       world.roots[i].world_from_root =
@@ -207,28 +208,28 @@ TEST(Culler, BoundsSparePosingAndMissNothing) {
 }
 
 TEST(Culler, CountsEveryStage) {
-  const RandomWorld world(41, 300, 5, Eigen::Vector3d::Zero());
+  const RandomBodies world(41, 300, 5, Eigen::Vector3d::Zero());
   Workers workers(1);
   Culler culler(world.types, {.exact = true}, workers);
   culler.step(world.view(), world);
   const CullingCounters& c = culler.counters();
-  EXPECT_EQ(c.avatar.updates, world.ids.size());
-  EXPECT_EQ(c.body_box.tests, c.avatar.passed);
-  EXPECT_EQ(c.part.tests, c.box.passed);
-  EXPECT_EQ(c.exact.tests, c.part.passed);
-  EXPECT_EQ(c.exact.passed, culler.pairs().size());
-  EXPECT_GE(c.avatar.tests, c.avatar.passed);
-  EXPECT_GE(c.box.tests, c.box.passed);
-  EXPECT_GT(c.primitive_tests, c.exact.tests);
+  EXPECT_EQ(c.body_sphere.updates, world.ids.size());
+  EXPECT_EQ(c.body_box.tests, c.body_sphere.passed);
+  EXPECT_EQ(c.part_volume.tests, c.part_box.passed);
+  EXPECT_EQ(c.triangles.tests, c.part_volume.passed);
+  EXPECT_EQ(c.triangles.passed, culler.pairs().size());
+  EXPECT_GE(c.body_sphere.tests, c.body_sphere.passed);
+  EXPECT_GE(c.part_box.tests, c.part_box.passed);
+  EXPECT_GT(c.primitive_tests, c.triangles.tests);
 }
 
 TEST(Culler, LooksAtFewerPairsWithAGridThanByBruteForce) {
-  const RandomWorld world(42, 2000, 60, Eigen::Vector3d::Zero());
+  const RandomBodies world(42, 2000, 60, Eigen::Vector3d::Zero());
   const auto tests = [&](PairSearch search) {
     Workers workers(1);
     Culler culler(world.types, {.pair_search = search}, workers);
     culler.step(world.view(), world);
-    return culler.counters().avatar.tests;
+    return culler.counters().body_sphere.tests;
   };
   const uint64_t grid = tests(PairSearch::kGrid), sweep = tests(PairSearch::kSweep),
                  brute = tests(PairSearch::kBrute);
@@ -249,7 +250,7 @@ std::string refusal_of(const Function& function) {
 }
 
 TEST(Culler, RefusesScalesThatFloatsLosePairsWith) {
-  RandomWorld world(3, 20, 2, {0, 0, 0});
+  RandomBodies world(3, 20, 2, {0, 0, 0});
   Workers workers(1);
   const auto step = [&](float scale) {
     world.scales[7] = scale;
@@ -277,7 +278,7 @@ TEST(Culler, RefusesPartsThatFloatsLosePairsOf) {
 }
 
 TEST(Culler, HandlesAnEmptyFrameAndASingleBody) {
-  const RandomWorld world(43, 1, 1, Eigen::Vector3d::Zero());
+  const RandomBodies world(43, 1, 1, Eigen::Vector3d::Zero());
   Workers workers(1);
   Culler culler(world.types, {}, workers);
   culler.step({}, world);

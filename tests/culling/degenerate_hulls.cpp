@@ -123,9 +123,9 @@ std::vector<Vector3d> cone(Draw& draw, int count, double thick_m) {
   return out;
 }
 
-Points cloud_of(Draw& draw, int most_points) {
+Points cloud_of(Draw& draw, int max_points) {
   const int count = std::max(
-      1, static_cast<int>(std::pow(static_cast<double>(most_points), draw.uniform(0, 1)) + 0.5));
+      1, static_cast<int>(std::pow(static_cast<double>(max_points), draw.uniform(0, 1)) + 0.5));
   const double thick_m = thickness(draw);
   std::vector<Vector3d> cloud;
   switch (draw.integer(0, 9)) {
@@ -255,19 +255,19 @@ class Judge {
     tally_.worst_gap_m = std::max(tally_.worst_gap_m, gap_short);
     expect(gap_short <= rounding, name,
            [&] { return fmt::format("a proven gap is {} m too wide", gap_short); });
-    expect(gap.lo_m <= gap.corners_m + rounding, name,
+    expect(gap.lo_m <= gap.corner_distance_m + rounding, name,
            [] { return std::string("two corners are nearer than the proven gap"); });
     double depth_off = -parts_by(depth.direction) - depth.depth_m;
-    for (int i = 0; i < 30 && depth.at_least_m > 0; ++i)
-      depth_off = std::max(depth_off, depth.at_least_m + parts_by(draw.direction()));
+    for (int i = 0; i < 30 && depth.min_depth_m > 0; ++i)
+      depth_off = std::max(depth_off, depth.min_depth_m + parts_by(draw.direction()));
     tally_.worst_depth_m = std::max(tally_.worst_depth_m, depth_off);
     expect(depth_off <= 1e-9 + rounding, name,
            [&] { return fmt::format("a depth is off by {} m", depth_off); });
     const double allowed = 5e-4 + a.hull.beyond_corners_m() + b.hull.beyond_corners_m();
     tally_.widest_depth_m =
-        std::max(tally_.widest_depth_m, depth.depth_m - depth.at_least_m - allowed + 5e-4);
-    expect(depth.depth_m - depth.at_least_m <= allowed, name, [&] {
-      return fmt::format("a depth of {} m is proven to {} m", depth.depth_m, depth.at_least_m);
+        std::max(tally_.widest_depth_m, depth.depth_m - depth.min_depth_m - allowed + 5e-4);
+    expect(depth.depth_m - depth.min_depth_m <= allowed, name, [&] {
+      return fmt::format("a depth of {} m is proven to {} m", depth.depth_m, depth.min_depth_m);
     });
   }
 
@@ -289,10 +289,10 @@ void DegenerateHullsTally::add(const DegenerateHullsTally& other) {
   clouds += other.clouds;
   pairs += other.pairs;
   points += other.points;
-  cut_short += other.cut_short;
+  incomplete += other.incomplete;
   wrong += other.wrong;
   for (double DegenerateHullsTally::*worst :
-       {&DegenerateHullsTally::most_tests, &DegenerateHullsTally::most_faces,
+       {&DegenerateHullsTally::max_tests, &DegenerateHullsTally::max_faces,
         &DegenerateHullsTally::worst_beyond, &DegenerateHullsTally::worst_gap_m,
         &DegenerateHullsTally::worst_depth_m, &DegenerateHullsTally::widest_depth_m,
         &DegenerateHullsTally::longest_start_s, &DegenerateHullsTally::longest_per_point_us,
@@ -301,14 +301,14 @@ void DegenerateHullsTally::add(const DegenerateHullsTally& other) {
   if (first_wrong.empty()) first_wrong = other.first_wrong;
 }
 
-DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int most_points, uint64_t seed) {
+DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int max_points, uint64_t seed) {
   DegenerateHullsTally tally;
   Judge judge(tally);
   std::optional<Hull> before;
   for (uint64_t number = 0; number < clouds; ++number) {
     Draw draw(seed, number);
     const std::string name = fmt::format("seed {}, cloud {}", seed, number);
-    const Points points = cloud_of(draw, most_points);
+    const Points points = cloud_of(draw, max_points);
     const double count = static_cast<double>(points.size());
     const auto start = std::chrono::steady_clock::now();
     Hull cloud(points);
@@ -317,10 +317,10 @@ DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int most_points, ui
     if (count >= 1000)
       tally.longest_per_point_us = std::max(tally.longest_per_point_us, 1e6 * start_s / count);
     const HullCorners corners = hull_corners(cloud.hull.points(), cloud.hull.beyond_corners_m());
-    tally.most_tests = std::max(tally.most_tests, static_cast<double>(corners.tests) / count);
-    tally.most_faces = std::max(tally.most_faces, static_cast<double>(corners.most_faces) / count);
-    tally.cut_short += !corners.is_whole;
-    judge.expect(static_cast<double>(corners.most_faces) <= 2 * count, name,
+    tally.max_tests = std::max(tally.max_tests, static_cast<double>(corners.tests) / count);
+    tally.max_faces = std::max(tally.max_faces, static_cast<double>(corners.max_faces) / count);
+    tally.incomplete += !corners.is_complete;
+    judge.expect(static_cast<double>(corners.max_faces) <= 2 * count, name,
                  [] { return std::string("more than two faces per point"); });
     judge.judge(cloud, draw, name);
     if (before) {
@@ -340,8 +340,8 @@ void print_degenerate_hulls(const DegenerateHullsTally& tally) {
       "{:.2f} faces per point; a start takes {:.1f} ms at most ({:.2f} us per point), a pair "
       "{:.1f} ms; worst: {:.3f} of what may lie beyond the corners, gap {:.2g} m, depth {:.2g} m "
       "off, {:.2g} m wide\n",
-      tally.clouds, tally.points, tally.pairs, tally.wrong, tally.cut_short, tally.most_tests,
-      tally.most_faces, 1e3 * tally.longest_start_s, tally.longest_per_point_us,
+      tally.clouds, tally.points, tally.pairs, tally.wrong, tally.incomplete, tally.max_tests,
+      tally.max_faces, 1e3 * tally.longest_start_s, tally.longest_per_point_us,
       1e3 * tally.longest_pair_s, tally.worst_beyond, tally.worst_gap_m, tally.worst_depth_m,
       tally.widest_depth_m);
   if (tally.wrong > 0) fmt::print("first: {}\n", tally.first_wrong);

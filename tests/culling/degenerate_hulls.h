@@ -10,9 +10,9 @@ namespace throng::test {
 
 struct DegenerateHullsTally {
   uint64_t clouds = 0, pairs = 0, points = 0;
-  uint64_t cut_short = 0;     ///< clouds whose tests ran out
-  double most_tests = 0;      ///< per point
-  double most_faces = 0;      ///< per point; may be 2
+  uint64_t incomplete = 0;    ///< clouds whose tests ran out
+  double max_tests = 0;       ///< per point
+  double max_faces = 0;       ///< per point; may be 2
   double worst_beyond = 0;    ///< a point beyond the corners, over what the distances allow
   double worst_gap_m = 0;     ///< a proven gap that is not there
   double worst_depth_m = 0;   ///< a depth that does not part the points, or a proof beyond it
@@ -25,9 +25,9 @@ struct DegenerateHullsTally {
   void add(const DegenerateHullsTally& other);
 };
 
-/// `clouds` clouds of up to `most_points` points (most of them smaller), each from a seed of its
+/// `clouds` clouds of up to `max_points` points (most of them smaller), each from a seed of its
 /// own: `seed` and the number of the cloud. Every cloud meets the one before it.
-DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int most_points, uint64_t seed);
+DegenerateHullsTally check_degenerate_hulls(uint64_t clouds, int max_points, uint64_t seed);
 
 void print_degenerate_hulls(const DegenerateHullsTally& tally);
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "culling/distance/triangle_distance.h"
-#include "culling/exact/triangle_bvh.h"
-#include "tests/culling/random_world.h"
+#include "culling/triangles/triangle_bvh.h"
+#include "tests/culling/random_bodies.h"
 
 namespace throng::test {
 

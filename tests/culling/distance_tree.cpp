@@ -36,11 +36,11 @@ Affine world_from(const DistanceTree::Placed& part, const Vector3d& root_m) {
   return out;
 }
 
-/// Farther apart than `most_m` along the line through their middles.
-bool is_apart(const Triangle& a, const Triangle& b, double most_m) {
+/// Farther apart than `max_m` along the line through their middles.
+bool is_apart(const Triangle& a, const Triangle& b, double max_m) {
   const Vector3d between = middle_of(b) - middle_of(a);
   const double length = between.norm();
-  return length > 0 && gap_along(between / length, a, b) > most_m + 1e-9;
+  return length > 0 && gap_along(between / length, a, b) > max_m + 1e-9;
 }
 
 }  // namespace
@@ -88,8 +88,8 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
                               double within_m) {
   const Affine from_a = world_from(a, Vector3d::Zero()), from_b = world_from(b, a_to_b_m);
   // Rotations are rounded to float: nothing of a part is farther out by more than this share.
-  const double stretch_a = static_cast<double>(a.scale) * (1 + 1e-5),
-               stretch_b = static_cast<double>(b.scale) * (1 + 1e-5);
+  const double max_scale_a = static_cast<double>(a.scale) * (1 + 1e-5),
+               max_scale_b = static_cast<double>(b.scale) * (1 + 1e-5);
   double least = within_m;
   bool found = false;
   struct Two {
@@ -99,8 +99,8 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
   const auto two = [&](size_t i, size_t j) {
     const Ball &p = a.tree->balls_[i], &q = b.tree->balls_[j];
     return Two{i, j,
-               (from_b * q.middle - from_a * p.middle).norm() - stretch_a * p.radius -
-                   stretch_b * q.radius};
+               (from_b * q.middle - from_a * p.middle).norm() - max_scale_a * p.radius -
+                   max_scale_b * q.radius};
   };
   std::vector<Two> open = {two(0, 0)};
   while (!open.empty()) {
@@ -122,7 +122,7 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
       continue;
     }
     const bool opens_a =
-        q.left == 0 || (p.left != 0 && stretch_a * p.radius > stretch_b * q.radius);
+        q.left == 0 || (p.left != 0 && max_scale_a * p.radius > max_scale_b * q.radius);
     Two near = opens_a ? two(p.left, at.b) : two(at.a, q.left);
     Two far = opens_a ? two(p.right, at.b) : two(at.a, q.right);
     if (far.apart < near.apart) std::swap(near, far);

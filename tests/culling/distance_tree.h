@@ -10,7 +10,7 @@
 
 #include "base/pose.h"
 #include "culling/body_type.h"
-#include "culling/exact/triangle_test.h"
+#include "culling/triangles/triangle_test.h"
 
 namespace throng::test {
 

@@ -67,8 +67,8 @@ TEST(HullCorners, OfRandomAndDegenerateCloudsHoldThemWithinABound) {
     const test::DegenerateHullsTally tally = test::check_degenerate_hulls(400, 3000, seed);
     test::print_degenerate_hulls(tally);
     EXPECT_EQ(tally.wrong, 0u) << tally.first_wrong;
-    EXPECT_EQ(tally.cut_short, 0u) << "seed " << seed;
-    EXPECT_LT(tally.most_tests, 200) << "seed " << seed;
+    EXPECT_EQ(tally.incomplete, 0u) << "seed " << seed;
+    EXPECT_LT(tally.max_tests, 200) << "seed " << seed;
   }
 }
 
@@ -76,8 +76,8 @@ TEST(HullCorners, OfATurnedPartAreFoundAndACullerStarts) {
   for (const int spokes : {13, 78, 500, 1200}) {
     const std::vector<Eigen::Vector3f> points = turned_part(spokes);
     const HullCorners corners = corners_of(points);
-    EXPECT_TRUE(corners.is_whole);
-    EXPECT_LE(corners.most_faces, 2 * points.size());
+    EXPECT_TRUE(corners.is_complete);
+    EXPECT_LE(corners.max_faces, 2 * points.size());
     EXPECT_LE(corners.indices.size(), points.size() / 2 + 4) << "the inner rings are no corners";
     EXPECT_LT(corners.tests, 200 * points.size());
     PartShape part;
@@ -85,10 +85,10 @@ TEST(HullCorners, OfATurnedPartAreFoundAndACullerStarts) {
     const auto type = std::make_shared<const BodyType>(std::vector<PartShape>{part},
                                                        RootSphere{{0, 0, 0}, 0.1f, 0.1f}, false);
     CullerOptions options;
-    options.near.near_m = 0.1f;
+    options.proximity.margin_m = 0.1f;
     Workers workers(1);
     const Culler culler({type}, options, workers);
-    EXPECT_TRUE(culler.near_pairs().empty());
+    EXPECT_TRUE(culler.proximity_pairs().empty());
   }
 }
 
@@ -117,7 +117,7 @@ TEST(HullCorners, HoldAllPointsWhereTheTestsRunOut) {
     const double gap_m = 1e-7 * size_of(matrix);
     for (const size_t tests : {0, 3, 10}) {
       const HullCorners cut = hull_corners(matrix, gap_m, tests);
-      EXPECT_FALSE(cut.is_whole);
+      EXPECT_FALSE(cut.is_complete);
       EXPECT_LT(cut.tests, tests * points.size() + 40 * points.size());
       for (int i = 0; i < 100; ++i) {
         const Vector3d n = draw.direction();

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "bench/crowd.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "tests/culling/depth_oracle.h"
 
 namespace throng::hull_depth_test {
@@ -73,8 +73,8 @@ double checked_error(const Body& a, const Body& b, const Eigen::Vector3f& a_to_b
   const Depth found = depth_of(a, b, a_to_b_m);
   EXPECT_GE(found.depth_m, truth - kRounding_m) << what << ": too small";
   EXPECT_LE(found.depth_m, truth + kAllowed_m) << what << ": too large";
-  EXPECT_LE(found.at_least_m, truth + kRounding_m) << what << ": what was proven is wrong";
-  EXPECT_LE(found.depth_m - found.at_least_m, 0.5 * kAllowed_m) << what << ": proven too little";
+  EXPECT_LE(found.min_depth_m, truth + kRounding_m) << what << ": what was proven is wrong";
+  EXPECT_LE(found.depth_m - found.min_depth_m, 0.5 * kAllowed_m) << what << ": proven too little";
   return found.depth_m - truth;
 }
 
@@ -117,7 +117,7 @@ TEST(HullDepth, ItsPointsBelongToTheHullsAndLieNoNearerThanProven) {
     const Depth found = depth_of(a, b, shift);
     if (found.depth_m == 0) continue;
     ++deep;
-    ASSERT_GE((found.points_m.on_a - found.points_m.on_b).norm(), found.at_least_m);
+    ASSERT_GE((found.points_m.on_a - found.points_m.on_b).norm(), found.min_depth_m);
     for (int i = 0; i < 200; ++i) {
       const Eigen::Vector3d direction = draw.direction();
       ASSERT_LE(beyond(a.cloud(), direction, found.points_m.on_a), 1e-4);
@@ -192,9 +192,9 @@ TEST(HullDepth, MovedAlongItsDirectionTheHullsAreApartAndNoShorterWayPartsThem) 
     };
     EXPECT_EQ(moved((found.depth_m + 1e-6) * found.direction), 0) << "seed " << seed;
     for (int i = 0; i < 20; ++i)
-      EXPECT_GT(moved((found.at_least_m - 1e-6) * draw.direction()), 0) << "seed " << seed;
-    const double other_way = depth_of(b, a).depth_m;
-    EXPECT_NEAR(other_way, found.depth_m, 0.5 * kAllowed_m) << "seed " << seed;
+      EXPECT_GT(moved((found.min_depth_m - 1e-6) * draw.direction()), 0) << "seed " << seed;
+    const double swapped = depth_of(b, a).depth_m;
+    EXPECT_NEAR(swapped, found.depth_m, 0.5 * kAllowed_m) << "seed " << seed;
   }
 }
 
@@ -265,13 +265,13 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
   std::vector<TriangleBvh> surfaces;
   std::vector<HullDirections> directions;
   std::vector<Cloud> corners;
-  int most_corners = 0;
+  int max_corners = 0;
   for (const PartShape& part : type->parts()) {
     hulls.emplace_back(part.points);
     surfaces.emplace_back(part.points, part.triangles);
     corners.push_back(shuffled_corners(hulls.back(), 1));
     directions.push_back(hull_directions(corners.back()));
-    most_corners = std::max(most_corners, hulls.back().corner_count());
+    max_corners = std::max(max_corners, hulls.back().corner_count());
   }
   const BodiesView bodies = crowd.view();
   std::vector<PartPose> poses(bodies.ids.size() * parts);
@@ -279,7 +279,7 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
     crowd.poses({&i, 1}, {poses.data() + i * parts, parts});
 
   DepthFinder finder;
-  ExactCounters counters;
+  TriangleCounters counters;
   double worst = 0, deepest = 0, spent_us = 0;
   int touching = 0, checked = 0;
   for (size_t a = 0; a < bodies.ids.size(); ++a)
@@ -301,7 +301,7 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
           spent_us +=
               std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
                   .count();
-          EXPECT_LE(found.depth_m - found.at_least_m, 0.5 * kAllowed_m);
+          EXPECT_LE(found.depth_m - found.min_depth_m, 0.5 * kAllowed_m);
           if (touching % 3 != 0) continue;
           ++checked;
           const auto placed = [&](const Cloud& cloud, HullDirections of, const PartPose& pose,
@@ -333,7 +333,7 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
   fmt::print(
       "{} pairs touch, {:.0f} us each; {} checked: at most {:.3f} mm above the truth, "
       "deepest {:.0f} mm; hulls of up to {} corners\n",
-      touching, spent_us / touching, checked, 1e3 * worst, 1e3 * deepest, most_corners);
+      touching, spent_us / touching, checked, 1e3 * worst, 1e3 * deepest, max_corners);
 }
 
 }  // namespace

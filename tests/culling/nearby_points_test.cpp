@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-float least_m(const std::vector<Vector3f>& points, const Vector3f& to) {
+float min_distance_m(const std::vector<Vector3f>& points, const Vector3f& to) {
   float least = std::numeric_limits<float>::max();
   for (const Vector3f& point : points) least = std::min(least, (point - to).norm());
   return least;
@@ -43,12 +43,12 @@ TEST(NearbyPoints, AreGivenPointsAndAtMostACellFartherThanTheNearest) {
       high = high.cwiseMax(point);
     }
     const float diagonal_m =
-        std::sqrt(3.0f) * (high - low).maxCoeff() / float{NearbyPoints::kMostCells};
+        std::sqrt(3.0f) * (high - low).maxCoeff() / float{NearbyPoints::kMaxCells};
     for (const Vector3f& place : random_points(rng, 500, 1.5f * size_m)) {
-      const Vector3f found = on.near(place);
+      const Vector3f found = on.lookup(place);
       ASSERT_EQ(std::count(points.begin(), points.end(), found) > 0, true);
       const Vector3f inside = place.cwiseMax(low).cwiseMin(high);
-      ASSERT_LE((found - inside).norm(), least_m(points, inside) + 1.001f * diagonal_m);
+      ASSERT_LE((found - inside).norm(), min_distance_m(points, inside) + 1.001f * diagonal_m);
     }
   }
 }
@@ -59,8 +59,8 @@ TEST(NearbyPoints, OfOnePointOrAFlatPartAreFoundFromEverywhere) {
   const std::vector<Vector3f> flat = {{0, 0, 1}, {2, 0, 1}, {0, 3, 1}};
   const NearbyPoints triangle(flat);
   for (const float far : {-1e30f, -1.0f, 0.0f, 1.0f, 1e30f}) {
-    EXPECT_EQ(alone.near({far, -far, far}), one);
-    EXPECT_EQ(triangle.near({-1, 4, far}), flat[2]);
+    EXPECT_EQ(alone.lookup({far, -far, far}), one);
+    EXPECT_EQ(triangle.lookup({-1, 4, far}), flat[2]);
   }
 }
 
@@ -71,7 +71,7 @@ TEST(NearbyPoints, OfAFineMeshAreSomeOfItsPoints) {
   EXPECT_LE(on.points.size(), on.point_of_cell.size());
   EXPECT_EQ(on.point_of_cell.size(), 16u * 16 * 16);
   for (const Vector3f& place : random_points(rng, 100, {1, 1, 1}))
-    EXPECT_LE((on.near(place) - place).norm(), 0.25f);
+    EXPECT_LE((on.lookup(place) - place).norm(), 0.25f);
 }
 
 }  // namespace

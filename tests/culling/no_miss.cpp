@@ -4,26 +4,27 @@
 
 #include <cstdlib>
 
-#include "tests/culling/near_pairs.h"
+#include "tests/culling/proximity_pairs.h"
 
 int main(int argc, char** argv) {
   using namespace throng::test;
   const uint64_t pairs = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10'000'000;
   const uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  NearPairs sum;
+  ProximityPairs sum;
   fmt::print("{:<10}{:>12}{:>12}{:>12}{:>8}\n", "family", "near pairs", "touching", "reported",
              "missed");
-  const auto line = [](std::string_view name, const NearPairs& found) {
-    fmt::print("{:<10}{:>12}{:>12}{:>12}{:>8}\n", name, found.near, found.touching, found.reported,
-               found.missed);
+  const auto line = [](std::string_view name, const ProximityPairs& found) {
+    fmt::print("{:<10}{:>12}{:>12}{:>12}{:>8}\n", name, found.tested, found.touching,
+               found.reported, found.missed);
     std::fflush(stdout);
   };
   for (const Family family : kFamilies) {
-    const NearPairs found = check_near_pairs(family, pairs / std::size(kFamilies) + 1, seed);
+    const ProximityPairs found =
+        check_proximity_pairs(family, pairs / std::size(kFamilies) + 1, seed);
     line(name_of(family), found);
     if (found.missed > 0) fmt::print("  first miss: {}\n", found.first_miss);
     if (found.differing > 0) fmt::print("  first difference: {}\n", found.first_difference);
-    sum.near += found.near;
+    sum.tested += found.tested;
     sum.touching += found.touching;
     sum.reported += found.reported;
     sum.missed += found.missed;

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "avatars/avatars.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "culling/volumes/pose_math.h"
 #include "culling/volumes/volume_list.h"
 #include "shapes.h"
@@ -28,7 +28,7 @@ struct FittedPart {
         reach_m(static_cast<float>(reach_of(part.mesh.vertices))),
         tree(part.mesh.vertices, part.mesh.triangles) {
     for_each_volume(
-        [&]<typename V>(VolumeKind) { std::get<kPlaceOf<V>>(fitted) = V::fit(points); });
+        [&]<typename V>(VolumeKind) { std::get<kVolumeIndex<V>>(fitted) = V::fit(points); });
     std::vector<Eigen::Vector3d> exact;
     for (const Eigen::Vector3f& p : points) exact.push_back(p.cast<double>());
     std::vector<fcl::Triangle> faces;
@@ -64,8 +64,8 @@ std::map<std::string, bool> verdicts(const PlacedPart& a, const PlacedPart& b,
   std::map<std::string, bool> out;
   for_each_volume([&]<typename V>(VolumeKind kind) {
     const std::string name(name_of(kind));
-    out[name] = V::overlaps(V::place(std::get<kPlaceOf<V>>(a.part->fitted), a.pose, a.scale),
-                            V::place(std::get<kPlaceOf<V>>(b.part->fitted), b.pose, b.scale),
+    out[name] = V::overlaps(V::place(std::get<kVolumeIndex<V>>(a.part->fitted), a.pose, a.scale),
+                            V::place(std::get<kVolumeIndex<V>>(b.part->fitted), b.pose, b.scale),
                             a_to_b, margin);
     if constexpr (RefittedVolume<V>)
       out[name + "_refit"] = V::overlaps(V::refit(a.part->points, a.pose, a.scale),
@@ -131,7 +131,7 @@ struct Tally {
   std::map<std::string, int> reported;
 
   void add(const PlacedPart& a, const PlacedPart& b, const Eigen::Vector3f& a_to_b) {
-    ExactCounters counters;
+    TriangleCounters counters;
     const bool truth = solids_touch(a.part->tree, a.pose, a.scale, b.part->tree, b.pose, b.scale,
                                     a_to_b, counters);
     ++pairs;
@@ -236,7 +236,7 @@ TEST(NoMiss, TheExactStageAgreesWithFclOnTheBody) {
         const bool surfaces =
             fcl::collide(&parts[i].fcl_mesh, to_isometry(poses_a[i]), &parts[j].fcl_mesh,
                          world_from_b, fcl::CollisionRequestd(1, false), result) > 0;
-        ExactCounters counters;
+        TriangleCounters counters;
         const bool found = solids_touch(parts[i].tree, poses_a[i], 1, parts[j].tree, poses_b[j], 1,
                                         a_to_b, counters);
         ASSERT_TRUE(found || !surfaces)

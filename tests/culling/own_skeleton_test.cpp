@@ -11,7 +11,7 @@ namespace {
 TEST(OwnSkeleton, TellsWhichPartsTouch) {
   const char* installed = std::getenv("THRONG_TESTED");  // as in tests/apps/cli.cpp
   const std::string folder = installed == nullptr ? THRONG_BINARY_DIR : installed;
-  FILE* const pipe = ::popen(("'" + folder + "/own_skeleton'").c_str(), "r");
+  FILE* const pipe = ::popen(("'" + folder + "/custom_bodies'").c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   std::string said;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) said += static_cast<char>(c);

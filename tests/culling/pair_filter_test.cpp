@@ -8,28 +8,28 @@
 
 #include "base/errors.h"
 #include "culling/strategies/paper_culler.h"
-#include "tests/culling/random_world.h"
+#include "tests/culling/random_bodies.h"
 
 namespace throng::pair_filter_test {
 namespace {
 
-using test::RandomWorld;
-using test::WorldDraw;
+using test::BodyDraw;
+using test::RandomBodies;
 
 TEST(PairFilter, ARuleAsksForOneOfEachSide) {
   const auto left = PairFilter::left_of(3), right = PairFilter::right_of(3);
-  EXPECT_TRUE(PairFilter::meet(left, right));
-  EXPECT_TRUE(PairFilter::meet(right, left));
-  EXPECT_FALSE(PairFilter::meet(left, left));
-  EXPECT_FALSE(PairFilter::meet(right, right));
-  EXPECT_FALSE(PairFilter::meet(left, PairFilter::right_of(4)));
-  EXPECT_TRUE(PairFilter::meet(left | right, left)) << "on both sides: with its like, too";
-  EXPECT_FALSE(PairFilter::meet(0, left | right));
-  EXPECT_TRUE(PairFilter::meet(PairFilter::left_of(15), PairFilter::right_of(15)));
+  EXPECT_TRUE(PairFilter::match(left, right));
+  EXPECT_TRUE(PairFilter::match(right, left));
+  EXPECT_FALSE(PairFilter::match(left, left));
+  EXPECT_FALSE(PairFilter::match(right, right));
+  EXPECT_FALSE(PairFilter::match(left, PairFilter::right_of(4)));
+  EXPECT_TRUE(PairFilter::match(left | right, left)) << "on both sides: with its like, too";
+  EXPECT_FALSE(PairFilter::match(0, left | right));
+  EXPECT_TRUE(PairFilter::match(PairFilter::left_of(15), PairFilter::right_of(15)));
 }
 
 /// Some rules by chance; every third filter is of bodies alone, every third of parts alone.
-PairFilter random_filter(const RandomWorld& world, WorldDraw& draw, uint64_t seed) {
+PairFilter random_filter(const RandomBodies& world, BodyDraw& draw, uint64_t seed) {
   const int rules = draw.integer(1, PairFilter::kMaxRules);
   const auto sides = [&] {
     PairFilter::Sides out = 0;
@@ -41,19 +41,19 @@ PairFilter random_filter(const RandomWorld& world, WorldDraw& draw, uint64_t see
   };
   PairFilter filter;
   if (seed % 3 != 1)
-    for (uint32_t id = 0; id <= world.ids.back() - 2; ++id) filter.of_body.push_back(sides());
+    for (uint32_t id = 0; id <= world.ids.back() - 2; ++id) filter.sides_of_body.push_back(sides());
   if (seed % 3 != 2)
     for (const auto& type : world.types) {
-      filter.of_part.emplace_back();
+      filter.sides_of_part.emplace_back();
       for (int part = 0; part < type->part_count(); ++part)
-        filter.of_part.back().push_back(sides());
+        filter.sides_of_part.back().push_back(sides());
     }
   return filter;
 }
 
 /// The obvious way: by rules, one after another.
-bool is_asked(const PairFilter& filter, const RandomWorld& world, const PairKey& key) {
-  const auto meet = [](PairFilter::Sides a, PairFilter::Sides b) {
+bool is_included(const PairFilter& filter, const RandomBodies& world, const PairKey& key) {
+  const auto match = [](PairFilter::Sides a, PairFilter::Sides b) {
     for (int rule = 0; rule < PairFilter::kMaxRules; ++rule) {
       const auto left = PairFilter::left_of(rule), right = PairFilter::right_of(rule);
       if (((a & left) != 0 && (b & right) != 0) || ((b & left) != 0 && (a & right) != 0))
@@ -65,26 +65,28 @@ bool is_asked(const PairFilter& filter, const RandomWorld& world, const PairKey&
     const auto at = std::lower_bound(world.ids.begin(), world.ids.end(), id) - world.ids.begin();
     return world.type_of[static_cast<size_t>(at)];
   };
-  const auto of_body = [&](uint32_t id) {
-    return id < filter.of_body.size() ? filter.of_body[id] : 0;
+  const auto sides_of_body = [&](uint32_t id) {
+    return id < filter.sides_of_body.size() ? filter.sides_of_body[id] : 0;
   };
-  if (!filter.of_body.empty() && !meet(of_body(key.a()), of_body(key.b()))) return false;
-  return filter.of_part.empty() || meet(filter.of_part[type_of(key.a())][key.part_a()],
-                                        filter.of_part[type_of(key.b())][key.part_b()]);
+  if (!filter.sides_of_body.empty() && !match(sides_of_body(key.a()), sides_of_body(key.b())))
+    return false;
+  return filter.sides_of_part.empty() ||
+         match(filter.sides_of_part[type_of(key.a())][key.part_a()],
+               filter.sides_of_part[type_of(key.b())][key.part_b()]);
 }
 
 struct Answer {
   std::vector<PairKey> pairs;
-  std::vector<std::tuple<PairKey, float, float>> near;
+  std::vector<std::tuple<PairKey, float, float>> proximity;
 };
 
-Answer answer(const RandomWorld& world, const CullerOptions& options, int threads) {
+Answer answer(const RandomBodies& world, const CullerOptions& options, int threads) {
   Workers workers(threads);
   Culler culler(world.types, options, workers);
   culler.step(world.view(), world);
   Answer out{{culler.pairs().begin(), culler.pairs().end()}, {}};
-  for (const NearPair& row : culler.near_pairs())
-    out.near.emplace_back(row.pair, row.lo_m, row.hi_m);
+  for (const ProximityPair& row : culler.proximity_pairs())
+    out.proximity.emplace_back(row.pair, row.lo_m, row.hi_m);
   return out;
 }
 
@@ -93,24 +95,24 @@ TEST(PairFilter, WhatIsAskedForIsFoundAsWithoutIt) {
   uint64_t kept = 0, left_out = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
-    const RandomWorld world(seed, 60, 2.5, Eigen::Vector3d::Zero());
+    const RandomBodies world(seed, 60, 2.5, Eigen::Vector3d::Zero());
     CullerOptions options;
     options.exact = seed % 2 == 0;
-    options.near.near_m = 0.2f;
+    options.proximity.margin_m = 0.2f;
     options.pair_search = kSearches[seed % 3];
-    if (seed % 5 == 0) options.deadline_tests = 1'000'000'000;
+    if (seed % 5 == 0) options.budget_tests = 1'000'000'000;
     Answer whole = answer(world, options, 1);
-    WorldDraw draw(seed);
+    BodyDraw draw(seed);
     options.filter = random_filter(world, draw, seed);
     const Answer sifted = answer(world, options, 1 + static_cast<int>(seed % 3));
     const size_t pairs = whole.pairs.size();
     std::erase_if(whole.pairs,
-                  [&](const PairKey& key) { return !is_asked(options.filter, world, key); });
-    std::erase_if(whole.near, [&](const auto& row) {
-      return !is_asked(options.filter, world, std::get<0>(row));
+                  [&](const PairKey& key) { return !is_included(options.filter, world, key); });
+    std::erase_if(whole.proximity, [&](const auto& row) {
+      return !is_included(options.filter, world, std::get<0>(row));
     });
     EXPECT_EQ(sifted.pairs, whole.pairs);
-    EXPECT_EQ(sifted.near, whole.near);
+    EXPECT_EQ(sifted.proximity, whole.proximity);
     kept += whole.pairs.size();
     left_out += pairs - whole.pairs.size();
   }
@@ -120,7 +122,7 @@ TEST(PairFilter, WhatIsAskedForIsFoundAsWithoutIt) {
 
 /// One body among many: nobody else is posed.
 TEST(PairFilter, OfBodiesCostsWhatIsAskedFor) {
-  const RandomWorld world(3, 300, 6, Eigen::Vector3d::Zero());
+  const RandomBodies world(3, 300, 6, Eigen::Vector3d::Zero());
   const auto posed = [&](const CullerOptions& options) {
     Workers workers(1);
     Culler culler(world.types, options, workers);
@@ -129,8 +131,8 @@ TEST(PairFilter, OfBodiesCostsWhatIsAskedFor) {
   };
   CullerOptions options;
   const uint64_t all = posed(options);
-  options.filter.of_body.assign(world.ids.back() + 1, PairFilter::right_of(0));
-  options.filter.of_body[world.ids[60]] = PairFilter::left_of(0);
+  options.filter.sides_of_body.assign(world.ids.back() + 1, PairFilter::right_of(0));
+  options.filter.sides_of_body[world.ids[60]] = PairFilter::left_of(0);
   const uint64_t some = posed(options);
   EXPECT_GT(all, 100u);
   EXPECT_GT(some, 0u);
@@ -138,13 +140,13 @@ TEST(PairFilter, OfBodiesCostsWhatIsAskedFor) {
 }
 
 TEST(PairFilter, OfOtherTypesOrOfARecipeIsRefused) {
-  const RandomWorld world(3, 20, 2.5, Eigen::Vector3d::Zero());
+  const RandomBodies world(3, 20, 2.5, Eigen::Vector3d::Zero());
   Workers workers(1);
   CullerOptions options;
-  options.filter.of_part = {{PairFilter::left_of(0)}};
+  options.filter.sides_of_part = {{PairFilter::left_of(0)}};
   EXPECT_THROW(Culler(world.types, options, workers), InputError);
   options.filter = {};
-  options.filter.of_body = {PairFilter::left_of(0)};
+  options.filter.sides_of_body = {PairFilter::left_of(0)};
   EXPECT_THROW(PaperCuller(world.types, Strategy::kTwoPass, options), InputError);
 }
 

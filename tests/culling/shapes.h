@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/workbench/couples.h"
+#include "bench/workbench/random_pairs.h"
 
 namespace throng::test {
 
@@ -14,8 +14,8 @@ using bench::box_solid;
 using bench::bumpy_ellipsoid;
 using bench::Draw;
 using bench::inside_out;
-using bench::Mixed;
 using bench::mixed_part;
+using bench::MixedPart;
 using bench::placed_exactly;
 using bench::reach_of;
 using bench::Solid;

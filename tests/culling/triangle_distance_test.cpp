@@ -87,7 +87,7 @@ struct Placed {
 };
 
 Placed draw_part(Draw& draw) {
-  test::Mixed part = test::mixed_part(draw, draw.uniform(0.05, 0.4), true);
+  test::MixedPart part = test::mixed_part(draw, draw.uniform(0.05, 0.4), true);
   return Placed({part.mesh.points, part.mesh.triangles}, draw.pose(0.3),
                 static_cast<float>(draw.uniform(0.7, 1.3)));
 }
@@ -98,7 +98,7 @@ TEST(SurfaceDistance, IsThatOfTheNearestTriangles) {
     Draw draw(kSeed, static_cast<uint64_t>(i));
     const Placed a = draw_part(draw), b = draw_part(draw);
     const Eigen::Vector3f a_to_b = (draw.uniform(0.2, 1.5) * draw.direction()).cast<float>();
-    ExactCounters counters;
+    TriangleCounters counters;
     if (solids_touch(a.surface, a.pose, a.scale, b.surface, b.pose, b.scale, a_to_b, counters))
       continue;
     SCOPED_TRACE(::testing::Message() << "seed " << kSeed << ", pair " << i);
@@ -114,7 +114,7 @@ TEST(SurfaceDistance, IsThatOfTheNearestTriangles) {
     ++found;
     ASSERT_LE(gap->lo_m, truth + kRounding_m);
     ASSERT_GE(gap->hi_m, truth - kRounding_m);
-    ASSERT_LT(gap->hi_m - gap->lo_m, 1.1 * kEnough_m);
+    ASSERT_LT(gap->hi_m - gap->lo_m, 1.1 * kDistanceTolerance_m);
     ASSERT_LE(truth, within + 1e-5);
     ASSERT_NEAR((gap->points_m.on_b - gap->points_m.on_a).norm(), gap->hi_m, kRounding_m);
   }
@@ -132,7 +132,7 @@ TEST(ContactPoint, BelongsToBothParts) {
     Draw draw(kSeed, 1000 + static_cast<uint64_t>(i));
     const Placed a = draw_part(draw), b = draw_part(draw);
     const Eigen::Vector3f a_to_b = draw.in_box(0.3).cast<float>();
-    ExactCounters counters;
+    TriangleCounters counters;
     const bool touch =
         solids_touch(a.surface, a.pose, a.scale, b.surface, b.pose, b.scale, a_to_b, counters);
     const auto point_near = [&](const Vector3d& target) {
@@ -147,7 +147,8 @@ TEST(ContactPoint, BelongsToBothParts) {
     ASSERT_TRUE(is_on(b, *point, a_to_b.cast<double>()));
     // Of the points of contact that other places lead to none is nearer by more than is said.
     for (int other = 0; other < 20; ++other)
-      ASSERT_LE(point->norm(), point_near(draw.in_box(0.3))->norm() + kNearer_m + kRounding_m);
+      ASSERT_LE(point->norm(),
+                point_near(draw.in_box(0.3))->norm() + kContactPointTolerance_m + kRounding_m);
   }
   EXPECT_GT(touching, 50);
 }

@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "culling/exact/triangle_bvh.h"
-#include "tests/culling/random_world.h"
+#include "culling/triangles/triangle_bvh.h"
+#include "tests/culling/random_bodies.h"
 
 namespace throng::test {
 
 /// Every pair of parts of different bodies whose solids touch, by trying them all.
-inline std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
+inline std::vector<PairKey> touching_by_brute_force(const RandomBodies& world) {
   std::vector<std::vector<TriangleBvh>> surfaces;
   for (const auto& type : world.types) {
     surfaces.emplace_back();
@@ -17,7 +17,7 @@ inline std::vector<PairKey> touching_by_brute_force(const RandomWorld& world) {
       surfaces.back().emplace_back(part.points, part.triangles);
   }
   std::vector<PairKey> out;
-  ExactCounters counters;
+  TriangleCounters counters;
   for (size_t a = 0; a < world.ids.size(); ++a) {
     for (size_t b = a + 1; b < world.ids.size(); ++b) {
       if (world.types[world.type_of[a]]->is_static() && world.types[world.type_of[b]]->is_static())

@@ -5,7 +5,7 @@
 
 #include "bench/crowd.h"
 #include "culling/culling.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 
 namespace throng::walkers_test {
 namespace {
@@ -25,7 +25,7 @@ std::vector<PairKey> touching_by_brute_force(const bench::Crowd& crowd, const Bo
   for (uint32_t i = 0; i < bodies.ids.size(); ++i)
     crowd.poses({&i, 1}, {poses.data() + i * parts, parts});
   std::vector<PairKey> out;
-  ExactCounters counters;
+  TriangleCounters counters;
   for (size_t a = 0; a < bodies.ids.size(); ++a)
     for (size_t b = a + 1; b < bodies.ids.size(); ++b) {
       const Eigen::Vector3f shift =
@@ -100,9 +100,9 @@ TEST(Walkers, TheGridRebuiltEachFrameDoesNotAge) {
   }
   Culler fresh({type}, {}, workers);
   fresh.step(crowd.view(), crowd);
-  EXPECT_EQ(old.counters().avatar.tests, fresh.counters().avatar.tests);
-  EXPECT_EQ(old.counters().box.tests, fresh.counters().box.tests);
-  EXPECT_EQ(old.counters().part.tests, fresh.counters().part.tests);
+  EXPECT_EQ(old.counters().body_sphere.tests, fresh.counters().body_sphere.tests);
+  EXPECT_EQ(old.counters().part_box.tests, fresh.counters().part_box.tests);
+  EXPECT_EQ(old.counters().part_volume.tests, fresh.counters().part_volume.tests);
 }
 
 }  // namespace

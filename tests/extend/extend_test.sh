@@ -49,8 +49,8 @@ one_option_everywhere() {
   run study "$folder/study.yaml" --out "$folder/study.csv" >/dev/null
   grep -q "$given" "$folder/study.csv" || fail "study.csv: expected the hash $given"
   [ "$(PYTHONPATH=build/release/python /usr/bin/python3 -c \
-    "import throng; print(throng.run('$scene', seconds=5, density_speed=True).hash)")" = "$given" ] ||
-    fail "throng.run(density_speed=True): expected the hash $given"
+    "import throng; print(throng.run('$scene', seconds=5, density_dependent_speed=True).hash)")" = "$given" ] ||
+    fail "throng.run(density_dependent_speed=True): expected the hash $given"
 }
 
 build() {

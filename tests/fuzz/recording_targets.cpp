@@ -17,8 +17,8 @@ RecordingOptions options_of(uint8_t bits) {
   if (bits & 2) out.unit_m = 0.01;
   if (bits & 4) out.columns = "id=1,frame=2,x=3,y=4";
   if (bits & 8) out.separator = ';';
-  if (bits & 16) out.from_s = 0.1;
-  if (bits & 32) out.tracks = TrackedPoint::kHead;
+  if (bits & 16) out.start_s = 0.1;
+  if (bits & 32) out.tracked_point = TrackedPoint::kHead;
   if (bits & 64) out.strict = true;
   return out;
 }

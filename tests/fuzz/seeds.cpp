@@ -4,12 +4,12 @@
 #include <iterator>
 
 #include "base/files/archive.h"
-#include "lcm_io/codec/guard.h"
 #include "lcm_io/codec/log_format.h"
-#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/codec/running_checksums.h"
 #include "lcm_io/log/log_reader.h"
 #include "lcm_io/log/log_sink.h"
-#include "scenes/motion/box_world.h"
+#include "scenes/motion/box_motion.h"
 #include "scenes/run/checkpoint.h"
 #include "tests/avatars/mesh_seeds.h"
 #include "tests/fuzz/targets.h"
@@ -88,14 +88,14 @@ void add_scenes(std::vector<Bytes>& out) {
   out.push_back(bytes_of(repeated("{a: ", 10'000)));
   out.push_back(bytes_of("a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"));
   out.push_back(bytes_of("name: x\nground: {min_m: [-1e308, -1e308], max_m: [1e308, 1e308]}\n"));
-  out.push_back(
-      bytes_of("ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, companions: {share: 1, "
-               "pairs: 0, threes: 2, fours: 1e6}, spawn: {min_m: [1, 1], max_m: [8, 3]}, goals: "
-               "[{min_m: [1, 6], max_m: [8, 8]}]}]\n"));
+  out.push_back(bytes_of(
+      "ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, social_groups: {share: 1, "
+      "pairs: 0, threes: 2, fours: 1e6}, spawn: {min_m: [1, 1], max_m: [8, 3]}, goals: "
+      "[{min_m: [1, 6], max_m: [8, 8]}]}]\n"));
   out.push_back(
       bytes_of("ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups: [{count: 5, spawn: {min_m: [1, 1], "
                "max_m: [8, 3]}, goals: [{min_m: [1, 6], max_m: [8, 8], capacity: 2, wait_s: {mean: "
-               "3, deviation: 1}, queue: {spacing_m: 1, line: [[4, 5], [4, 3], [8, 3]]}}]}]\n"));
+               "3, std_dev: 1}, queue: {spacing_m: 1, line: [[4, 5], [4, 3], [8, 3]]}}]}]\n"));
   out.push_back(bytes_of("name: x\nstep_s: .nan\nduration_s: -.inf\nseed: -1\n"));
 }
 
@@ -113,23 +113,23 @@ Bytes driving() {
   m.avatar = {0};
   m.x_m = m.y_m = m.z_m = {1};
   m.qw = m.qx = m.qy = m.qz = m.vx_mps = m.vy_mps = {0.5f};
-  m.joint_value_count = 2;
-  m.joint_values = {0.25, 0.5};
+  m.joint_position_count = 2;
+  m.joint_positions = {0.25, 0.5};
   Bytes bytes(static_cast<size_t>(m.getEncodedSize()));
   m.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   return packed(std::vector<std::pair<uint8_t, Bytes>>{{uint8_t{0}, bytes}});
 }
 
 void add_messages(std::vector<Bytes>& out) {
-  out.push_back(driving<drive_t>());
-  out.push_back(driving<answer_t>());
+  out.push_back(driving<pose_command_t>());
+  out.push_back(driving<step_reply_t>());
   std::vector<std::pair<uint8_t, Bytes>> all;
   for (const MessageList::Message& message : a_run()) {
     const auto channel = static_cast<uint8_t>(message.channel);
     all.emplace_back(channel, message.bytes);
     out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, message.bytes}}));
     // Checks that are right in themselves reach what lies behind the guard.
-    if (message.channel == Channel::kChecks) {
+    if (message.channel == Channel::kChecksums) {
       Bytes hostile = message.bytes;
       for (size_t at = kHeaderBytes; at + 12 < hostile.size(); at += 97) {
         hostile[at] ^= 0x80;
@@ -183,7 +183,7 @@ Bytes without_checks(const std::filesystem::path& file) {
   LogFile log(out.path());
   LogEvent event;
   while (reader.next(event) == LogReader::Status::kEvent)
-    if (event.channel != name_of(Channel::kChecks))
+    if (event.channel != name_of(Channel::kChecksums))
       log.write(event.channel, event.stamp_us, event.data);
   log.close();
   return throng::bytes_of(out.path());
@@ -208,7 +208,7 @@ void add_culled_logs(std::vector<Bytes>& out) {
 }
 
 void add_checkpoints(std::vector<Bytes>& out) {
-  BoxWorld world = BoxWorld::of_kinds({}, std::vector<double>{0.2}, 3, 0);
+  BoxDynamics world = BoxDynamics::of_kinds({}, std::vector<double>{0.2}, 3, 0);
   Archive state;
   world.archive(state);
   std::vector<PairKey> pairs = {{1, 2, 3, 4}, {1, 3, 0, 0}};

@@ -10,12 +10,12 @@
 #include "base/errors.h"
 #include "kinematics/kdl_tree.h"
 #include "lcm_io/codec/encoder.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/log_check.h"
-#include "lcm_io/replay/log_world.h"
+#include "lcm_io/replay/log_motion.h"
 #include "scenes/file/scene.h"
-#include "scenes/motion/box_world.h"
+#include "scenes/motion/box_motion.h"
 #include "scenes/run/checkpoint.h"
 #include "tests/fuzz/target_tools.h"
 #include "tests/kinematics/finite_poses.h"
@@ -101,8 +101,8 @@ bool messages(std::span<const uint8_t> input) {
     const size_t size = std::min<size_t>(size_t{input[1]} << 8 | input[2], input.size() - 3);
     const std::span<const uint8_t> message = input.subspan(3, size);
     input = input.subspan(3 + size);
-    const bool is_sound = check_message(channel, message).empty() || is_driving<drive_t>(message) ||
-                          is_driving<answer_t>(message);
+    const bool is_sound = check_message(channel, message).empty() ||
+                          is_driving<pose_command_t>(message) || is_driving<step_reply_t>(message);
     const auto update = reader.take(name_of(channel), message);
     is_accepted = is_accepted || is_sound;
     if (update != RunReader::Update::kState || reader.run()->avatar_count == 0) continue;
@@ -141,14 +141,14 @@ bool culled_log(std::span<const uint8_t> input) {
     promise(run.facts.frames >= 1 && run.scene.step_s > 0 && run.scene.duration_s > 0,
             "time that runs");
     SimulationOptions options;
-    options.world = run.world;
+    options.motion = run.motion;
     Simulation simulation(run.scene, options);
     for (int64_t i = 0; i < std::min<int64_t>(run.facts.frames, 5); ++i)
       for (const RootPose& root : simulation.step().roots)
         promise(root.position_m.allFinite(), "finite positions");
     for (const WalkablePolygon& piece : walkable_area(run.scene))
       promise(piece.outline.size() >= 3, "pieces of the ground with an outline");
-    require_readable(simulation.info(), true);
+    require_encodable(simulation.info(), true);
     return true;
   } catch (const InputError& error) {
     expect_words(error);
@@ -168,7 +168,7 @@ bool checkpoint_file(std::span<const uint8_t> input) {
 }
 
 bool checkpoint_state(std::span<const uint8_t> input) {
-  static BoxWorld world = BoxWorld::of_kinds({}, std::vector<double>{0.2}, 3, 0);
+  static BoxDynamics world = BoxDynamics::of_kinds({}, std::vector<double>{0.2}, 3, 0);
   try {
     Archive in(input, "state");
     world.archive(in);
@@ -196,7 +196,7 @@ bool mesh(std::span<const uint8_t> input) {
   if (input.empty()) return false;
   const std::string_view extension = kMeshExtensions[input[0] % std::size(kMeshExtensions)];
   const File file(("mesh" + std::string(extension)).c_str(), input.subspan(1));
-  constexpr ForeignLimits kQuick = {
+  constexpr SandboxLimits kQuick = {
       .cpu_s = 1, .wall_s = 0.5, .max_memory_bytes = 512 << 20, .max_result_bytes = 64 << 20};
   try {
     const Mesh read = read_mesh(file.path(), kQuick);

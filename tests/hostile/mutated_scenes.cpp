@@ -35,28 +35,28 @@ step_s: 1/50
 duration_s: 3
 planted_feet: true
 culling: {part_volume: obb, exact: true}
-steering: {model: speed, density_speed: true}
+steering: {model: speed, density_dependent_speed: true}
 ground: {min_m: [-12, -9], max_m: [12, 9]}
 groups:
   - name: walkers
     count: 6
     spawn: {min_m: [-11, -8], max_m: [-4, 8]}
     sources: [{area: {min_m: [-11.5, -2], max_m: [-10.5, 2]}, count: 3, rate_per_s: 2, start_s: 0.5, random: true}]
-    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: {mean: 1, deviation: 0.5, min: 0, max: 2}, pass: false, capacity: 2, queue: {spacing_m: 0.8, line: [[1, 0], [1, 3], [-1, 3]]}}, {nearest_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], pass: true}]
+    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: {mean: 1, std_dev: 0.5, min: 0, max: 2}, pass: false, capacity: 2, queue: {spacing_m: 0.8, line: [[1, 0], [1, 3], [-1, 3]]}}, {any_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], waypoint: true}]
     on_arrival: leave
-    delay_s: {mean: 1, deviation: 0.5, min: 0, max: 3}
+    premovement_s: {mean: 1, std_dev: 0.5, min: 0, max: 3}
     model: adult
     ages: {adults: 1, children: 2, elderly: 1}
-    speed_mps: {mean: 1.2, deviation: 0.2, min: 0.5, max: 2}
-    height_m: {mean: 1.6, deviation: 0.1, min: 1.2, max: 1.9}
-    styles: {plain: 3, brisk: 1, pockets: 1}
+    desired_speed_mps: {mean: 1.2, std_dev: 0.2, min: 0.5, max: 2}
+    height_m: {mean: 1.6, std_dev: 0.1, min: 1.2, max: 1.9}
+    gait_styles: {plain: 3, brisk: 1, pockets: 1}
     radius_m: 0.24
-  - {name: stayers, count: 2, spawn: {min_m: [5, -3], max_m: [7, 3]}, goals: [{min_m: [5, -3], max_m: [7, 3]}], on_arrival: stay, ages: mixed, styles: relaxed, speed_mps: 1.1, delay_s: 0.2}
-  - {name: robots, count: 1, spawn: {min_m: [0, 5], max_m: [2, 8]}, model: ROBOT, driven: MY_CART, radius_m: 0.3}
+  - {name: stayers, count: 2, spawn: {min_m: [5, -3], max_m: [7, 3]}, goals: [{min_m: [5, -3], max_m: [7, 3]}], on_arrival: stay, ages: mixed, gait_styles: relaxed, desired_speed_mps: 1.1, premovement_s: 0.2}
+  - {name: robots, count: 1, spawn: {min_m: [0, 5], max_m: [2, 8]}, model: ROBOT, control_channel: MY_CART, radius_m: 0.3}
 obstacles:
-  - {name: wall, kind: box, position_m: [-2, -5], bottom_m: 0, heading_deg: 30, size_m: [0.3, 4, 2.5]}
+  - {name: wall, kind: box, position_m: [-2, -5], bottom_m: 0, yaw_deg: 30, size_m: [0.3, 4, 2.5]}
   - {name: column, kind: cylinder, position_m: [0, 1], bottom_m: 0.1, diameter_m: 0.8, height_m: 3}
-  - {name: needle, kind: mesh, position_m: [3, -6], bottom_m: 0, heading_deg: -20, file: MESH}
+  - {name: needle, kind: mesh, position_m: [3, -6], bottom_m: 0, yaw_deg: -20, file: MESH}
 )",
     R"(kind: box
 name: rich box
@@ -145,7 +145,7 @@ const std::vector<std::string>& extremes() {
                                                "{min_m: [-1e5, -1e5], max_m: [1e5, 1e5]}",
                                                "{min_m: [0, 0], max_m: [1e5, 0.1]}",
                                                "{min_m: [0, 0], max_m: [0.04, 5]}",
-                                               "{mean: 0, deviation: 1e300, min: 0, max: 1}",
+                                               "{mean: 0, std_dev: 1e300, min: 0, max: 1}",
                                                "{a: b}",
                                                "adult",
                                                "box",
@@ -336,7 +336,8 @@ void use(const std::filesystem::path& file, const std::shared_ptr<const Model>& 
     group.count = std::min(group.count, 2);
     for (Source& source : group.sources) source.count = std::min(source.count, 2);
     // To fit the gait of the adult takes most of a case; one in ten does.
-    if (cart != nullptr && group.driven.empty() && group.model == adult_urdf()) group.body = cart;
+    if (cart != nullptr && group.control_channel.empty() && group.model == adult_urdf())
+      group.body = cart;
   }
   if (scene.box) scene.box->count = std::min(scene.box->count, 12);
   scene.duration_s = 2 * scene.step_s;

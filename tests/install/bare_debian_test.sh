@@ -113,7 +113,7 @@ try_debs() {
   quietly "cmake --build all -j $(nproc)"
   expect_same "the program of the README" "contacts last" "$(inside all/readme | tail -n 1 | sed 's/^[0-9]* //')"
   quietly "g++ -std=c++20 -O1 all/readme.cpp \$(pkg-config --cflags --libs throng-scenes) -o by_pkg_config && ./by_pkg_config"
-  expect_same "own_skeleton" "$(printf '%s' "$skeleton" | tail -n 1)" "$(inside all/own_skeleton | tail -n 1)"
+  expect_same "custom_bodies" "$(printf '%s' "$skeleton" | tail -n 1)" "$(inside all/custom_bodies | tail -n 1)"
   for part in "$source"/tests/install/*_installed.sh; do
     [ ! -f "$part" ] || quietly "bash /throng/source/tests/install/$(basename "$part")"
   done
@@ -129,7 +129,7 @@ try_culling() {
   quietly "apt-get update && apt-get install -y --no-install-recommends g++ cmake make pkg-config /throng/packages/libthrong-dev_*.deb"
   quietly "cmake -S /throng/source/tests/install/project -B culling -DTHRONG_SOURCE=/throng/source -DWHAT=culling"
   quietly "cmake --build culling -j $(nproc)"
-  expect_same "own_skeleton on culling alone" "$(printf '%s' "$skeleton" | tail -n 1)" "$(inside culling/own_skeleton | tail -n 1)"
+  expect_same "custom_bodies on culling alone" "$(printf '%s' "$skeleton" | tail -n 1)" "$(inside culling/custom_bodies | tail -n 1)"
   expect_same "libraries of crowds beside it" "" \
     "$(inside "dpkg-query -W -f '\${db:Status-Status} \${Package}\n' 'libassimp*' 'liborocos*' 'libhdf5*' 'liblcm*' throng 2>/dev/null" |
       sed -n 's/^installed //p')"

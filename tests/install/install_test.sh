@@ -45,8 +45,8 @@ prefix=$folder/first
 if [ "${4:-}" = short ]; then
   quietly cmake --install "$build" --prefix "$prefix" --component dev
   expect_no_names
-  try_project culling "$prefix" Debug own_skeleton
-  expect_same "own_skeleton on culling alone" "$("$build/own_skeleton")" "$("$folder/culling/own_skeleton")"
+  try_project culling "$prefix" Debug custom_bodies
+  expect_same "custom_bodies on culling alone" "$("$build/custom_bodies")" "$("$folder/culling/custom_bodies")"
   rm -rf "$folder"
   echo "the libraries are installed and used from outside"
   exit
@@ -62,16 +62,16 @@ expect_same "hash by the installed command" "$expected" "$(hash_of "$prefix/bin/
 try_project all "$prefix"
 said=$("$build/hello")
 expect_same "the program of the README" "$said" "$("$folder/all/readme")"
-skeleton=$("$build/own_skeleton")
-expect_same "own_skeleton" "$skeleton" "$("$folder/all/own_skeleton")"
+skeleton=$("$build/custom_bodies")
+expect_same "custom_bodies" "$skeleton" "$("$folder/all/custom_bodies")"
 # A volume of one's own, with the workbench: it keeps the law; too thin a one is caught, with the pair.
-"$folder/all/own_volume" 20000 1 "$folder/volume" >"$folder/log" || fail "own_volume: $(cat "$folder/log")"
-grep -q '^capsule: 0 of [0-9]* touching pairs missed' "$folder/log" || fail "own_volume: $(head -n 1 "$folder/log")"
+"$folder/all/custom_volume" 20000 1 "$folder/volume" >"$folder/log" || fail "custom_volume: $(cat "$folder/log")"
+grep -q '^capsule: 0 of [0-9]* touching pairs missed' "$folder/log" || fail "custom_volume: $(head -n 1 "$folder/log")"
 status=0
-THICKNESS=0.95 "$folder/all/own_volume" 20000 1 "$folder/volume" >"$folder/log" || status=$?
+THICKNESS=0.95 "$folder/all/custom_volume" 20000 1 "$folder/volume" >"$folder/log" || status=$?
 expect_same "exit code of a capsule too thin" 1 "$status"
-grep -q 'first miss: [a-z]*, seed 1, frame' "$folder/log" || fail "own_volume: expected the first miss"
-grep -q 'a_to_b_m' "$folder/volume/miss.txt" || fail "own_volume: expected the pair in miss.txt"
+grep -q 'first miss: [a-z]*, seed 1, frame' "$folder/log" || fail "custom_volume: expected the first miss"
+grep -q 'a_to_b_m' "$folder/volume/miss.txt" || fail "custom_volume: expected the pair in miss.txt"
 
 hidden="liblcm-dev liblcm-bin nodejs npm libgtest-dev libgmock-dev libfcl-dev libcli11-dev nlohmann-json3-dev
   libpng-dev libwebp-dev libglib2.0-dev liborocos-kdl-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev
@@ -85,10 +85,10 @@ if [ "$status" -eq 77 ]; then
 elif [ "$status" -ne 0 ]; then
   fail "culling alone could not be used"
 fi
-expect_same "own_skeleton on culling alone" "$skeleton" "$("$folder/culling/own_skeleton")"
-linked=$(ldd "$folder/culling/own_skeleton")
+expect_same "custom_bodies on culling alone" "$skeleton" "$("$folder/culling/custom_bodies")"
+linked=$(ldd "$folder/culling/custom_bodies")
 for library in liblcm liborocos-kdl liburdf libassimp libyaml-cpp libsqlite3 libhdf5; do
-  ! grep -q "$library" <<<"$linked" || fail "own_skeleton: expected no $library"
+  ! grep -q "$library" <<<"$linked" || fail "custom_bodies: expected no $library"
 done
 
 # By pkg-config, after the package has moved; the command and CMake go along.
@@ -99,8 +99,8 @@ expect_same "hash by the moved command" "$expected" "$(hash_of "$moved/bin/thron
 pc() { PKG_CONFIG_PATH=$(dirname "$(find "$moved" -name throng-base.pc)") pkg-config "$@"; }
 expect_same "version by pkg-config" "$("$moved/bin/throng" --version | awk '{print $2}')" "$(pc --modversion throng-scenes)"
 read -ra flags <<<"$(pc --cflags --libs throng-culling)"
-quietly g++ -std=c++20 -O1 "$source/examples/own_skeleton.cpp" "${flags[@]}" -o "$folder/by_pkg_config"
-expect_same "own_skeleton by pkg-config" "$skeleton" "$("$folder/by_pkg_config")"
+quietly g++ -std=c++20 -O1 "$source/examples/custom_bodies.cpp" "${flags[@]}" -o "$folder/by_pkg_config"
+expect_same "custom_bodies by pkg-config" "$skeleton" "$("$folder/by_pkg_config")"
 read -ra flags <<<"$(pc --cflags --libs throng-scenes)"
 quietly g++ -std=c++20 -O1 "$folder/all/readme.cpp" "${flags[@]}" -o "$folder/second/readme"
 # A program that was told no place finds the data by the list of the base directories.
@@ -112,7 +112,7 @@ expect_same "the program of the README, moved" "$said" "$("$folder/all/readme")"
 mkdir "$folder/programs"
 ln -s "$moved/bin/throng" "$folder/programs/throng"
 ln -s "$folder/all/readme" "$folder/programs/hello"
-ln -s "$folder/all/own_skeleton" "$folder/programs/own_skeleton"
+ln -s "$folder/all/custom_bodies" "$folder/programs/custom_bodies"
 # And for those of the Python module, which take it from $PYTHONPATH.
 ln -s "$moved/lib/python3/dist-packages" "$folder/python"
 echo "installed, used from outside, moved and used again"

@@ -1,5 +1,5 @@
-// THRONG_CHECKS: no flipped bit of a log goes unnoticed, what is damaged is named, what is mended
-// is sound, and a run says by what it was made and what it leaves out.
+// THRONG_CHECKSUMS: no flipped bit of a log goes unnoticed, what is damaged is named, what is
+// mended is sound, and a run says by what it was made and what it leaves out.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcm_io/codec/guard.h"
-#include "lcm_io/codec/running_checks.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/codec/running_checksums.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
 #include "scenes/run/runner.h"
@@ -108,11 +108,11 @@ groups:
     on_arrival: leave
   - name: guide
     count: 1
-    driven: GUIDE
+    control_channel: GUIDE
     radius_m: 0.3
     spawn: {min_m: [7, 1], max_m: [8, 2]}
 )";
-  Simulation simulation(load_scene(scene.path().string()), {.culler = {.deadline_tests = 400}});
+  Simulation simulation(load_scene(scene.path().string()), {.culler = {.budget_tests = 400}});
   {
     LogSink sink(file.path());
     sink.begin(simulation.info());
@@ -190,9 +190,9 @@ TEST_F(Mending, DamageIsNamedByChannelAndFrame) {
   EXPECT_THAT(report.problems[0], HasSubstr("THRONG_STATES: damaged, 1 message, between the checks "
                                             "of frame 2 and those of frame 3"));
   ASSERT_EQ(report.damage.size(), 1u);
-  EXPECT_TRUE(report.damage[0].holds(Channel::kStates, event("THRONG_STATES", 3).offset));
-  EXPECT_FALSE(report.damage[0].holds(Channel::kStates, event("THRONG_STATES", 2).offset));
-  EXPECT_FALSE(report.damage[0].holds(Channel::kStates, event("THRONG_STATES", 4).offset));
+  EXPECT_TRUE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 3).offset));
+  EXPECT_FALSE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 2).offset));
+  EXPECT_FALSE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 4).offset));
 }
 
 TEST_F(Mending, TwoDamagesAreTwo) {
@@ -236,7 +236,7 @@ TEST_F(Mending, EventsThatAreDamagedAreLeftOutAndTheHashSaysSo) {
 
 TEST_F(Mending, MendedAgainItStaysAsItIs) {
   damage(event("THRONG_STATES", 3), -10);
-  damage(event("THRONG_CHECKS", 4), 70);
+  damage(event("THRONG_CHECKSUMS", 4), 70);
   check_mended();
   const auto once = bytes_of(mended_.path());
   bytes_ = once;
@@ -261,7 +261,7 @@ TEST_F(Mending, AFlippedBitOfAMendedLogIsFound) {
 }
 
 TEST_F(Mending, WhatLiesBehindTheLastChecksIsNotCovered) {
-  const Event& last = event("THRONG_CHECKS", 3);
+  const Event& last = event("THRONG_CHECKSUMS", 3);
   bytes_.resize(last.offset + last.bytes);
   LogReport report = check();
   EXPECT_TRUE(report.is_sound() && !report.finished) << "killed behind frame 3";
@@ -279,7 +279,7 @@ TEST_F(Mending, WhatLiesBehindTheLastChecksIsNotCovered) {
 
 TEST_F(Mending, ALogWithoutItsLastChecksIsCutOff) {
   erase(events_.back());
-  ASSERT_EQ(events_.back().channel, "THRONG_CHECKS");
+  ASSERT_EQ(events_.back().channel, "THRONG_CHECKSUMS");
   const LogReport report = check();
   EXPECT_TRUE(report.is_sound());
   EXPECT_FALSE(report.finished);
@@ -320,15 +320,15 @@ TEST(Checks, TheTotalsOfTheEndAreThoseBeforeItAndTheLastChecksAreOneMore) {
   }
   for (size_t i = 0; i < end.channels.size(); ++i)
     EXPECT_EQ(end.messages[i], before_end[end.channels[i]]) << end.channels[i];
-  checks_t last;
-  ASSERT_EQ(messages.back().channel, Channel::kChecks);
+  checksums_t last;
+  ASSERT_EQ(messages.back().channel, Channel::kChecksums);
   ASSERT_EQ(decode(messages.back().bytes, last), "");
   EXPECT_TRUE(last.is_last);
-  EXPECT_EQ(last.seq, before_end["THRONG_CHECKS"]) << "it comes behind the end and is not in it";
+  EXPECT_EQ(last.seq, before_end["THRONG_CHECKSUMS"]) << "it comes behind the end and is not in it";
   EXPECT_EQ(last.number, static_cast<int64_t>(messages.size()) - 1);
   EXPECT_EQ(last.hash, end.hash);
   EXPECT_EQ(sum_of(Channel::kEnd, last).messages, 1);
-  EXPECT_EQ(sum_of(Channel::kChecks, last).messages, last.seq) << "all before it";
+  EXPECT_EQ(sum_of(Channel::kChecksums, last).messages, last.seq) << "all before it";
 }
 
 TEST(Checks, ComeWithTheCountersOfEveryFrame) {
@@ -337,7 +337,7 @@ TEST(Checks, ComeWithTheCountersOfEveryFrame) {
   int64_t frames = 0;
   for (size_t i = 0; i + 1 < messages.size(); ++i) {
     if (messages[i].channel != Channel::kFrameStats) continue;
-    EXPECT_EQ(messages[i + 1].channel, Channel::kChecks);
+    EXPECT_EQ(messages[i + 1].channel, Channel::kChecksums);
     ++frames;
   }
   EXPECT_EQ(frames, 30);
@@ -346,30 +346,31 @@ TEST(Checks, ComeWithTheCountersOfEveryFrame) {
 TEST(Checks, AreRefusedWhereTheyAreDamagedThemselves) {
   SyntheticRun run({.avatars = 3, .seed = 3});
   auto bytes = messages_of(run, 1).back().bytes;
-  ASSERT_EQ(check_message(Channel::kChecks, bytes), "");
+  ASSERT_EQ(check_message(Channel::kChecksums, bytes), "");
   for (size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
     bytes[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
-    ASSERT_NE(check_message(Channel::kChecks, bytes), "") << "bit " << bit;
+    ASSERT_NE(check_message(Channel::kChecksums, bytes), "") << "bit " << bit;
     bytes[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
   }
 }
 
 TEST(Checks, ImpossibleTotalsAreRefusedEvenWhereTheOwnChecksumIsRight) {
   SyntheticRun run({.avatars = 3, .seed = 3});
-  checks_t sound;
+  checksums_t sound;
   ASSERT_EQ(decode(messages_of(run, 1).back().bytes, sound), "");
   const auto defect = [&](auto change) {
-    checks_t changed = sound;
+    checksums_t changed = sound;
     change(changed);
     std::vector<uint8_t> bytes(static_cast<size_t>(changed.getEncodedSize()));
     changed.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
     seal(bytes);
-    return check_message(Channel::kChecks, bytes);
+    return check_message(Channel::kChecksums, bytes);
   };
-  EXPECT_EQ(defect([](checks_t&) {}), "");
-  EXPECT_THAT(defect([](checks_t& c) { c.number = -1; }), HasSubstr("found number -1"));
-  EXPECT_THAT(defect([](checks_t& c) { c.messages[2] = -5; }), HasSubstr("found messages -5"));
-  EXPECT_THAT(defect([](checks_t& c) { c.bytes[2] = INT64_MAX; }), HasSubstr("found bytes 922337"));
+  EXPECT_EQ(defect([](checksums_t&) {}), "");
+  EXPECT_THAT(defect([](checksums_t& c) { c.number = -1; }), HasSubstr("found number -1"));
+  EXPECT_THAT(defect([](checksums_t& c) { c.messages[2] = -5; }), HasSubstr("found messages -5"));
+  EXPECT_THAT(defect([](checksums_t& c) { c.bytes[2] = INT64_MAX; }),
+              HasSubstr("found bytes 922337"));
 }
 
 /// What somebody else's recorder makes of a run on the wire: the clock's stamps, its own numbers.
@@ -462,17 +463,17 @@ TEST(Checks, AHashThatIsNotTheEventsIsAProblem) {
 }
 
 /// What a run with these properties says of itself.
-checks_t told_by(const std::function<void(RunInfo&)>& change) {
+checksums_t told_by(const std::function<void(RunInfo&)>& change) {
   SyntheticRun run({.avatars = 3});
   RunInfo info = run.info();
   change(info);
-  checks_t out;
-  describe_checks(info, out);
+  checksums_t out;
+  describe_checksums(info, out);
   return out;
 }
 
 TEST(Checks, ARunSaysWhatItLeavesOut) {
-  EXPECT_EQ(told_by([](RunInfo&) {}).leaves_out, "");
+  EXPECT_EQ(told_by([](RunInfo&) {}).omits, "");
   const std::pair<Strategy, const char*> cases[] = {
       {Strategy::kNone, "every contact: nothing was tested"},
       {Strategy::kSphere, "body parts: a pair is two whole bodies whose spheres meet"},
@@ -482,16 +483,16 @@ TEST(Checks, ARunSaysWhatItLeavesOut) {
       {Strategy::kTwoPass, ""},
   };
   for (const auto& [strategy, words] : cases) {
-    const checks_t told = told_by([s = strategy](RunInfo& info) { info.strategy = s; });
-    EXPECT_EQ(told.leaves_out, words);
+    const checksums_t told = told_by([s = strategy](RunInfo& info) { info.strategy = s; });
+    EXPECT_EQ(told.omits, words);
     EXPECT_EQ(told.strategy, name_of(strategy));
   }
-  EXPECT_THAT(told_by([](RunInfo& info) { info.culling = false; }).leaves_out,
+  EXPECT_THAT(told_by([](RunInfo& info) { info.culling = false; }).omits,
               HasSubstr("every contact"));
-  const checks_t hurried = told_by([](RunInfo& info) { info.culler.deadline_tests = 500; });
-  EXPECT_THAT(hurried.leaves_out, HasSubstr("their level says how far they came"));
-  EXPECT_EQ(hurried.deadline_tests, 500);
-  EXPECT_EQ(hurried.deadline_ms, -1);
+  const checksums_t hurried = told_by([](RunInfo& info) { info.culler.budget_tests = 500; });
+  EXPECT_THAT(hurried.omits, HasSubstr("their level says how far they came"));
+  EXPECT_EQ(hurried.budget_tests, 500);
+  EXPECT_EQ(hurried.budget_ms, -1);
   EXPECT_EQ(hurried.hash_kind, static_cast<int32_t>(EventHashKind::kEventsAndLevels));
 }
 

@@ -24,7 +24,7 @@ Rows some_rows(size_t count) {
   for (size_t i = 0; i < count; ++i) {
     const auto number = static_cast<uint32_t>(i);
     rows[i] = {PairKey(number / 200 % 10, 10 + number / 400 % 9, number % 14, number / 14 % 15),
-               {1e5 + 0.125 * number, -2.5, i % 7 == 0 ? NearPair::kNowhere : 1.5},
+               {1e5 + 0.125 * number, -2.5, i % 7 == 0 ? ProximityPair::kNoPosition : 1.5},
                {0.6f, 0, 0.8f},
                0.001f * static_cast<float>(number)};
   }
@@ -34,7 +34,7 @@ Rows some_rows(size_t count) {
 TEST(ContactMessages, HoldEveryRowToTheBit) {
   SyntheticRun run({.avatars = 20});
   RunInfo info = run.info();
-  info.culler.near = {0, 0, 0.1, true};
+  info.culler.proximity = {0, 0, 0.1, true};
   for (const size_t count : {0, 1, 1198, 1199, 5000}) {
     SCOPED_TRACE(testing::Message() << count << " rows");
     const Rows rows = some_rows(count);
@@ -48,12 +48,12 @@ TEST(ContactMessages, HoldEveryRowToTheBit) {
     size_t messages = 0;
     int updates = 0;
     for (const auto& m : list.messages) {
-      EXPECT_NE(m.channel, Channel::kNear) << "no margin";
+      EXPECT_NE(m.channel, Channel::kProximity) << "no margin";
       ASSERT_LE(m.bytes.size(), kMaxMessageBytes);
-      messages += m.channel == Channel::kContacts;
+      messages += m.channel == Channel::kContactPoints;
       const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
       ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
-      updates += update == RunReader::Update::kContacts;
+      updates += update == RunReader::Update::kContactPoints;
       reader.take(name_of(m.channel), m.bytes);  // the wire may repeat a datagram
     }
     EXPECT_EQ(updates, 1);
@@ -112,7 +112,7 @@ ByFrame read_points(const std::filesystem::path& log) {
   RunReader run;
   LogEvent event;
   while (reader.next(event) == LogReader::Status::kEvent)
-    if (run.take(event.channel, event.data) == RunReader::Update::kContacts)
+    if (run.take(event.channel, event.data) == RunReader::Update::kContactPoints)
       out[run.header()->frame] = {run.contact_points().begin(), run.contact_points().end()};
   return out;
 }
@@ -134,8 +134,8 @@ TEST(ContactMessages, OfALogAreThoseOfItsRunAndItsPosesCulledAgainHaveSome) {
     ASSERT_TRUE(same_bits<ContactPoint>(found.at(frame), points)) << "frame " << frame;
   const LogReport report = check_log(log.path());
   EXPECT_TRUE(report.is_sound());
-  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kContacts)].messages, kFrames);
-  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kNear)].messages, 0);
+  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kContactPoints)].messages, kFrames);
+  EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kProximity)].messages, 0);
 
   LogRun recorded = read_log_run(log.path());
   recorded.scene.contact_points = true;
@@ -162,7 +162,7 @@ TEST(ContactMessages, ThatWereDamagedAreToldByTheCheck) {
   run.play(sink, 30);
   ASSERT_TRUE(check_log(log.path()).is_sound());
   auto bytes = bytes_of(log.path());
-  const std::string name = "THRONG_CONTACTS";
+  const std::string name = "THRONG_CONTACT_POINTS";
   const auto at = std::search(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2),
                               bytes.end(), name.begin(), name.end());
   ASSERT_NE(at, bytes.end());
@@ -171,7 +171,8 @@ TEST(ContactMessages, ThatWereDamagedAreToldByTheCheck) {
   const LogReport report = check_log(log.path());
   EXPECT_FALSE(report.is_sound());
   ASSERT_FALSE(report.problems.empty());
-  EXPECT_NE(report.problems[0].find("THRONG_CONTACTS"), std::string::npos) << report.problems[0];
+  EXPECT_NE(report.problems[0].find("THRONG_CONTACT_POINTS"), std::string::npos)
+      << report.problems[0];
 }
 
 }  // namespace

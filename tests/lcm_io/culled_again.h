@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lcm_io/log/log_sink.h"
-#include "lcm_io/replay/log_world.h"
+#include "lcm_io/replay/log_motion.h"
 #include "scenes/run/simulation.h"
 #include "tests/lcm_io/synthetic_run.h"
 
@@ -65,7 +65,7 @@ inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
 inline SimulationOptions options_of(const LogRun& run, int threads = 1) {
   SimulationOptions options;
   options.threads = threads;
-  options.world = run.world;
+  options.motion = run.motion;
   return options;
 }
 

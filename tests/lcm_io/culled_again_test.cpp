@@ -23,7 +23,7 @@ void PrintTo(const Case& c, std::ostream* out) {
 void drive_wildly(Simulation& simulation, uint64_t seed) {
   const RunInfo& info = simulation.info();
   for (uint32_t id = 0; id < info.model_of_avatar.size(); ++id) {
-    if (info.drive_channels[info.group_of_avatar[id]].empty()) continue;
+    if (info.control_channels[info.group_of_avatar[id]].empty()) continue;
     const auto frame = static_cast<uint64_t>(simulation.next_frame());
     const double t = 0.05 * static_cast<double>(frame);
     const auto& columns = info.models[info.model_of_avatar[id]]->kinematics.columns();
@@ -33,12 +33,12 @@ void drive_wildly(Simulation& simulation, uint64_t seed) {
           random_uniform({seed, id, 0, Purpose::kStyle}, static_cast<double>(columns[c].lower),
                          static_cast<double>(columns[c].upper), static_cast<uint32_t>(c)) *
           std::sin(t));
-    DrivenPose pose;
+    ExternalPose pose;
     pose.root.position_m = {3 * std::sin(t), 2 * std::cos(0.7 * t), 0.3};
     pose.root.world_from_root =
         Eigen::AngleAxisf(static_cast<float>(t), Eigen::Vector3f(0.3f, 0.5f, 1).normalized());
     pose.joints = joints;
-    simulation.drive(id, pose);
+    simulation.set_pose(id, pose);
   }
 }
 
@@ -49,8 +49,8 @@ TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
   const ScratchFile log;
   Scene scene = small_scene(GetParam().scene, GetParam().seed, GetParam().avatars);
   // Fewer who give way, or keep a side of their own, hardly touch.
-  scene.yielding = GetParam().avatars > 100;
-  if (!scene.yielding) scene.steering.model = SteeringKind::kOrca;
+  scene.body_avoidance = GetParam().avatars > 100;
+  if (!scene.body_avoidance) scene.steering.model = SteeringKind::kOrca;
   const std::vector<CulledFrame> run = logged(
       scene, kFrames, log.path(), {}, [](Simulation& s) { drive_wildly(s, GetParam().seed); });
   const std::vector<CulledFrame> again = culled_again(log.path(), 2);
@@ -65,7 +65,7 @@ TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
     only += expect_near(placed, run[i], again[i]);
     pairs += run[i].pairs.size();
   }
-  EXPECT_GT(pairs, scene.yielding ? 10u : 100u) << "too few to say anything";
+  EXPECT_GT(pairs, scene.body_avoidance ? 10u : 100u) << "too few to say anything";
   EXPECT_LT(only, 20 + static_cast<int>(pairs / 100));
   std::cout << pairs << " pairs, " << only << " in one of the two only\n";
 }

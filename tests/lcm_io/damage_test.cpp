@@ -6,7 +6,7 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "lcm_io/log/log_check.h"
 #include "lcm_io/log/log_reader.h"
 #include "synthetic_run.h"
@@ -117,7 +117,7 @@ TEST_F(Damage, AMessageOfAnotherRunIsNamedAndNotCompared) {
     const std::string_view channel(
         reinterpret_cast<const char*>(bytes.data()) + offsets_[i] + kLogHeadBytes, channel_bytes);
     const char* words =
-        channel == "THRONG_CHECKS" ? "checks that are damaged themselves" : "of another run";
+        channel == "THRONG_CHECKSUMS" ? "checks that are damaged themselves" : "of another run";
     EXPECT_THAT(report.problems, testing::Contains(testing::HasSubstr(words))) << "event " << i;
   }
 }

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "base/random.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "synthetic_run.h"
 
 namespace throng::description_test {
@@ -28,7 +28,7 @@ TEST(Description, CarriesTheSceneTheModelsAndTheirMeshes) {
   EXPECT_EQ(got.avatar_count, 7);
   EXPECT_EQ(got.ground_max_m[0], 60);
   EXPECT_THAT(got.groups, testing::ElementsAre("walkers", "robots"));
-  EXPECT_THAT(got.drive_channels, testing::ElementsAre("", "ROBOT_DRIVE"));
+  EXPECT_THAT(got.control_channels, testing::ElementsAre("", "ROBOT_DRIVE"));
   EXPECT_THAT(got.group_of_avatar, testing::ElementsAre(0, 0, 1, 0, 0, 1, 0));
   ASSERT_EQ(got.obstacles.size(), 1u);
   EXPECT_EQ(got.obstacles[0].mesh.index_count, 36);

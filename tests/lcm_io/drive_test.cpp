@@ -1,6 +1,4 @@
 // Avatars that something outside moves: where they are sent, within what their bounds hold.
-#include "scenes/motion/drive.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,9 +11,10 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "base/random.h"
-#include "driven_scene.h"
-#include "lcm_io/wire/drive_receiver.h"
+#include "external_scene.h"
 #include "lcm_io/wire/lcm_sink.h"
+#include "lcm_io/wire/pose_command_receiver.h"
+#include "scenes/motion/external_avatars.h"
 #include "synthetic_run.h"
 
 namespace throng::drive_test {
@@ -27,8 +26,8 @@ std::span<const float> row_of(const Frame& frame, uint32_t avatar) {
   return frame.postures.subspan(first, frame.posture_offsets[avatar + 1] - first);
 }
 
-DrivenPose standing_at(double x, double y) {
-  DrivenPose pose;
+ExternalPose standing_at(double x, double y) {
+  ExternalPose pose;
   pose.root.position_m = {x, y, 0};
   return pose;
 }
@@ -43,15 +42,15 @@ TEST(Drive, ASceneSaysWhichGroupIsDriven) {
     write_bytes(file.path(), {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
     return load_scene(file.path().string());
   };
-  const Scene scene = load("driven: ROBOT_1");
-  EXPECT_EQ(scene.groups[0].driven, "ROBOT_1");
+  const Scene scene = load("control_channel: ROBOT_1");
+  EXPECT_EQ(scene.groups[0].control_channel, "ROBOT_1");
   EXPECT_EQ(scene.groups[0].height_m->mean, static_cast<double>(rover()->height_m));
-  EXPECT_NE(load("driven: ROBOT_2").content_hash, scene.content_hash);
+  EXPECT_NE(load("control_channel: ROBOT_2").content_hash, scene.content_hash);
   const std::string goals = ", goals: [{min_m: [9, 1], max_m: [10, 9]}]";
   for (const std::string& wrong :
-       {std::string("driven: THRONG_EVENTS"), std::string("driven: \"a channel\""),
-        "driven: " + std::string(64, 'x'), "driven: ROBOT" + goals,
-        std::string("driven: ROBOT, on_arrival: leave")})
+       {std::string("control_channel: THRONG_EVENTS"),
+        std::string("control_channel: \"a channel\""), "control_channel: " + std::string(64, 'x'),
+        "control_channel: ROBOT" + goals, std::string("control_channel: ROBOT, on_arrival: leave")})
     EXPECT_THROW(load(wrong), InputError) << wrong;
 }
 
@@ -91,15 +90,15 @@ TEST(Drive, AnAvatarIsWhereItIsToldAndHoldsUntilItIsToldAgain) {
   const uint32_t id = rover_of(simulation);
   EXPECT_THAT(simulation.notes(), testing::Contains(testing::HasSubstr("driven by what comes on "
                                                                        "LCM channel ROBOT_DRIVE")));
-  EXPECT_EQ(simulation.info().drive_channels.back(), kChannel);
+  EXPECT_EQ(simulation.info().control_channels.back(), kChannel);
   simulation.step();
-  DrivenPose pose = standing_at(3, -2);
+  ExternalPose pose = standing_at(3, -2);
   pose.root.position_m.z() = 0.5;
   pose.root.world_from_root = Eigen::AngleAxisf(0.3f, Eigen::Vector3f::UnitY());
   pose.velocity_mps = {0.6, 0.8};
   const std::vector<double> joints = {0.5, 0.25, -0.75};
   pose.joints = joints;
-  EXPECT_EQ(simulation.drive(id, pose), 0);
+  EXPECT_EQ(simulation.set_pose(id, pose), 0);
   for (int i = 0; i < 20; ++i) {
     const Frame& frame = simulation.step();
     EXPECT_EQ(frame.roots[id].position_m, pose.root.position_m) << "frame " << frame.number;
@@ -116,9 +115,9 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   simulation.step();
   const Rectangle ground = simulation.scene().ground;
   const std::vector<double> far_joints = {7.0, 9.0, -9.0};
-  DrivenPose far = standing_at(1e9, -1e9);
+  ExternalPose far = standing_at(1e9, -1e9);
   far.joints = far_joints;
-  EXPECT_EQ(simulation.drive(id, far), 4)
+  EXPECT_EQ(simulation.set_pose(id, far), 4)
       << "x, y, the mast and the shoulder; the wheel goes round";
   const Frame& frame = simulation.step();
   EXPECT_EQ(frame.roots[id].position_m.x(), ground.max_m.x());
@@ -128,12 +127,12 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   EXPECT_FLOAT_EQ(row_of(frame, id)[2], -1.2f);
 
   const std::vector<double> no_numbers(3, kNan);
-  DrivenPose wild = standing_at(kNan, kNan);
+  ExternalPose wild = standing_at(kNan, kNan);
   wild.root.position_m.z() = HUGE_VAL;
   wild.root.world_from_root.coeffs().setConstant(static_cast<float>(kNan));
   wild.velocity_mps = {kNan, 1e300};
   wild.joints = no_numbers;
-  EXPECT_EQ(simulation.drive(id, wild), 8);
+  EXPECT_EQ(simulation.set_pose(id, wild), 8);
   const Frame& held = simulation.step();
   EXPECT_EQ(held.roots[id].position_m.x(), ground.max_m.x()) << "what is no number changes nothing";
   EXPECT_FLOAT_EQ(row_of(held, id)[1], 0.8f);
@@ -141,11 +140,11 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   EXPECT_TRUE(std::isfinite(held.speeds_mps[id]));
 
   const std::vector<double> two(2);
-  DrivenPose wrong = standing_at(0, 0);
+  ExternalPose wrong = standing_at(0, 0);
   wrong.joints = two;
-  EXPECT_EQ(simulation.drive(id, wrong), -1) << "a rover has three columns";
-  EXPECT_EQ(simulation.drive(0, standing_at(0, 0)), -1) << "people walk by themselves";
-  EXPECT_EQ(simulation.drive(99'999, standing_at(0, 0)), -1);
+  EXPECT_EQ(simulation.set_pose(id, wrong), -1) << "a rover has three columns";
+  EXPECT_EQ(simulation.set_pose(0, standing_at(0, 0)), -1) << "people walk by themselves";
+  EXPECT_EQ(simulation.set_pose(99'999, standing_at(0, 0)), -1);
 }
 
 /// The rover goes round in a circle among the people, its arm anywhere.
@@ -154,12 +153,12 @@ void drive_in_a_circle(Simulation& simulation, int64_t frame) {
   const RandomKey key{1, static_cast<uint64_t>(frame), 0, Purpose::kStyle};
   const std::vector<double> joints = {t, random_uniform(key, 0, 0.8, 0),
                                       random_uniform(key, -1.2, 2.1, 1)};
-  DrivenPose pose = standing_at(6 * std::cos(t / 6), 6 * std::sin(t / 6));
+  ExternalPose pose = standing_at(6 * std::cos(t / 6), 6 * std::sin(t / 6));
   pose.root.world_from_root =
       Eigen::AngleAxisf(static_cast<float>(t / 6 + M_PI / 2), Eigen::Vector3f::UnitZ());
   pose.velocity_mps = {-std::sin(t / 6), std::cos(t / 6)};
   pose.joints = joints;
-  ASSERT_GE(simulation.drive(rover_of(simulation), pose), 0);
+  ASSERT_GE(simulation.set_pose(rover_of(simulation), pose), 0);
 }
 
 TEST(Drive, TheSameCommandsGiveTheSameFramesForEveryNumberOfThreadsAndPairSearch) {
@@ -214,8 +213,8 @@ struct Driven {
         receiver(simulation.info(), lcm),
         id(static_cast<int32_t>(rover_of(simulation))) {}
 
-  drive_t message(double x) {
-    drive_t m{};
+  pose_command_t message(double x) {
+    pose_command_t m{};
     m.seq = next_seq++;
     m.schema = kSchema;
     m.count = 1;
@@ -225,25 +224,25 @@ struct Driven {
     m.qw = {1};
     m.qx = m.qy = m.qz = {0};
     m.vx_mps = m.vy_mps = {0};
-    m.joint_values = {0, 0.25, 0};
-    m.joint_value_count = 3;
+    m.joint_positions = {0, 0.25, 0};
+    m.joint_position_count = 3;
     return m;
   }
-  void send(const drive_t& m) { lcm->publish(kChannel, &m); }
+  void send(const pose_command_t& m) { lcm->publish(kChannel, &m); }
   double x_after_a_step() {
     receiver.apply(simulation);
     return simulation.step().roots[static_cast<size_t>(id)].position_m.x();
   }
-  const DriveReceiver::Counts& counts() const { return receiver.counts().front(); }
+  const PoseCommandReceiver::Counts& counts() const { return receiver.counts().front(); }
 
   std::shared_ptr<lcm::LCM> lcm;
   Simulation simulation;
-  DriveReceiver receiver;
+  PoseCommandReceiver receiver;
   int32_t id;
   int64_t next_seq = 0;
 };
 
-TEST(DriveReceiver, TheNewestMessageMovesTheRobotAndSilenceHoldsIt) {
+TEST(PoseCommandReceiver, TheNewestMessageMovesTheRobotAndSilenceHoldsIt) {
   Driven run;
   const double start = run.x_after_a_step();
   EXPECT_LE(std::abs(start), 0.5) << "in its spawn area";
@@ -253,30 +252,30 @@ TEST(DriveReceiver, TheNewestMessageMovesTheRobotAndSilenceHoldsIt) {
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().messages, 2);
   EXPECT_EQ(run.counts().frames, 3);
-  EXPECT_EQ(run.counts().frames_held, 2) << "the first and the last";
+  EXPECT_EQ(run.counts().frames_without_command, 2) << "the first and the last";
 }
 
-TEST(DriveReceiver, WhatIsMissingLateOrRefusedIsCounted) {
+TEST(PoseCommandReceiver, WhatIsMissingLateOrRefusedIsCounted) {
   Driven run;
   run.send(run.message(1));
-  const drive_t late = run.message(9);
+  const pose_command_t late = run.message(9);
   run.next_seq += 3;  // lost
   run.send(run.message(2));
   EXPECT_EQ(run.x_after_a_step(), 2);
   run.send(late);
   EXPECT_EQ(run.x_after_a_step(), 2) << "overtaken by a newer one";
-  drive_t other = run.message(5);
+  pose_command_t other = run.message(5);
   other.avatar = {0};
   run.send(other);
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().refusal, "avatar 0 is not of group 'rovers'");
-  drive_t joints = run.message(5);
-  joints.joint_values = {1};
-  joints.joint_value_count = 1;
+  pose_command_t joints = run.message(5);
+  joints.joint_positions = {1};
+  joints.joint_position_count = 1;
   run.send(joints);
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().refusal, "1 joint values, the avatars have 3");
-  drive_t old = run.message(5);
+  pose_command_t old = run.message(5);
   old.schema = 1;
   run.send(old);
   EXPECT_EQ(run.x_after_a_step(), 2);
@@ -288,9 +287,9 @@ TEST(DriveReceiver, WhatIsMissingLateOrRefusedIsCounted) {
   EXPECT_EQ(run.x_after_a_step(), 7);
 }
 
-TEST(DriveReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASecondOnly) {
+TEST(PoseCommandReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASecondOnly) {
   Driven run;
-  drive_t wild = run.message(1);
+  pose_command_t wild = run.message(1);
   wild.seq = 1'000'000'000'000;
   run.send(run.message(2));
   EXPECT_EQ(run.x_after_a_step(), 2);
@@ -316,10 +315,10 @@ TEST(DriveReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASecondOnl
   EXPECT_LT(run.counts().missing, 3) << "nobody sent the numbers in between";
 }
 
-TEST(DriveReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere) {
+TEST(PoseCommandReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere) {
   constexpr uint64_t kSeed = 21;
   Driven run;
-  const drive_t sound = run.message(1);
+  const pose_command_t sound = run.message(1);
   std::vector<uint8_t> bytes(static_cast<size_t>(sound.getEncodedSize()));
   sound.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   for (uint64_t round = 0; round < 20'000; ++round) {
@@ -346,7 +345,7 @@ TEST(DriveReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere) {
   EXPECT_GT(run.counts().messages, 1000);
 }
 
-TEST(DriveReceiver, ContactsOfTheRobotComeBackOverLcm) {
+TEST(PoseCommandReceiver, ContactsOfTheRobotComeBackOverLcm) {
   Driven run;
   LcmSink sink({}, run.lcm);
   int64_t contacts = 0;
@@ -366,7 +365,7 @@ TEST(DriveReceiver, ContactsOfTheRobotComeBackOverLcm) {
   for (int i = 0; i < 30; ++i) {
     const Frame& frame = run.simulation.step();
     sink.frame(run.simulation.info(), frame);
-    drive_t m = run.message(frame.roots[0].position_m.x());
+    pose_command_t m = run.message(frame.roots[0].position_m.x());
     m.y_m = {frame.roots[0].position_m.y()};
     run.send(m);
     run.receiver.apply(run.simulation);

@@ -11,7 +11,7 @@ groups:
   - name: robot
     model: $urdf
     count: 1
-    driven: ROBOT_DRIVE
+    control_channel: ROBOT_DRIVE
     radius_m: 0.35
     spawn: {min_m: [2.5, -0.5], max_m: [3.5, 0.5]}
   - name: people

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/errors.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "scenes/run/stages.h"
 #include "synthetic_run.h"
 
@@ -11,13 +11,13 @@ namespace {
 
 /// Keeps every message, the description and the last checks among them.
 struct WholeRun : MessageList {
-  void after_begin(Outlet& outlet) override {
-    for (int chunk = 0; chunk < outlet.description_chunks(); ++chunk)
-      outlet.send_description_chunk(chunk);
+  void after_begin(TargetState& target_state) override {
+    for (int chunk = 0; chunk < target_state.description_chunks(); ++chunk)
+      target_state.send_description_chunk(chunk);
   }
-  void after_end(Outlet& outlet) override {
-    outlet.repeat_end();
-    outlet.send_last_checks();
+  void after_end(TargetState& target_state) override {
+    target_state.repeat_end();
+    target_state.send_last_checksums();
   }
 };
 
@@ -52,7 +52,7 @@ TEST(RunEncoder, GivesEachTargetWhatItWouldGetAlone) {
 
 TEST(RunEncoder, NumbersEachTargetWithoutAGapWhereAnotherAsksForMore) {
   struct Repeating : WholeRun {
-    void after_frame(Outlet& outlet) override { outlet.send_description_chunk(0); }
+    void after_frame(TargetState& target_state) override { target_state.send_description_chunk(0); }
   } often;
   WholeRun once, alone;
   RunEncoder encoder;

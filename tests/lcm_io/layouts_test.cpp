@@ -9,8 +9,8 @@
 #include <regex>
 #include <set>
 
-#include "lcm_io/codec/guard.h"
 #include "lcm_io/codec/log_format.h"
+#include "lcm_io/codec/message_validation.h"
 #include "synthetic_run.h"
 
 namespace throng {
@@ -149,13 +149,13 @@ std::map<std::string, Bytes> samples() {
     with_type_of(m.channel, [&]<class Message>() { out.emplace(Message::getTypeName(), m.bytes); });
   SyntheticRun rovers({.avatars = 4, .crowd = SyntheticRun::Crowd::kRovers});
   out["run_description_t"] = encoded(describe(rovers.info()));
-  auto drive = of_avatars<drive_t>();
-  auto answer = of_avatars<answer_t>();
-  drive.joint_values = answer.joint_values = {0.5, 1};
-  drive.joint_value_count = answer.joint_value_count = 2;
-  out["drive_t"] = encoded(drive);
-  out["answer_t"] = encoded(answer);
-  out["turn_t"] = encoded(of_avatars<turn_t>());
+  auto drive = of_avatars<pose_command_t>();
+  auto answer = of_avatars<step_reply_t>();
+  drive.joint_positions = answer.joint_positions = {0.5, 1};
+  drive.joint_position_count = answer.joint_position_count = 2;
+  out["pose_command_t"] = encoded(drive);
+  out["step_reply_t"] = encoded(answer);
+  out["step_request_t"] = encoded(of_avatars<step_request_t>());
   stamp_t stamp{};
   stamp.schema = kSchema;
   out["stamp_t"] = encoded(stamp);
@@ -215,9 +215,9 @@ TEST(Layouts, ARuleThatIsBrokenIsSaidWithWhatWasFound) {
   stamp.schema = kSchema;
   stamp.events = -4;
   EXPECT_EQ(defect_of("stamp_t", encoded(stamp)), "expected 0 <= events, found events -4");
-  turn_t turn = of_avatars<turn_t>();
+  step_request_t turn = of_avatars<step_request_t>();
   turn.schema = kSchema + 1;
-  EXPECT_EQ(defect_of("turn_t", encoded(turn)),
+  EXPECT_EQ(defect_of("step_request_t", encoded(turn)),
             fmt::format("schema {}, this program reads {}", kSchema + 1, kSchema));
 }
 

@@ -58,12 +58,12 @@ TEST(LcmSink, DeliversEverythingInOrder) {
   EXPECT_EQ(loop.reader.instance(), static_cast<int64_t>(run.info().instance));
   for (const Channel channel : kAllChannels) {
     EXPECT_EQ(loop.reader.tally(channel).missing, 0) << name_of(channel);
-    EXPECT_EQ(loop.reader.tally(channel).messages, sink.outlet().totals(channel).messages);
+    EXPECT_EQ(loop.reader.tally(channel).messages, sink.target_state().totals(channel).messages);
   }
   EXPECT_EQ(loop.reader.tally(Channel::kEnd).messages, 5);
   const end_t& end = *loop.reader.end();
   for (size_t i = 0; i < end.channels.size(); ++i) {
-    const int64_t behind = end.channels[i] == "THRONG_CHECKS" ? 1 : 0;  // the last checks
+    const int64_t behind = end.channels[i] == "THRONG_CHECKSUMS" ? 1 : 0;  // the last checks
     EXPECT_EQ(end.messages[i] + behind, loop.reader.tally(*channel_of(end.channels[i])).messages)
         << end.channels[i];
   }
@@ -76,7 +76,7 @@ TEST(LcmSink, TheDescriptionComesAgainEverySecond) {
   LcmSink sink({}, loop.lcm);
   SyntheticRun run({.avatars = 50});
   sink.begin(run.info());
-  const int chunks = sink.outlet().description_chunks();
+  const int chunks = sink.target_state().description_chunks();
   ASSERT_GT(chunks, 1);
   const auto started = std::chrono::steady_clock::now();
   std::chrono::duration<double> elapsed{};

@@ -12,7 +12,7 @@
 #include "base/errors.h"
 #include "base/random.h"
 #include "lcm_io/codec/encoder.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "scenes/scenes.h"
 #include "synthetic_run.h"
 
@@ -89,7 +89,8 @@ class OddScene {
         number(12, "1", {"9223372036854775807", "9223372036854775808", "0", "-1"}), far,
         yaml_name(13, "g"),
         number(14, ", height_m: 2",
-               {"", ", height_m: 100", ", height_m: 0.01", ", height_m: 101", ", driven: A_B"}),
+               {"", ", height_m: 100", ", height_m: 0.01", ", height_m: 101",
+                ", control_channel: A_B"}),
         yaml_name(15, "o"),
         is_odd(0) ? "mesh, position_m: [5, 5], file: m.tri"
                   : number(9, "box, position_m: [5, 5], size_m: [1, 1, 1]",
@@ -112,7 +113,7 @@ std::vector<uint8_t> encoded(const run_description_t& description) {
 }
 
 void expect_read_back(const Simulation& simulation) {
-  const std::vector<uint8_t> bytes = readable_description(simulation.info());
+  const std::vector<uint8_t> bytes = encode_description(simulation.info());
   run_description_t got;
   ASSERT_EQ(decode(bytes, got), "");
   EXPECT_EQ(encoded(got), bytes);
@@ -140,13 +141,13 @@ void expect_sound_messages(Simulation& simulation) {
   options.part_poses = true;
   RunEncoder encoder(options, list);
   encoder.begin(simulation.info());
-  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
-    encoder.outlet().send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.target_state().description_chunks(); ++chunk)
+    encoder.target_state().send_description_chunk(chunk);
   for (int i = 0; i < 2; ++i) encoder.frame(simulation.info(), simulation.step());
   encoder.end(simulation.info(), simulation.finish());
   for (const MessageList::Message& message : list.messages)
     ASSERT_EQ(check_message(message.channel, message.bytes), "") << name_of(message.channel);
-  EXPECT_EQ(encoder.outlet().clamped(), 0);
+  EXPECT_EQ(encoder.target_state().clamped(), 0);
 }
 
 TEST(Limits, WhatLoadsCanBeWrittenAndWhatIsWrittenCanBeRead) {
@@ -207,18 +208,18 @@ TEST(Limits, OfGroupsAndModelsAreThoseOfTheirNumbers) {
   SyntheticRun run({.avatars = 3});
   RunInfo info = run.info();
   info.groups.resize(kMaxGroups, "g");
-  info.drive_channels.resize(kMaxGroups);
+  info.control_channels.resize(kMaxGroups);
   info.group_of_avatar[1] = kMaxGroups - 1;
   run_description_t got;
-  EXPECT_EQ(decode(readable_description(info), got), "");
+  EXPECT_EQ(decode(encode_description(info), got), "");
   EXPECT_EQ(got.group_of_avatar[1], kMaxGroups - 1);
   info.groups.emplace_back("one more");
-  info.drive_channels.emplace_back();
+  info.control_channels.emplace_back();
   info.group_of_avatar[1] = kMaxGroups;
-  EXPECT_THROW(readable_description(info), InputError);
+  EXPECT_THROW(encode_description(info), InputError);
   RunInfo scaled = run.info();
   scaled.scale_of_avatar[0] = 1.001f * kMaxScale;
-  EXPECT_THROW(readable_description(scaled), InputError);
+  EXPECT_THROW(encode_description(scaled), InputError);
 }
 
 }  // namespace

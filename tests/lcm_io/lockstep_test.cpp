@@ -12,9 +12,9 @@
 
 #include "base/errors.h"
 #include "base/random.h"
-#include "driven_scene.h"
+#include "external_scene.h"
 #include "lcm_io/codec/channels.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "scenes/run/checkpoint.h"
 #include "synthetic_run.h"
 
@@ -22,32 +22,32 @@ namespace throng::lockstep_test {
 namespace {
 
 /// Answers a turn with everybody where the turn says, a row of joints left out.
-answer_t answer_to(const turn_t& turn) {
-  answer_t m{};
-  m.run_id = turn.run_id;
-  m.instance = turn.instance;
-  m.frame = turn.frame;
+step_reply_t reply_to(const step_request_t& request) {
+  step_reply_t m{};
+  m.run_id = request.run_id;
+  m.instance = request.instance;
+  m.frame = request.frame;
   m.schema = kSchema;
-  m.count = turn.count;
-  m.avatar = turn.avatar;
-  m.x_m = turn.x_m;
-  m.y_m = turn.y_m;
-  m.z_m = turn.z_m;
-  m.qw = turn.qw;
-  m.qx = turn.qx;
-  m.qy = turn.qy;
-  m.qz = turn.qz;
-  m.vx_mps = turn.vx_mps;
-  m.vy_mps = turn.vy_mps;
+  m.count = request.count;
+  m.avatar = request.avatar;
+  m.x_m = request.x_m;
+  m.y_m = request.y_m;
+  m.z_m = request.z_m;
+  m.qw = request.qw;
+  m.qx = request.qx;
+  m.qy = request.qy;
+  m.qz = request.qz;
+  m.vx_mps = request.vx_mps;
+  m.vy_mps = request.vy_mps;
   return m;
 }
 
 /// A law that needs no more than the turn: in a spiral, at the speed of a walker.
-answer_t moved(const turn_t& turn) {
-  answer_t m = answer_to(turn);
-  if (turn.is_first != 0) return m;
+step_reply_t moved(const step_request_t& request) {
+  step_reply_t m = reply_to(request);
+  if (request.is_first != 0) return m;
   for (size_t i = 0; i < m.avatar.size(); ++i) {
-    const double angle = static_cast<double>(turn.frame) / 40;
+    const double angle = static_cast<double>(request.frame) / 40;
     m.vx_mps[i] = static_cast<float>(std::cos(angle));
     m.vy_mps[i] = static_cast<float>(std::sin(angle));
     m.x_m[i] += static_cast<double>(m.vx_mps[i]) / 60;
@@ -60,7 +60,7 @@ answer_t moved(const turn_t& turn) {
 
 /// A run in lockstep and its controller, in one process.
 struct InLockstep {
-  using Respond = std::function<void(InLockstep&, const turn_t&)>;
+  using Respond = std::function<void(InLockstep&, const step_request_t&)>;
 
   explicit InLockstep(Respond respond, double timeout_s = 30, Scene scene = rover_in_crowd(60))
       : lcm(std::make_shared<lcm::LCM>("memq://")),
@@ -68,14 +68,15 @@ struct InLockstep {
         lockstep(simulation.info(), lcm, timeout_s),
         responds(std::move(respond)) {
     lcm->subscribeFunction(
-        kChannel + "_TURN",
-        +[](const lcm::ReceiveBuffer*, const std::string&, const turn_t* turn, InLockstep* self) {
-          self->turns.push_back(*turn);
-          self->responds(*self, *turn);
+        kChannel + "_REQUEST",
+        +[](const lcm::ReceiveBuffer*, const std::string&, const step_request_t* request,
+            InLockstep* self) {
+          self->requests.push_back(*request);
+          self->responds(*self, *request);
         },
         this);
   }
-  void send(const answer_t& m) { lcm->publish(kChannel + "_ANSWER", &m); }
+  void send(const step_reply_t& m) { lcm->publish(kChannel + "_REPLY", &m); }
   const Frame& step() {
     const Frame& frame = simulation.step();
     EXPECT_TRUE(lockstep.after(simulation, frame)) << lockstep.failure();
@@ -92,33 +93,33 @@ struct InLockstep {
   Simulation simulation;
   Lockstep lockstep;
   Respond responds;
-  std::vector<turn_t> turns;
+  std::vector<step_request_t> requests;
 };
 
-const InLockstep::Respond kMoves = [](InLockstep& run, const turn_t& turn) {
-  run.send(moved(turn));
+const InLockstep::Respond kMoves = [](InLockstep& run, const step_request_t& request) {
+  run.send(moved(request));
 };
 
 TEST(Lockstep, AFrameIsWhereTheAnswerToTheLastOneSays) {
   InLockstep run(kMoves);
   const uint32_t id = rover_of(run.simulation);
   run.lockstep.begin(run.simulation);
-  ASSERT_EQ(run.turns.size(), 1U);
-  EXPECT_EQ(run.turns[0].frame, -1);
-  EXPECT_NE(run.turns[0].is_first, 0);
+  ASSERT_EQ(run.requests.size(), 1U);
+  EXPECT_EQ(run.requests[0].frame, -1);
+  EXPECT_NE(run.requests[0].is_first, 0);
   for (int64_t i = 0; i < 50; ++i) {
-    const answer_t expected = moved(run.turns.back());
+    const step_reply_t expected = moved(run.requests.back());
     const Frame& frame = run.step();
     EXPECT_EQ(frame.roots[id].position_m.x(), expected.x_m[0]) << "frame " << i;
     EXPECT_EQ(frame.roots[id].position_m.y(), expected.y_m[0]) << "frame " << i;
-    ASSERT_EQ(run.turns.size(), static_cast<size_t>(i) + 2);
-    EXPECT_EQ(run.turns.back().frame, i);
-    EXPECT_EQ(run.turns.back().seq, i + 1);
-    EXPECT_EQ(run.turns.back().is_first, 0);
-    EXPECT_EQ(run.turns.back().x_m[0], frame.roots[id].position_m.x());
+    ASSERT_EQ(run.requests.size(), static_cast<size_t>(i) + 2);
+    EXPECT_EQ(run.requests.back().frame, i);
+    EXPECT_EQ(run.requests.back().seq, i + 1);
+    EXPECT_EQ(run.requests.back().is_first, 0);
+    EXPECT_EQ(run.requests.back().x_m[0], frame.roots[id].position_m.x());
   }
-  EXPECT_EQ(run.counts().answers, 51);
-  EXPECT_EQ(run.counts().turns, 51);
+  EXPECT_EQ(run.counts().replies, 51);
+  EXPECT_EQ(run.counts().requests, 51);
 }
 
 TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
@@ -126,24 +127,24 @@ TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
   constexpr int kFrames = 120;
   const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
   for (uint64_t trial = 0; trial < 3; ++trial) {
-    InLockstep run([trial](InLockstep& self, const turn_t& turn) {
-      const RandomKey key{kSeed, trial, static_cast<uint64_t>(turn.frame + 1), Purpose::kStyle};
+    InLockstep run([trial](InLockstep& self, const step_request_t& request) {
+      const RandomKey key{kSeed, trial, static_cast<uint64_t>(request.frame + 1), Purpose::kStyle};
       std::this_thread::sleep_for(std::chrono::microseconds(random_bits(key, 0) % 5000));
-      answer_t answer = moved(turn), wrong = answer;
+      step_reply_t reply = moved(request), wrong = reply;
       wrong.x_m[0] = 7;
-      wrong.frame = turn.frame + 1;  // refused
+      wrong.frame = request.frame + 1;  // refused
       self.send(wrong);
-      wrong.frame = turn.frame - 1;
-      if (turn.frame >= 0) self.send(wrong);  // late
-      wrong.frame = turn.frame;
+      wrong.frame = request.frame - 1;
+      if (request.frame >= 0) self.send(wrong);  // late
+      wrong.frame = request.frame;
       ++wrong.instance;
       self.send(wrong);  // of another run
-      self.send(answer);
+      self.send(reply);
       --wrong.instance;
       self.send(wrong);  // repeated, or late
     });
     EXPECT_EQ(run.hash_after(kFrames), expected) << "seed " << kSeed << " trial " << trial;
-    EXPECT_EQ(run.counts().answers, kFrames + 1);
+    EXPECT_EQ(run.counts().replies, kFrames + 1);
     EXPECT_EQ(run.counts().other_runs, kFrames + 1);
     EXPECT_EQ(run.counts().refused, kFrames + 1);
     EXPECT_GE(run.counts().late + run.counts().repeated, 2 * kFrames - 1);
@@ -151,18 +152,18 @@ TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
 }
 
 TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
-  InLockstep run([](InLockstep& self, const turn_t& turn) {
-    answer_t wrong = answer_to(turn);
+  InLockstep run([](InLockstep& self, const step_request_t& request) {
+    step_reply_t wrong = reply_to(request);
     wrong.x_m[0] = 7;
-    if (turn.frame == 0) wrong.avatar = {0};
-    if (turn.frame == 1) wrong.frame = 5;
-    if (turn.frame == 2) wrong.frame = 1;
-    if (turn.frame == 3) ++wrong.run_id;
-    if (turn.frame == 4) wrong.schema = 1;
-    if (turn.frame >= 0) self.send(wrong);
-    answer_t answer = answer_to(turn);
-    answer.x_m[0] = turn.frame == -1 ? answer.x_m[0] : 3;
-    self.send(answer);  // to frame 5 the wrong one is the answer
+    if (request.frame == 0) wrong.avatar = {0};
+    if (request.frame == 1) wrong.frame = 5;
+    if (request.frame == 2) wrong.frame = 1;
+    if (request.frame == 3) ++wrong.run_id;
+    if (request.frame == 4) wrong.schema = 1;
+    if (request.frame >= 0) self.send(wrong);
+    step_reply_t reply = reply_to(request);
+    reply.x_m[0] = request.frame == -1 ? reply.x_m[0] : 3;
+    self.send(reply);  // to frame 5 the wrong one is the answer
   });
   const uint32_t id = rover_of(run.simulation);
   run.lockstep.begin(run.simulation);
@@ -181,19 +182,19 @@ TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
   EXPECT_EQ(run.counts().refused, 3);
   EXPECT_EQ(run.counts().late, 1);
   EXPECT_EQ(run.counts().other_runs, 1);
-  EXPECT_EQ(run.counts().answers, 7);
+  EXPECT_EQ(run.counts().replies, 7);
   EXPECT_EQ(run.counts().refusal, "schema 1, this program reads 3");
 }
 
 TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
-  const InLockstep::Respond half = [](InLockstep& run, const turn_t& turn) {
-    answer_t m = answer_to(turn);
-    if (turn.frame == 1)  // the rest of the group stays silent
+  const InLockstep::Respond half = [](InLockstep& run, const step_request_t& request) {
+    step_reply_t m = reply_to(request);
+    if (request.frame == 1)  // the rest of the group stays silent
       for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(1);
-    if (turn.frame == 1)
+    if (request.frame == 1)
       for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz, &m.vx_mps, &m.vy_mps}) column->resize(1);
-    if (turn.frame == 1) m.avatar.resize(m.count = 1);
-    if (turn.frame == 1 && m.avatar[0] != 60) return;
+    if (request.frame == 1) m.avatar.resize(m.count = 1);
+    if (request.frame == 1 && m.avatar[0] != 60) return;
     run.send(m);
   };
   InLockstep run(half, 0.7, rover_in_crowd(60, 3));
@@ -203,10 +204,10 @@ TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
   EXPECT_EQ(run.lockstep.failure(),
             "lockstep: no answer to frame 1 within 0.7 s for avatars 61, 62 of group 'rovers' "
             "(ROBOT_DRIVE_ANSWER); is the controller alive? A slow one: --lockstep-timeout");
-  EXPECT_THAT(run.turns.back().avatar, testing::ElementsAre(61, 62))
+  EXPECT_THAT(run.requests.back().avatar, testing::ElementsAre(61, 62))
       << "asked again, those who are missing";
 
-  InLockstep nobody([](InLockstep&, const turn_t&) {}, 0.1);
+  InLockstep nobody([](InLockstep&, const step_request_t&) {}, 0.1);
   try {
     nobody.lockstep.begin(nobody.simulation);
     ADD_FAILURE() << "a run without a controller began";
@@ -218,33 +219,33 @@ TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
 
 TEST(Lockstep, SeveralControllersMayShareAGroup) {
   InLockstep run(
-      [](InLockstep& self, const turn_t& turn) {
-        const answer_t all = moved(turn);
+      [](InLockstep& self, const step_request_t& request) {
+        const step_reply_t all = moved(request);
         for (size_t i = all.avatar.size(); i-- > 0;) {
-          answer_t one = all;
+          step_reply_t one = all;
           one.count = 1;
           one.avatar = {all.avatar[i]};
-          for (auto column : {&answer_t::x_m, &answer_t::y_m, &answer_t::z_m})
+          for (auto column : {&step_reply_t::x_m, &step_reply_t::y_m, &step_reply_t::z_m})
             one.*column = {(all.*column)[i]};
-          for (auto column : {&answer_t::qw, &answer_t::qx, &answer_t::qy, &answer_t::qz,
-                              &answer_t::vx_mps, &answer_t::vy_mps})
+          for (auto column : {&step_reply_t::qw, &step_reply_t::qx, &step_reply_t::qy,
+                              &step_reply_t::qz, &step_reply_t::vx_mps, &step_reply_t::vy_mps})
             one.*column = {(all.*column)[i]};
           self.send(one);
         }
       },
       30, rover_in_crowd(60, 3));
   const uint64_t hash = run.hash_after(30);
-  EXPECT_EQ(run.counts().answers, 3 * 31);
+  EXPECT_EQ(run.counts().replies, 3 * 31);
   EXPECT_EQ(hash, InLockstep(kMoves, 30, rover_in_crowd(60, 3)).hash_after(30));
 }
 
 TEST(Lockstep, AStoppedRunWaitsNoLonger) {
-  InLockstep run([](InLockstep& self, const turn_t& turn) {
-    if (turn.frame < 0) self.send(answer_to(turn));
+  InLockstep run([](InLockstep& self, const step_request_t& request) {
+    if (request.frame < 0) self.send(reply_to(request));
   });
   run.lockstep.begin(run.simulation);
   EXPECT_TRUE(run.lockstep.after(run.simulation, run.simulation.step(), [] { return true; }));
-  EXPECT_TRUE(run.lockstep.is_unanswered());
+  EXPECT_TRUE(run.lockstep.has_missing_replies());
   EXPECT_EQ(run.lockstep.failure(), "");
 }
 
@@ -261,8 +262,8 @@ TEST(Lockstep, AResumedRunGoesOnAsTheWholeOne) {
   InLockstep after(kMoves);
   resume(after.simulation, file.path());
   EXPECT_EQ(after.hash_after(kFrames - kBefore), expected);
-  EXPECT_EQ(after.turns.front().frame, kBefore - 1);
-  EXPECT_NE(after.turns.front().is_first, 0) << "what it was told stays as it was";
+  EXPECT_EQ(after.requests.front().frame, kBefore - 1);
+  EXPECT_NE(after.requests.front().is_first, 0) << "what it was told stays as it was";
 }
 
 TEST(Lockstep, ScenesThatCannotBeAreRefused) {
@@ -280,7 +281,7 @@ TEST(Lockstep, ScenesThatCannotBeAreRefused) {
   EXPECT_EQ(refusal(nobody),
             "--lockstep: expected a scene with a driven group ('driven: CHANNEL'), found none");
   Scene longer = rover_in_crowd(20);
-  longer.groups.back().driven = std::string(57, 'x');
+  longer.groups.back().control_channel = std::string(57, 'x');
   EXPECT_THAT(refusal(longer), testing::HasSubstr("at most 56 characters, for '_ANSWER'"));
   Scene shared = rover_in_crowd(20);
   shared.groups.push_back(shared.groups.back());
@@ -293,8 +294,8 @@ TEST(Lockstep, ScenesThatCannotBeAreRefused) {
 TEST(Lockstep, DamagedAnswersMoveNobodyWhereNobodyCanBe) {
   constexpr uint64_t kSeed = 23;
   uint64_t round = 0;
-  InLockstep run([&round](InLockstep& self, const turn_t& turn) {
-    const answer_t sound = answer_to(turn);
+  InLockstep run([&round](InLockstep& self, const step_request_t& request) {
+    const step_reply_t sound = reply_to(request);
     std::vector<uint8_t> bytes(static_cast<size_t>(sound.getEncodedSize()));
     sound.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
     for (int i = 0; i < 100; ++i, ++round) {
@@ -304,7 +305,7 @@ TEST(Lockstep, DamagedAnswersMoveNobodyWhereNobodyCanBe) {
         hit[random_bits(key, 2 * k + 1) % hit.size()] =
             static_cast<uint8_t>(random_bits(key, 2 * k + 2));
       if (random_bits(key, 90) % 8 == 0) hit.resize(random_bits(key, 91) % hit.size());
-      self.lcm->publish(kChannel + "_ANSWER", hit.data(), static_cast<unsigned>(hit.size()));
+      self.lcm->publish(kChannel + "_REPLY", hit.data(), static_cast<unsigned>(hit.size()));
     }
     self.send(sound);
   });

@@ -38,7 +38,7 @@ done
 code=0
 "$throng" run "$scene" --lockstep --lockstep-timeout 0.5 --log "$dir/none.lcmlog" >"$dir/table" 2>"$dir/err" || code=$?
 [ $code -eq 3 ] && [ ! -e "$dir/none.lcmlog" ] || fail "exit code $code with nobody there"
-grep -q "no answer to the turn before the first frame within 0.5 s for avatar 0 of group 'picker' (PICKER_ANSWER)" \
+grep -q "no answer to the turn before the first frame within 0.5 s for avatar 0 of group 'picker' (PICKER_REPLY)" \
   "$dir/err" || fail "it does not say who is not there"
 
 # It dies: the log ends properly.
@@ -57,7 +57,7 @@ pids=
 code=0
 wait $run || code=$?
 [ $code -eq 3 ] || fail "exit code $code after the controller died"
-grep "no answer to frame [0-9]* within 2 s for avatar 0 of group 'picker' (PICKER_ANSWER); is the controller alive" \
+grep "no answer to frame [0-9]* within 2 s for avatar 0 of group 'picker' (PICKER_REPLY); is the controller alive" \
   "$dir/err" || fail "it does not say who is late"
 [ "$(grep -c 'no answer' "$dir/err")" -eq 1 ] || fail "it says so more than once"
 "$throng" check "$dir/b.lcmlog" >/dev/null || fail "the log did not end properly"

@@ -16,8 +16,8 @@
 #include <thread>
 
 #include "base/errors.h"
-#include "lcm_io/codec/guard.h"
 #include "lcm_io/codec/log_format.h"
+#include "lcm_io/codec/message_validation.h"
 #include "lcm_io/export/exported_log.h"
 #include "lcm_io/log/file_writer.h"
 #include "lcm_io/log/log_check.h"
@@ -371,12 +371,12 @@ TEST(Log, AnEndWithoutChecksIsNamed) {
   const ScratchFile file;
   LogFile log(file.path());
   for (const auto& m : messages_of(run, 3))
-    if (m.channel != Channel::kChecks) log.write(name_of(m.channel), m.utime_us, m.bytes);
+    if (m.channel != Channel::kChecksums) log.write(name_of(m.channel), m.utime_us, m.bytes);
   log.close();
   const LogReport report = check_log(file.path());
   EXPECT_FALSE(report.finished);
   EXPECT_THAT(report.problems, testing::Contains(testing::HasSubstr(
-                                   "expected THRONG_CHECKS before THRONG_END, found none")));
+                                   "expected THRONG_CHECKSUMS before THRONG_END, found none")));
 }
 
 }  // namespace

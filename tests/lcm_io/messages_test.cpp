@@ -5,11 +5,11 @@
 #include <map>
 
 #include "base/random.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "lcm_io/codec/run_reader.h"
 #include "synthetic_run.h"
 #include "throng/stamp_t.hpp"
-#include "throng/turn_t.hpp"
+#include "throng/step_request_t.hpp"
 
 namespace throng::messages_test {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 // changelog.
 TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
   const std::map<std::string, std::pair<int64_t, uint64_t>> golden = {
-      {"run_t", {run_t::getHash(), 0xc40bb11c8af3eb40}},
+      {"run_chunk_t", {run_chunk_t::getHash(), 0xc40bb11c8af3eb40}},
       {"run_description_t", {run_description_t::getHash(), 0xe53fcc66d695cb02}},
       {"obstacle_t", {obstacle_t::getHash(), 0xdc90ba3330d0e3c8}},
       {"mesh_t", {mesh_t::getHash(), 0x3a66596cb107c4a8}},
@@ -30,15 +30,15 @@ TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
       {"touching_t", {touching_t::getHash(), 0x9eff8eb7aaa41e9d}},
       {"frame_stats_t", {frame_stats_t::getHash(), 0x50b2de6ad1c65e10}},
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
-      {"parts_t", {parts_t::getHash(), 0x15259622cf3c970a}},
-      {"drive_t", {drive_t::getHash(), 0x413474c4188a3919}},
-      {"checks_t", {checks_t::getHash(), 0xff769c3757920f60}},
-      {"near_t", {near_t::getHash(), 0xa556b0d68e2546c0}},
+      {"part_poses_t", {part_poses_t::getHash(), 0x15259622cf3c970a}},
+      {"pose_command_t", {pose_command_t::getHash(), 0x413474c4188a3919}},
+      {"checksums_t", {checksums_t::getHash(), 0xff769c3757920f60}},
+      {"proximity_t", {proximity_t::getHash(), 0xa556b0d68e2546c0}},
       {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
       {"contact_points_t", {contact_points_t::getHash(), 0x93b02fbc50a33836}},
-      {"turn_t", {turn_t::getHash(), 0x5d42ef3a2e13dfcc}},
+      {"step_request_t", {step_request_t::getHash(), 0x5d42ef3a2e13dfcc}},
       {"stamp_t", {stamp_t::getHash(), 0x39eebe8d9f216209}},
-      {"answer_t", {answer_t::getHash(), 0xc1ab0e39188801fc}},
+      {"step_reply_t", {step_reply_t::getHash(), 0xc1ab0e39188801fc}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)
@@ -60,7 +60,8 @@ TEST_P(MessagesOfOptions, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, MessagesOfOptions,
-                         testing::Values(Channel::kNear, Channel::kSeparation, Channel::kContacts),
+                         testing::Values(Channel::kProximity, Channel::kSeparation,
+                                         Channel::kContactPoints),
                          [](const auto& channel) { return std::string(name_of(channel.param)); });
 
 struct Crowd {
@@ -104,8 +105,8 @@ TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
   MessageList list;
   RunEncoder encoder({}, list);
   encoder.begin(run.info());
-  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
-    encoder.outlet().send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.target_state().description_chunks(); ++chunk)
+    encoder.target_state().send_description_chunk(chunk);
   const Frame& sent = run.step();
   encoder.frame(run.info(), sent);
   RunReader reader;
@@ -140,7 +141,7 @@ TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
   EXPECT_EQ(speed, 0);
   EXPECT_GT(joint, allowed / 2)
       << "the largest error is near the stated one, so the bound means something";
-  EXPECT_EQ(encoder.outlet().clamped(), 0);
+  EXPECT_EQ(encoder.target_state().clamped(), 0);
 }
 
 TEST(Messages, RotationsArriveWithinTheStatedAngle) {
@@ -322,9 +323,9 @@ TEST(Messages, PartPosesAreThoseOfForwardKinematics) {
   encoder.begin(run.info());
   const Frame& frame = run.step();
   encoder.frame(run.info(), frame);
-  parts_t parts;
+  part_poses_t parts;
   for (const auto& m : list.messages)
-    if (m.channel == Channel::kParts) {
+    if (m.channel == Channel::kPartPoses) {
       ASSERT_EQ(decode(m.bytes, parts), "");
     }
   ASSERT_EQ(parts.avatar_count, 9);

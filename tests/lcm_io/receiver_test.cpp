@@ -43,7 +43,7 @@ TEST(Receiver, TakesAllThatALiveRunSends) {
   const RunTally& tally = receiver.inbox().runs().front();
   EXPECT_TRUE(tally.ended && tally.from_start);
   for (const Channel channel : kAllChannels) {
-    EXPECT_EQ(tally[channel].messages, sink.outlet().totals(channel).messages);
+    EXPECT_EQ(tally[channel].messages, sink.target_state().totals(channel).messages);
     EXPECT_EQ(tally[channel].missing, 0) << name_of(channel);
   }
   EXPECT_EQ(receiver.inbox().refused(), 0);

@@ -175,8 +175,8 @@ TEST(RunReader, WhoComesLateIsRightAfterTheDescriptionAndTheNextWholeSet) {
   std::vector<PairKey> pairs;
   for (int i = 0; i < 61; ++i) {
     if (i == 40)
-      for (int chunk = encoder.outlet().description_chunks(); chunk-- > 0;)
-        encoder.outlet().send_description_chunk(chunk);
+      for (int chunk = encoder.target_state().description_chunks(); chunk-- > 0;)
+        encoder.target_state().send_description_chunk(chunk);
     const Frame& frame = run.step();
     encoder.frame(run.info(), frame);
     pairs.assign(frame.pairs.begin(), frame.pairs.end());

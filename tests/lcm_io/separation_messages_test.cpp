@@ -14,8 +14,8 @@ namespace {
 using Key = std::tuple<uint32_t, uint32_t, BodyRegion>;
 
 auto all_of(const Shortfall& s) {
-  return std::tuple(s.robot, s.person, s.region, s.begin_frame, s.least_lo_m, s.least_hi_m,
-                    s.most_short_m, s.is_cut, s.is_beyond_margin);
+  return std::tuple(s.robot, s.person, s.region, s.begin_frame, s.min_distance_lo_m,
+                    s.min_distance_hi_m, s.max_shortfall_m, s.is_truncated, s.is_beyond_margin);
 }
 
 TEST(SeparationMessages, SayWhatTheMonitorSaw) {
@@ -74,8 +74,8 @@ TEST(SeparationMessages, ThatCannotBeAreRefused) {
   row.robot = 1;
   row.person = 2;
   row.begin_frame = 5;
-  row.least_lo_m = 0.1f;
-  row.least_hi_m = 0.2f;
+  row.min_distance_lo_m = 0.1f;
+  row.min_distance_hi_m = 0.2f;
   const auto defect = [&](const Shortfall& shortfall) {
     begin_separation(m, 1);
     set_shortfall(m, 0, EventKind::kBegin, shortfall);
@@ -93,9 +93,9 @@ TEST(SeparationMessages, ThatCannotBeAreRefused) {
   EXPECT_TRUE(refused(&Shortfall::begin_frame, int64_t{6}));
   EXPECT_TRUE(refused(&Shortfall::begin_frame, int64_t{-1}));
   EXPECT_TRUE(refused(&Shortfall::robot, 2u));
-  EXPECT_TRUE(refused(&Shortfall::least_lo_m, 0.3f));
-  EXPECT_TRUE(refused(&Shortfall::least_lo_m, NAN));
-  EXPECT_TRUE(refused(&Shortfall::most_short_m, -1.f));
+  EXPECT_TRUE(refused(&Shortfall::min_distance_lo_m, 0.3f));
+  EXPECT_TRUE(refused(&Shortfall::min_distance_lo_m, NAN));
+  EXPECT_TRUE(refused(&Shortfall::max_shortfall_m, -1.f));
   EXPECT_TRUE(refused(&Shortfall::region, static_cast<BodyRegion>(9)));
 }
 

@@ -50,17 +50,17 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
   if (options.near) {
-    info_.culler.near = {0.3f, 1, info_.step_s, true};
+    info_.culler.proximity = {0.3f, 1, info_.step_s, true};
     SeparationRule& rule = scene_.separation.emplace();
-    rule.human_mps = rule.robot_mps = 0.5;
+    rule.human_speed_mps = rule.robot_speed_mps = 0.5;
     rule.reaction_s = 0.1;
     rule.stopping_s = 0.05;
   }
-  if (options.deadline) info_.culler.deadline_tests = 1000;
+  if (options.deadline) info_.culler.budget_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
   info_.groups = {"walkers", "robots"};
-  info_.drive_channels = {"", "ROBOT_DRIVE"};
+  info_.control_channels = {"", "ROBOT_DRIVE"};
   offsets_ = {0};
   for (int i = 0; i < options.avatars; ++i) {
     const bool is_second = options.crowd == Crowd::kMixed && i % 3 == 2;
@@ -146,7 +146,7 @@ void SyntheticRun::level() {
   if (options_.deadline)
     for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
   for (PairEvent& event : pair_events_.events_to_level()) {
-    event.level = info_.culler.exact ? PairLevel::kExact : PairLevel::kPartVolume;
+    event.level = info_.culler.exact ? PairLevel::kTriangles : PairLevel::kPartVolume;
     if (options_.deadline) event.level = static_cast<PairLevel>(level_of(event.pair));
   }
 }
@@ -164,14 +164,14 @@ void SyntheticRun::add_to_hash() {
 
 /// Every other one by triangles.
 void SyntheticRun::list_near() {
-  near_.clear();
+  proximity_.clear();
   for (const PairKey& pair : pairs_) {
-    NearPair& row = near_.emplace_back();
+    ProximityPair& row = proximity_.emplace_back();
     row.pair = pair;
-    row.lo_m = 0.001f * static_cast<float>(near_.size());
+    row.lo_m = 0.001f * static_cast<float>(proximity_.size());
     row.hi_m = row.lo_m + 0.0005f;
-    if (near_.size() % 2 == 0) continue;
-    row.level = PairLevel::kExact;
+    if (proximity_.size() % 2 == 0) continue;
+    row.level = PairLevel::kTriangles;
     row.point_a_m = {1.5, 2.5, 1};
     row.point_b_m = {1.5, 2.5, 1 + static_cast<double>(row.hi_m)};
     row.normal = {0, 0, 1};
@@ -180,8 +180,8 @@ void SyntheticRun::list_near() {
   for (const PairKey& pair : pairs_)
     contact_points_.push_back({pair, {1.5, 2.5, 0.125 * pair.part_a()}, {0, 0, 1}, 0.02f});
   frame_.contact_points = contact_points_;
-  frame_.near_pairs = near_;
-  frame_.near_bodies = std::span<const NearPair>(near_).first(near_.size() / 2);
+  frame_.proximity_pairs = proximity_;
+  frame_.closest_parts = std::span<const ProximityPair>(proximity_).first(proximity_.size() / 2);
 }
 
 const Frame& SyntheticRun::step() {
@@ -192,9 +192,9 @@ const Frame& SyntheticRun::step() {
   level();
   count(pair_events_.events());
   add_to_hash();
-  counters_.avatar.updates = roots_.size();
-  counters_.avatar.tests = roots_.size() * 7 + static_cast<uint64_t>(next_frame_);
-  counters_.part.test_ns = 12.5 * static_cast<double>(next_frame_ + 1);
+  counters_.body_sphere.updates = roots_.size();
+  counters_.body_sphere.tests = roots_.size() * 7 + static_cast<uint64_t>(next_frame_);
+  counters_.part_volume.test_ns = 12.5 * static_cast<double>(next_frame_ + 1);
   times_.frame_ns = 1e6;
   frame_.number = next_frame_;
   frame_.utime_us = next_frame_ * 1'000'000 / 60;
@@ -265,11 +265,11 @@ std::vector<MessageList::Message> messages_of(SyntheticRun& run, int frames,
   MessageList list;
   RunEncoder encoder(options, list);
   encoder.begin(run.info());
-  for (int chunk = 0; chunk < encoder.outlet().description_chunks(); ++chunk)
-    encoder.outlet().send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder.target_state().description_chunks(); ++chunk)
+    encoder.target_state().send_description_chunk(chunk);
   for (int i = 0; i < frames; ++i) encoder.frame(run.info(), run.step());
   encoder.end(run.info(), run.finish());
-  encoder.outlet().send_last_checks();
+  encoder.target_state().send_last_checksums();
   return std::move(list.messages);
 }
 

@@ -62,7 +62,7 @@ class SyntheticRun {
   std::vector<size_t> offsets_;
   std::vector<PairKey> pairs_;
   std::vector<uint8_t> present_, levels_;
-  std::vector<NearPair> near_;
+  std::vector<ProximityPair> proximity_;
   std::vector<ContactPoint> contact_points_;
   int64_t next_frame_ = 0;
   EventHash hash_;

@@ -10,9 +10,9 @@
 #include "avatars/gait/gait_file.h"
 #include "base/errors.h"
 #include "bench/paper/parts.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "scenes/file/scene.h"
-#include "scenes/motion/box_world.h"
+#include "scenes/motion/box_motion.h"
 #include "scenes/run/runner.h"
 
 namespace throng::box_scene_test {
@@ -70,7 +70,7 @@ TEST(BoxScene, ReportsExactlyThePairsWhoseTrianglesTouch) {
       poses.push_back(to_part_pose(pose));
     }
     std::vector<PairKey> expected;
-    ExactCounters counters;
+    TriangleCounters counters;
     for (uint32_t a = 0; a < frame.roots.size(); ++a)
       for (uint32_t b = a + 1; b < frame.roots.size(); ++b)
         if (solids_touch(surfaces[info.model_of_avatar[a]], poses[a], 1,

@@ -18,7 +18,7 @@ const PaperResult& result() {
     options.frames = 20;
     options.seeds = 2;
     options.constructions = 3;
-    options.largest = 500;
+    options.max_objects = 500;
     options.attitudes = 10;
     return run_experiments(load_objects(), options, [](const std::string&) {});
   }();

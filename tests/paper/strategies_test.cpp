@@ -34,7 +34,7 @@ Work work_of(Strategy strategy, size_t count, SimdTarget simd = SimdTarget::kBes
 
 /// The volumes of one frame, tested the slow and obvious way.
 struct Oracle {
-  explicit Oracle(const BoxWorld& world) {
+  explicit Oracle(const BoxDynamics& world) {
     using Spheres = Turned<Sphere>;
     using Ordops = Turned<Ordop<26>>;
     const auto spheres = fit_all<Spheres>(objects());
@@ -42,7 +42,7 @@ struct Oracle {
     const auto margin_of = [](size_t kind) {
       return body_margin_m(reach_m(*objects()[kind].type));
     };
-    ExactCounters unused;
+    TriangleCounters unused;
     for (uint32_t a = 0; a < world.size(); ++a)
       for (uint32_t b = a + 1; b < world.size(); ++b) {
         const size_t ka = a % objects().size(), kb = b % objects().size();

@@ -38,10 +38,10 @@ class Boxes(Case):
         (row,) = culler.near
         self.assertAlmostEqual(float(row["lo_m"]), 1.25, delta=1e-3)
         self.assertAlmostEqual(float(row["hi_m"]), 1.25, delta=1e-3)
-        self.assertAlmostEqual(float(row["closing_mps"]), 0.5, delta=1e-3)
-        self.assertAlmostEqual(float(row["contact_in_s"]), 2.5, delta=1e-2)
+        self.assertAlmostEqual(float(row["closing_speed_mps"]), 0.5, delta=1e-3)
+        self.assertAlmostEqual(float(row["time_to_contact_s"]), 2.5, delta=1e-2)
         self.assertAlmostEqual(float(row["normal"][0]), 1, delta=1e-3)
-        self.assertEqual(key(culler.near), key(culler.near_bodies))
+        self.assertEqual(key(culler.near), key(culler.closest_parts))
         self.assertEqual(len(culler.pairs), 0)
         with self.assertRaises(throng.InputError):
             self.culler(near=-1)
@@ -59,7 +59,7 @@ class Boxes(Case):
             self.culler(contact_points=True)
 
     def test_have_no_table_of_what_they_do_not_look_for(self):
-        options = {"near": ("near=M", 1), "near_bodies": ("body_near=M", 1), "contact_points": ("contact_points=True", True)}
+        options = {"near": ("near=M", 1), "closest_parts": ("body_near=M", 1), "contact_points": ("contact_points=True", True)}
         for asked, (option, value) in options.items():
             culler = self.culler(exact=True, **{option.split("=")[0]: value})
             culler.step(at((0, 0, 0), (9, 0, 0)))
@@ -276,17 +276,17 @@ class Boxes(Case):
     def test_become_data_frames_with_their_points(self):
         culler = self.culler(exact=True, near=3, body_near=3)
         culler.step(at((0, 0, 0), (2, 0, 0)))
-        for table in (culler.near, culler.near_bodies):
+        for table in (culler.near, culler.closest_parts):
             frame = table.to_pandas()
             self.assertEqual(len(frame), 1)
-            for name in ("a_x_m", "a_y_m", "a_z_m", "b_x_m", "normal_x", "normal_y", "normal_z", "lo_m", "part_a_name"):
+            for name in ("point_a_x_m", "point_a_y_m", "point_a_z_m", "point_b_x_m", "normal_x", "normal_y", "normal_z", "lo_m", "part_a_name"):
                 self.assertIn(name, frame.columns)
-            self.assertEqual(frame.b_x_m[0], table["b_m"][0, 0])
+            self.assertEqual(frame.point_b_x_m[0], table["b_m"][0, 0])
         culler = self.culler(exact=True, contact_points=True)
         culler.step(at((0, 0, 0), (0.75, 0, 0)))
         frame = culler.contact_points.to_pandas()
         numpy.testing.assert_array_equal(frame[["point_x_m", "point_y_m", "point_z_m"]], culler.contact_points["point_m"])
-        numpy.testing.assert_array_equal(frame[["direction_x", "direction_y", "direction_z"]], culler.contact_points["direction"])
+        numpy.testing.assert_array_equal(frame[["normal_x", "normal_y", "normal_z"]], culler.contact_points["direction"])
 
     def test_may_be_culled_while_others_run_python(self):
         culler = self.culler()

@@ -72,7 +72,7 @@ class BadOptions(Case):
             ({"threads": 0}, "threads"),
             ({"part_volume": "ordop25"}, "part_volume"),
             ({"steering": "orka"}, "steering"),
-            ({"strategy": "two-pass", "deadline_ms": 3}, "strategy"),
+            ({"strategy": "two-pass", "budget_ms": 3}, "strategy"),
             ({"fps": 25}, "fps"),
             ({"states_hz": 1000, "log": "x.lcmlog"}, "states_hz"),
             ({"trajectory": "x.txt"}, "trajectory"),
@@ -131,7 +131,7 @@ class OptionsOfARun(Case):
         for options, where in [
             ({"fps": 25}, "fps"),
             ({"step": "smooth"}, "step"),
-            ({"strategy": "two-pass", "deadline_tests": 3}, "strategy"),
+            ({"strategy": "two-pass", "budget_tests": 3}, "strategy"),
             ({"states_hz": 1000}, "states_hz"),
         ]:
             with self.subTest(options=options):

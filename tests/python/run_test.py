@@ -24,7 +24,7 @@ class Runs(Case):
                 {"seconds": 1, "avatars": 80, "steering": "orca", "part_volume": "obb"},
                 ["--seconds", "1", "--avatars", "80", "--steering", "orca", "--part-volume", "obb"],
             ),
-            ("plaza", {"seconds": 0.2, "deadline_tests": 50}, ["--seconds", "0.2", "--deadline-tests", "50"]),
+            ("plaza", {"seconds": 0.2, "budget_tests": 50}, ["--seconds", "0.2", "--budget-tests", "50"]),
             ("paper_50", {"seconds": 0.2, "strategy": "two-pass"}, ["--seconds", "0.2", "--strategy", "two-pass"]),
         ]:
             with self.subTest(scene=scene):
@@ -63,13 +63,13 @@ class Runs(Case):
         scene = self.folder / "cell.yaml"
         people = "{name: people, count: 6, spawn: {min_m: [-3, -2], max_m: [5, 2]}, goals: [{min_m: [-5, -2], max_m: [-4, 2]}]}"
         picker = (
-            f"{{name: picker, model: {SOURCES}/examples/picker.urdf, count: 1, radius_m: 0.5, speed_mps: 0.6,"
+            f"{{name: picker, model: {SOURCES}/examples/picker.urdf, count: 1, radius_m: 0.5, desired_speed_mps: 0.6,"
             " spawn: {min_m: [-4, -0.5], max_m: [-3, 0.5]}, goals: [{min_m: [4, -0.5], max_m: [5, 0.5]}]}"
         )
         scene.write_text(
             "name: cell\nstep_s: 1/30\nduration_s: 5\nnear_m: 1.5\nculling: {exact: true}\n"
             f"ground: {{min_m: [-6, -3], max_m: [6, 3]}}\ngroups:\n  - {picker}\n  - {people}\n"
-            "separation: {reaction_s: 0.1, stopping_s: 0.3, intrusion_m: 0.1, human_error_m: 0.05, robot_error_m: 0.02}\n"
+            "separation: {reaction_s: 0.1, stopping_s: 0.3, intrusion_m: 0.1, human_uncertainty_m: 0.05, robot_uncertainty_m: 0.02}\n"
         )
         ours, theirs = (self.folder / name for name in ("ours", "theirs"))
         run = throng.run(scene, separation=ours)
@@ -79,7 +79,7 @@ class Runs(Case):
         words = ["run", str(scene), "--lcm", "off", "--log", "off", "--separation", str(theirs), "--json", "-"]
         expected = json.loads(command(*words, folder=self.folder))["separation"]
         self.assertGreater(found["shortfalls"], 0)
-        for name in ("robots", "shortfalls", "pairs", "unjudged", "beyond_margin"):
+        for name in ("robots", "shortfalls", "pairs", "undetermined", "beyond_margin"):
             self.assertEqual(found[name], expected[name], name)
         self.assertEqual(found["regions"].keys(), expected["regions"].keys())
         for name, region in expected["regions"].items():

@@ -14,7 +14,7 @@ groups:
   - name: robot
     model: {model}
     count: 1
-    driven: ROBOT_DRIVE
+    control_channel: ROBOT_DRIVE
     radius_m: 0.35
     spawn: {{min_m: [2.5, -0.5], max_m: [3.5, 0.5]}}
 """
@@ -153,7 +153,7 @@ class Steps(Case):
             {"parts": "hands: head"},
             {"near": 0.1},
             {"person_near": 0.1},
-            {"deadline_tests": 1000},
+            {"budget_tests": 1000},
             {"strategy": "two-pass"},
             {"culling": False},
         ):
@@ -192,13 +192,13 @@ class Steps(Case):
 
     def test_have_no_table_of_what_they_do_not_look_for(self):
         frame = throng.Simulation("corridor", exact=True).step()
-        for name, option in (("near", "near=M"), ("near_people", "person_near=M"), ("contact_points", "contact_points=True")):
+        for name, option in (("near", "near=M"), ("closest_parts", "person_near=M"), ("contact_points", "contact_points=True")):
             with self.subTest(name=name), self.assertRaisesRegex(RuntimeError, option):
                 getattr(frame, name)
         near = throng.Simulation("corridor", near=0.2).step()
         self.assertGreaterEqual(len(near.near), 0)
         with self.assertRaisesRegex(RuntimeError, "person_near"):
-            near.near_people
+            near.closest_parts
 
     def test_take_no_file_to_write(self):
         for option in ({"log": "a.lcmlog"}, {"html": "a.html"}, {"trajectory": "a.csv"}, {"states_hz": 3}):

@@ -83,7 +83,7 @@ class Messages(Case):
         import subprocess
         import sys
 
-        code = "from throng import events_t, run_t; import sys; events_t._get_packed_fingerprint(); assert 'numpy' not in sys.modules"
+        code = "from throng import events_t, run_chunk_t; import sys; events_t._get_packed_fingerprint(); assert 'numpy' not in sys.modules"
         subprocess.run([sys.executable, "-c", code], check=True)
 
     def test_are_not_all_that_there_is_so_that_numpy_has_to_be_there(self):

@@ -34,8 +34,8 @@ TEST(Encounter, KeepsDiscsApartWithoutHurry) {
     const std::string what = fmt::format("seed {}, {}: {}", kSeed, number, encounter.description());
     EXPECT_GE(nearest_m, Encounter::kDisc_m) << what;
     EXPECT_LE(nearest_m, 0.6 + 1e-9) << what;
-    EXPECT_LE(fastest_mps2, Encounter::kMostAcceleration_mps2) << what;
-    for (const Passer& person : encounter.people()) {
+    EXPECT_LE(fastest_mps2, Encounter::kMaxAcceleration_mps2) << what;
+    for (const EncounterPerson& person : encounter.people()) {
       EXPECT_GE(person.speed_mps, 0.6) << what;
       EXPECT_LE(person.speed_mps, 1.8) << what;
     }
@@ -61,8 +61,8 @@ TEST(Encounter, ComesInAllKindsAndAtAllAngles) {
 TEST(EncounterRuns, AnEncounterIsTheSameByItselfAsAmongOthers) {
   constexpr uint64_t kSeed = 3;
   const EncounterRuns all = run_encounters({.seed = kSeed, .count = 24, .threads = 2});
-  ASSERT_EQ(all.results.size() + all.put_away.size(), 24u);
-  EXPECT_EQ(all.strangers, 0u);
+  ASSERT_EQ(all.results.size() + all.rejected.size(), 24u);
+  EXPECT_EQ(all.foreign_contacts, 0u);
   int touching = 0;
   for (const EncounterResult& among : all.results) {
     const EncounterRuns alone = run_encounters({.seed = kSeed, .first = among.number, .count = 1});
@@ -70,8 +70,8 @@ TEST(EncounterRuns, AnEncounterIsTheSameByItselfAsAmongOthers) {
     const EncounterResult& by_itself = alone.results.front();
     const std::string what = fmt::format("seed {}, {}", kSeed, among.number);
     EXPECT_EQ(by_itself.touching_frames, among.touching_frames) << what;
-    EXPECT_EQ(by_itself.deepest_m, among.deepest_m) << what;
-    EXPECT_EQ(by_itself.nearest_roots_m, among.nearest_roots_m) << what;
+    EXPECT_EQ(by_itself.max_depth_m, among.max_depth_m) << what;
+    EXPECT_EQ(by_itself.min_root_distance_m, among.min_root_distance_m) << what;
     EXPECT_EQ(by_itself.groups, among.groups) << what;
     touching += among.touches();
   }
@@ -82,7 +82,7 @@ TEST(EncounterRuns, DressedRootsKeepToTheWays) {
   std::vector<Encounter> encounters;
   for (uint64_t number = 40; number < 46; ++number) encounters.emplace_back(5, number);
   const Scene scene = encounter_scene(encounters);
-  Simulation simulation(scene, {.world = encounter_world(encounters)});
+  Simulation simulation(scene, {.motion = encounter_motion(encounters)});
   const auto frames = static_cast<int>(Encounter::kDuration_s / scene.step_s);
   double farthest_m = 0;
   for (int number = 0; number < frames; ++number) {

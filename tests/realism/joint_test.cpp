@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/elementary.h"
+#include "base/portable_math.h"
 #include "bench/realism/joints.h"
-#include "bench/realism/subject.h"
+#include "bench/realism/measured_run.h"
 #include "scenes/motion/walk.h"
 
 namespace throng::realism::joint_test {
@@ -30,7 +30,7 @@ class Puppet {
   }
   void turn_to(double heading_rad) {
     const SinCos turn = sin_cos(heading_rad);
-    root_.world_from_root = turned_to({turn.cos, turn.sin});
+    root_.world_from_root = rotation_to({turn.cos, turn.sin});
   }
   void show(float speed_mps = 0) {
     Frame frame;
@@ -159,11 +159,11 @@ class Calmed final : public Sink {
 TEST(ArmSwing, IsTheStylesOwnForThoseWhoWalkAlone) {
   for (const float share : {1.0f, 0.5f}) {
     std::unique_ptr<Calmed> calmed;
-    run_subject(plain_walking(5), 2, false, [&](const Simulation& simulation) {
+    run_measured(plain_walking(5), 2, false, [&](const Simulation& simulation) {
       calmed = std::make_unique<Calmed>(simulation, share);
       return std::vector<Sink*>{calmed.get()};
     });
-    const SwingAt& alone = calmed->swing.levels()[0];
+    const SwingSums& alone = calmed->swing.levels()[0];
     EXPECT_GT(alone.time_s, 500);
     EXPECT_NEAR(alone.share(), static_cast<double>(share), 1e-3);
     for (size_t level = 1; level < ArmSwing::kLevels; ++level)
@@ -185,7 +185,7 @@ void expect_within_limits(const JointSpeeds& speeds) {
 TEST(PlainWalking, KeepsTheLimits) {
   JointSpeeds speeds;
   std::unique_ptr<ArmSwing> swing;
-  run_subject(plain_walking(5), 2, false, [&](const Simulation& simulation) {
+  run_measured(plain_walking(5), 2, false, [&](const Simulation& simulation) {
     swing = std::make_unique<ArmSwing>(simulation);
     return std::vector<Sink*>{&speeds, swing.get()};
   });
@@ -199,8 +199,8 @@ TEST(PlainWalking, KeepsTheLimits) {
 TEST(CrowdedWalking, KeepsTheLimits) {
   for (const char* scene : {"bottleneck", "crossing"}) {
     JointSpeeds speeds;
-    run_subject(open_subject(scene, 12), 2, false,
-                [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
+    run_measured(open_measured_run(scene, 12), 2, false,
+                 [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
     EXPECT_GT(speeds.frames(), 50000u);
     SCOPED_TRACE(scene);
     expect_within_limits(speeds);
@@ -210,8 +210,8 @@ TEST(CrowdedWalking, KeepsTheLimits) {
 // An audience that stands, in whatever posture, and sets out.
 TEST(StandingAndSettingOut, KeepsTheLimits) {
   JointSpeeds speeds;
-  run_subject(open_subject("concert", 14), 2, false,
-              [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
+  run_measured(open_measured_run("concert", 14), 2, false,
+               [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });
   EXPECT_GT(speeds.frames(), 50000u);
   expect_within_limits(speeds);
 }

@@ -25,7 +25,7 @@ TEST_F(ArchiveText, CommentsSayRateAndUnit) {
                               "3  102  -10.5 0 171\n");
   const RecordingFacts& facts = recording->facts();
   EXPECT_EQ(facts.kind, "archive text");
-  EXPECT_EQ(facts.tracks, TrackedPoint::kHead);
+  EXPECT_EQ(facts.tracked_point, TrackedPoint::kHead);
   EXPECT_EQ(facts.fps, 25);
   EXPECT_EQ(facts.first_frame, 100);
   EXPECT_EQ(facts.frames, 3);
@@ -72,11 +72,11 @@ TEST_F(ArchiveText, WhatIsOddIsCountedAndTheFirstIsNamed) {
                            "4 10 0 0\n4 11 0 0\n4 51 0 0\n"            // comes back
                            "5 10 0 0\n5 10 1 0\n5 11 0 0\n"            // twice
                            "6 10 0 0\n";                               // once
-  std::vector<std::string> odd;
+  std::vector<std::string> anomalies;
   const auto recording = read(text);
-  for (const Oddity& oddity : recording->facts().odd)
-    odd.push_back(fmt::format("{} {}: {}", oddity.count, oddity.what, oddity.first));
-  EXPECT_THAT(odd,
+  for (const Anomaly& anomaly : recording->facts().anomalies)
+    anomalies.push_back(fmt::format("{} {}: {}", anomaly.count, anomaly.what, anomaly.first));
+  EXPECT_THAT(anomalies,
               testing::ElementsAre(
                   "1 jumps of more than 3 m: id 1 at frame 11: 4 m in 0.04 s",
                   "1 faster than 12 m/s: id 2 at frame 11: 0.6 m in 0.04 s",
@@ -102,13 +102,13 @@ TEST_F(ArchiveText, APartOfTheTimeBeginsAtItsFirstFrame) {
   std::string text = kHeader;
   for (int frame = 0; frame < 100; ++frame) text += fmt::format("1 {} {} 0\n", frame + 7, frame);
   text += "2 8 0 0\n2 9 0 0\n";
-  const auto part = read(text, {.from_s = 1, .until_s = 2});
+  const auto part = read(text, {.start_s = 1, .end_s = 2});
   EXPECT_EQ(part->facts().first_frame, 32);
   EXPECT_EQ(part->facts().frames, 26);
   ASSERT_EQ(part->people().size(), 1u);
   EXPECT_EQ(track(*part, 0).front().time_s, 0);
   EXPECT_EQ(track(*part, 0).front().position_m.x(), 0.25);
-  EXPECT_THAT(refusal(text, {.from_s = 10}), HasSubstr("expected somebody from 10 s"));
+  EXPECT_THAT(refusal(text, {.start_s = 10}), HasSubstr("expected somebody from 10 s"));
 }
 
 TEST_F(ArchiveText, TheOrderOfLinesDoesNotMatter) {

@@ -121,7 +121,7 @@ TEST(AreaUnion, ClosesGapsOfUpToAMillimetre) {
     EXPECT_EQ(area.polygons.size(), 1u) << gap_m;
     EXPECT_EQ(area.gaps, gap_m > 1.5e-4 ? 2 : 0) << gap_m;
     if (area.gaps > 0) {
-      EXPECT_NEAR(area.widest_m, gap_m, 1e-9);
+      EXPECT_NEAR(area.max_gap_m, gap_m, 1e-9);
     }
   }
   for (const double gap_m : {1.2e-3, 2e-3, 0.1}) {
@@ -163,8 +163,8 @@ TEST(AreaUnion, ClosesSlitsOfUpToAMillimetreWithinAPolygon) {
         EXPECT_NEAR(doubled_area(found), 40, 1e-2);
         EXPECT_EQ(area.gaps, gap_m > 1.5e-4 ? 1 : 0) << gap_m;
         if (area.gaps > 0) {
-          EXPECT_LE(area.widest_m, gap_m + 1e-9);
-          EXPECT_GE(area.widest_m, 0.8 * gap_m) << "across an oblique one";
+          EXPECT_LE(area.max_gap_m, gap_m + 1e-9);
+          EXPECT_GE(area.max_gap_m, 0.8 * gap_m) << "across an oblique one";
         }
       }
       // A ring that nearly touches itself.
@@ -373,7 +373,7 @@ class CutCorridor : public RecordingTest {
     RecordingOptions options;
     options.file = path("walk.sqlite");
     Scene scene = recorded_scene(options, true);
-    scene.groups.back().styles = StyleShares{1};
+    scene.groups.back().gait_styles = StyleShares{1};
     scene.exact = true;
     return scene;
   }
@@ -442,13 +442,13 @@ TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
         EXPECT_EQ(touches(cut_scene), expected)
             << pieces << " pieces, cut " << static_cast<int>(cut);
       }
-      const std::vector<Oddity>& odd = cut_scene.recorded->recording->facts().odd;
+      const std::vector<Anomaly>& anomalies = cut_scene.recorded->recording->facts().anomalies;
       const bool has_gap = cut == Cut::kGap || cut == Cut::kObliqueGap;
-      ASSERT_EQ(odd.size(), has_gap ? 1u : 0u);
+      ASSERT_EQ(anomalies.size(), has_gap ? 1u : 0u);
       if (!has_gap) continue;
-      EXPECT_EQ(odd[0].what, "gaps of up to 1 mm in the walkable area, which are closed");
-      EXPECT_EQ(odd[0].count, pieces - 1);
-      EXPECT_THAT(odd[0].first, HasSubstr(" mm wide at ("));
+      EXPECT_EQ(anomalies[0].what, "gaps of up to 1 mm in the walkable area, which are closed");
+      EXPECT_EQ(anomalies[0].count, pieces - 1);
+      EXPECT_THAT(anomalies[0].first, HasSubstr(" mm wide at ("));
     }
 }
 

@@ -29,12 +29,12 @@ TEST_F(BinaryKinds, JupedsimHasOrientationsAndAnArea) {
   const auto recording = read_sqlite(jupedsim_2());
   const RecordingFacts& facts = recording->facts();
   EXPECT_EQ(facts.kind, "JuPedSim SQLite 2");
-  EXPECT_EQ(facts.tracks, TrackedPoint::kCentre);
+  EXPECT_EQ(facts.tracked_point, TrackedPoint::kCentre);
   EXPECT_EQ(facts.fps, 25);
   EXPECT_EQ(facts.frames, 3);
   EXPECT_TRUE(facts.has_headings);
   EXPECT_EQ(facts.wkt, "POLYGON ((-2 -2, 8 -2, 8 8, -2 8))");
-  EXPECT_TRUE(facts.odd.empty());
+  EXPECT_TRUE(facts.anomalies.empty());
   const std::vector<Sample> one = track(*recording, 0);
   ASSERT_EQ(one.size(), 3u);
   EXPECT_TRUE(std::isnan(one[0].heading_rad)) << "no direction is none";
@@ -85,11 +85,11 @@ TEST_F(BinaryKinds, OurOwnSqliteHasHeadings) {
 TEST_F(BinaryKinds, PositionsOutsideTheAreaAreCounted) {
   const auto recording = read_sqlite(
       jupedsim_2() + "INSERT INTO trajectory_data VALUES(2, 5, 8.4, 1, 1, 0), (0, 9, 9, 9, 0, 0);");
-  std::vector<std::string> odd;
-  for (const Oddity& oddity : recording->facts().odd)
-    if (oddity.what.find("outside") != std::string::npos)
-      odd.push_back(fmt::format("{}: {}", oddity.count, oddity.first));
-  EXPECT_THAT(odd, testing::ElementsAre("2: id 5 at frame 2: (8.400, 1.000) m"));
+  std::vector<std::string> anomalies;
+  for (const Anomaly& anomaly : recording->facts().anomalies)
+    if (anomaly.what.find("outside") != std::string::npos)
+      anomalies.push_back(fmt::format("{}: {}", anomaly.count, anomaly.first));
+  EXPECT_THAT(anomalies, testing::ElementsAre("2: id 5 at frame 2: (8.400, 1.000) m"));
 }
 
 TEST_F(BinaryKinds, ADatabaseThatIsBeingWrittenIsRefused) {
@@ -103,7 +103,7 @@ TEST_F(BinaryKinds, ArchiveHdf5HasHeads) {
   const auto recording = read_hdf5({.wkt = "POLYGON ((-1 -1, 5 -1, 5 5, -1 5))"});
   const RecordingFacts& facts = recording->facts();
   EXPECT_EQ(facts.kind, "archive HDF5");
-  EXPECT_EQ(facts.tracks, TrackedPoint::kHead);
+  EXPECT_EQ(facts.tracked_point, TrackedPoint::kHead);
   EXPECT_EQ(facts.fps, 25);
   EXPECT_EQ(facts.first_frame, 10);
   EXPECT_THAT(facts.wkt, HasSubstr("POLYGON"));
@@ -123,7 +123,7 @@ TEST_F(BinaryKinds, ManyRowsComeInTheirOrder) {
   const auto recording = read_hdf5(plan);
   EXPECT_EQ(recording->facts().samples, 28'000);
   EXPECT_EQ(track(*recording, 6)[3999].position_m.x(), 0.01 * 3999);
-  EXPECT_TRUE(recording->facts().odd.empty());
+  EXPECT_TRUE(recording->facts().anomalies.empty());
 }
 
 // Even-odd over all edges, polygon by polygon.

@@ -15,10 +15,10 @@ using testing::HasSubstr;
 class Gaps : public RecordingTest {
  protected:
   void expect_gap(const Recording& recording, int64_t count, const std::string& first) const {
-    for (const Oddity& oddity : recording.facts().odd)
-      if (oddity.what == "missing positions (gaps of their tracks)") {
-        EXPECT_EQ(oddity.count, count);
-        EXPECT_EQ(oddity.first, first);
+    for (const Anomaly& anomaly : recording.facts().anomalies)
+      if (anomaly.what == "missing positions (gaps of their tracks)") {
+        EXPECT_EQ(anomaly.count, count);
+        EXPECT_EQ(anomaly.first, first);
         return;
       }
     FAIL() << "no gaps are reported";
@@ -82,10 +82,11 @@ TEST_F(Gaps, AreNoRowsOfSeparatorsAlone) {
   const auto expect_empty = [&](const std::string& text, int64_t count, const std::string& first) {
     const auto recording = read(text);
     EXPECT_EQ(recording->facts().samples, 2) << text;
-    ASSERT_EQ(recording->facts().odd.size(), 1u) << text;
-    EXPECT_EQ(recording->facts().odd[0].what, "rows of separators alone (taken as empty lines)");
-    EXPECT_EQ(recording->facts().odd[0].count, count) << text;
-    EXPECT_EQ(recording->facts().odd[0].first, first) << text;
+    ASSERT_EQ(recording->facts().anomalies.size(), 1u) << text;
+    EXPECT_EQ(recording->facts().anomalies[0].what,
+              "rows of separators alone (taken as empty lines)");
+    EXPECT_EQ(recording->facts().anomalies[0].count, count) << text;
+    EXPECT_EQ(recording->facts().anomalies[0].first, first) << text;
   };
   expect_empty("id,t,x,y\n1,0,3,4\n,,,\n1,1,3,4\n,,,\n, ,,\n", 3, "line 3");
   expect_empty(",,,\nid,t,x,y\n1,0,3,4\n1,1,3,4\n,,\n\n", 2, "line 1");

@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"NobodyInThePart",
                   kTable,
                   {"recording: ", "somebody from 5 s"},
-                  {.from_s = 5, .until_s = 6}}),
+                  {.start_s = 5, .end_s = 6}}),
     [](const auto& each) { return each.param.name; });
 
 class MalformedBinary : public RecordingTest {

@@ -105,8 +105,9 @@ class RatesAndTimes : public RecordingTest {
     return note_of(*read(text, std::move(options)));
   }
   static std::string note_of(const Recording& recording) {
-    for (const Oddity& oddity : recording.facts().odd)
-      if (oddity.what == "a frame rate that the times of the file contradict") return oddity.first;
+    for (const Anomaly& anomaly : recording.facts().anomalies)
+      if (anomaly.what == "a frame rate that the times of the file contradict")
+        return anomaly.first;
     return "";
   }
   /// A walk whose frames are numbered by `step`, and `rate` of these numbers make a second.

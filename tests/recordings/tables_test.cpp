@@ -33,7 +33,7 @@ TEST_F(Tables, CrowdItIsKnownByItsFirstLine) {
   const auto recording = read(text);
   EXPECT_EQ(recording->facts().kind, "Crowd:it");
   EXPECT_EQ(recording->facts().fps, 2);
-  EXPECT_EQ(recording->facts().tracks, TrackedPoint::kCentre);
+  EXPECT_EQ(recording->facts().tracked_point, TrackedPoint::kCentre);
   ASSERT_EQ(recording->people().size(), 2u);
   EXPECT_EQ(recording->people()[1].id, 4);
   EXPECT_EQ(recording->people()[1].first_s, 0.5);
@@ -154,7 +154,7 @@ TEST_F(Tables, FootstepsBeginAndEndAtTheirTimes) {
   EXPECT_EQ(one[0].time_s, 0);
   EXPECT_EQ(one[1].time_s, 1.0683293133551417 - 0.4);
   EXPECT_EQ(track(*recording, 1).size(), 4u);
-  EXPECT_TRUE(recording->facts().odd.empty()) << "who stands takes no steps";
+  EXPECT_TRUE(recording->facts().anomalies.empty()) << "who stands takes no steps";
 }
 
 TEST_F(Tables, EthHasTheFrameFirst) {

@@ -98,7 +98,7 @@ TEST_F(RecordedUnits, OneWalkIsTheSameInAllOfThem) {
           EXPECT_EQ(facts.fps, 25);
           EXPECT_EQ(facts.duration_s, 4);
           EXPECT_NEAR(summary_of(*recording).speed_mps.median, std::hypot(1.25, 0.25), 1e-6);
-          EXPECT_TRUE(facts.odd.empty());
+          EXPECT_TRUE(facts.anomalies.empty());
           ++files;
         }
   EXPECT_EQ(files, 162);
@@ -109,17 +109,17 @@ TEST_F(RecordedUnits, EveryColumnHasItsOwn) {
   EXPECT_EQ(first("id,t,x [m],y [cm]\n1,0,3,400\n"), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("id;t;x [ft];y [in]\n1;0;1;2\n"), Eigen::Vector2d(0.3048, 0.0508));
   const auto z = read("id,t,x [cm],y [cm],z [m]\n1,0,300,400,1.75\n2,0,0,0,1.5\n",
-                      {.tracks = TrackedPoint::kHead});
+                      {.tracked_point = TrackedPoint::kHead});
   EXPECT_FLOAT_EQ(static_cast<float>(*z->people()[0].height_m), 1.75f);
-  const auto same =
-      read("id,t,x [cm],y,z\n1,0,300,400,175\n2,0,0,0,150\n", {.tracks = TrackedPoint::kHead});
+  const auto same = read("id,t,x [cm],y,z\n1,0,300,400,175\n2,0,0,0,150\n",
+                         {.tracked_point = TrackedPoint::kHead});
   EXPECT_EQ(track(*same, 0)[0].position_m, Eigen::Vector2d(3, 4)) << "x says it for all";
   EXPECT_FLOAT_EQ(static_cast<float>(*same->people()[0].height_m), 1.75f);
-  const auto unknown =
-      read("id,t,x [cm],y [m],z\n1,0,300,4,175\n2,0,0,0,150\n", {.tracks = TrackedPoint::kHead});
+  const auto unknown = read("id,t,x [cm],y [m],z\n1,0,300,4,175\n2,0,0,0,150\n",
+                            {.tracked_point = TrackedPoint::kHead});
   EXPECT_FALSE(unknown->people()[0].height_m) << "z may be in either";
-  EXPECT_THAT(unknown->facts().odd,
-              testing::Contains(testing::Field(&Oddity::what, HasSubstr("z without a unit"))));
+  EXPECT_THAT(unknown->facts().anomalies,
+              testing::Contains(testing::Field(&Anomaly::what, HasSubstr("z without a unit"))));
 }
 
 TEST_F(RecordedUnits, SpellingsOfNamesAreMany) {
@@ -253,12 +253,12 @@ TEST_F(RecordedUnits, WordsThatAreNoUnitAreRemarks) {
     const auto recording =
         read(fmt::format("{0}\n1{1}0{1}3{1}4\n1{1}1{1}3{1}4\n", header, separator));
     EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
-    ASSERT_EQ(recording->facts().odd.size(), 1u);
-    EXPECT_THAT(recording->facts().odd[0].what, HasSubstr("taken as remarks"));
+    ASSERT_EQ(recording->facts().anomalies.size(), 1u);
+    EXPECT_THAT(recording->facts().anomalies[0].what, HasSubstr("taken as remarks"));
   }
   const auto noted = read("id,t,x (head),y (head)\n1,0,3,4\n1,1,3,4\n");
-  EXPECT_EQ(noted->facts().odd[0].count, 2);
-  EXPECT_EQ(noted->facts().odd[0].first, "'head' in the column 'x (head)'");
+  EXPECT_EQ(noted->facts().anomalies[0].count, 2);
+  EXPECT_EQ(noted->facts().anomalies[0].first, "'head' in the column 'x (head)'");
   EXPECT_EQ(first("id,t,x_cm (head),y_cm (head)\n1,0,300,400\n"), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("# framerate: 25\n# unit: cm\n# id frame x (head) y (head)\n1 0 300 400\n"),
             Eigen::Vector2d(3, 4));
@@ -284,18 +284,19 @@ TEST_F(RecordedUnits, AnOptionOverrulesTheFileAndSaysSo) {
   const std::string text = "id,t,x [cm],y [px]\n1,0,3,4\n1,1,3,4\n";
   const auto recording = read(text, {.unit_m = 1});
   EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
-  ASSERT_EQ(recording->facts().odd.size(), 1u);
-  EXPECT_EQ(recording->facts().odd[0].what, "columns whose units --unit overrules");
-  EXPECT_EQ(recording->facts().odd[0].count, 2);
-  EXPECT_EQ(recording->facts().odd[0].first, "'cm' of the column 'x [cm]'");
+  ASSERT_EQ(recording->facts().anomalies.size(), 1u);
+  EXPECT_EQ(recording->facts().anomalies[0].what, "columns whose units --unit overrules");
+  EXPECT_EQ(recording->facts().anomalies[0].count, 2);
+  EXPECT_EQ(recording->facts().anomalies[0].first, "'cm' of the column 'x [cm]'");
   EXPECT_THAT(refusal(text, {.unit_m = 1, .strict = true}), HasSubstr("--unit overrules"));
-  EXPECT_TRUE(read("id,t,x [cm],y [cm]\n1,0,3,4\n1,1,3,4\n", {.unit_m = 0.01})->facts().odd.empty())
+  EXPECT_TRUE(
+      read("id,t,x [cm],y [cm]\n1,0,3,4\n1,1,3,4\n", {.unit_m = 0.01})->facts().anomalies.empty())
       << "which says the same";
   const auto archive =
       read("# framerate: 25\n# id frame x/cm y/cm\n1 0 3 4\n1 1 3 4\n", {.fps = 16, .unit_m = 1});
-  ASSERT_EQ(archive->facts().odd.size(), 2u);
-  EXPECT_THAT(archive->facts().odd[0].what, HasSubstr("--fps overrules"));
-  EXPECT_THAT(archive->facts().odd[1].what, HasSubstr("--unit overrules"));
+  ASSERT_EQ(archive->facts().anomalies.size(), 2u);
+  EXPECT_THAT(archive->facts().anomalies[0].what, HasSubstr("--fps overrules"));
+  EXPECT_THAT(archive->facts().anomalies[1].what, HasSubstr("--unit overrules"));
 }
 
 TEST_F(RecordedUnits, TimesHaveThem) {
@@ -332,7 +333,7 @@ TEST_F(RecordedUnits, HeadingsHaveThem) {
   };
   const auto quarter = static_cast<float>(kTurn_rad / 4);
   for (const char* name :
-       {"heading [deg]", "heading (degrees)", "heading/deg", "heading_deg", "heading [\xC2\xB0]",
+       {"heading [deg]", "heading (degrees)", "heading/deg", "yaw_deg", "heading [\xC2\xB0]",
         "heading\xC2\xB0", "Heading deg", "headingDeg", "heading (in degrees)", "heading [\xB0]"})
     EXPECT_FLOAT_EQ(heading(name, 90), quarter) << name;
   EXPECT_FLOAT_EQ(heading("heading [deg]", 1), static_cast<float>(kTurn_rad / 360));
@@ -352,7 +353,7 @@ TEST_F(RecordedUnits, HeadingsHaveThem) {
   const auto overruled =
       read("id,t,x,y,heading [deg]\n1,0,3,4,1\n1,1,3,4,1\n", {.heading_unit_rad = 1});
   EXPECT_EQ(track(*overruled, 0)[0].heading_rad, 1);
-  EXPECT_THAT(overruled->facts().odd.at(0).what, HasSubstr("--heading-unit overrules"));
+  EXPECT_THAT(overruled->facts().anomalies.at(0).what, HasSubstr("--heading-unit overrules"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,3,4\n", {.heading_unit_rad = 1}),
               StartsWith("--heading-unit: expected a table with a column of headings"));
   EXPECT_THAT(refusal("# framerate: 25\n# id frame x/m y/m\n1 0 3 4\n", {.heading_unit_rad = 1}),

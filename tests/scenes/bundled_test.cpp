@@ -23,23 +23,23 @@ TEST_P(BundledScene, KeepsEverybodyOffWallsPlacedAndOnTheWay) {
   int64_t total = 0;
   for (const Group& group : scene.groups) total += group.total();
   ASSERT_EQ(static_cast<int64_t>(crowd.size()), total);
-  EXPECT_TRUE(world.ways.nav_mesh().is_built());
+  EXPECT_TRUE(world.map.nav_mesh().is_built());
   EXPECT_TRUE(crowd.journeys().strandings(crowd.positions_m()).empty());
   const int steps = static_cast<int>(4 / scene.step_s);
   std::vector<Eigen::Vector2d> before;
   for (int step = 0; step < steps; ++step) {
     before.assign(crowd.positions_m().begin(), crowd.positions_m().end());
-    const std::vector<uint8_t> was(crowd.traffic().present().begin(),
-                                   crowd.traffic().present().end());
+    const std::vector<uint8_t> was(crowd.population().present().begin(),
+                                   crowd.population().present().end());
     world.crowd.step();
     for (uint32_t id = 0; id < crowd.size(); ++id) {
-      if (was[id] == 0 || crowd.traffic().present()[id] == 0) continue;
-      ASSERT_GE(world.ways.walkable().clearance_m(crowd.positions_m()[id]), 0) << "person " << id;
-      ASSERT_FALSE(world.ways.walkable().crosses(before[id], crowd.positions_m()[id]))
+      if (was[id] == 0 || crowd.population().present()[id] == 0) continue;
+      ASSERT_GE(world.map.walkable().clearance_m(crowd.positions_m()[id]), 0) << "person " << id;
+      ASSERT_FALSE(world.map.walkable().crosses(before[id], crowd.positions_m()[id]))
           << "person " << id << ", step " << step;
     }
-    const TrafficCounters& now = crowd.traffic().counters();
-    ASSERT_EQ(static_cast<int64_t>(now.entered + now.waiting + now.to_come), total);
+    const PopulationCounters& now = crowd.population().counters();
+    ASSERT_EQ(static_cast<int64_t>(now.entered + now.waiting_to_enter + now.scheduled), total);
     ASSERT_EQ(now.entered, now.present + now.left);
   }
   EXPECT_TRUE(crowd.journeys().strandings(crowd.positions_m()).empty());
@@ -56,8 +56,8 @@ TEST(BundledScenes, LargeOnesPlaceEverybody) {
   for (const char* name : {"rush_hour", "city_square"}) {
     const Scene scene = load_scene(name);
     Workers workers(2);
-    const Ways ways(scene, workers);
-    const Spawned spawned = spawn(scene, ways);
+    const NavigationMap map(scene, workers);
+    const SpawnResult spawned = spawn(scene, map);
     int64_t total = 0;
     for (const Group& group : scene.groups) total += group.total();
     EXPECT_EQ(static_cast<int64_t>(spawned.people.size()), total) << name;
@@ -73,13 +73,13 @@ TEST(BundledScenes, OfTheMetroAllGetOffThenOnAndTheLateStayOutside) {
       scene.steering.model = model;
       SmallWorld world(scene, 2);
       for (int step = 0; step < 60 * 60; ++step) world.crowd.step();
-      for (const DoorState door : world.ways.doors()) EXPECT_EQ(door, DoorState::kShut);
+      for (const DoorState door : world.map.doors()) EXPECT_EQ(door, DoorState::kShut);
       int off = 0, on = 0, late_in = 0, late_on_platform = 0;
       for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-        if (world.crowd.journeys().doing(id) == Doing::kOutside) continue;
+        if (world.crowd.journeys().state(id) == JourneyState::kOutside) continue;
         const std::string& name = scene.groups[world.spawned.people[id].group].name;
         const bool is_in = world.crowd.positions_m()[id].y() > 2;
-        off += name.starts_with("off") && world.crowd.journeys().doing(id) == Doing::kGone;
+        off += name.starts_with("off") && world.crowd.journeys().state(id) == JourneyState::kGone;
         on += name.starts_with("on") && is_in;
         late_in += name == "late" && is_in;
         late_on_platform += name == "late" && !is_in;
@@ -101,9 +101,9 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
       scene.steering.model = model;
       SmallWorld world(scene, 2);
       const Crowd& crowd = world.crowd;
-      const QueuePlan& plan = world.ways.queues()[0].plan;
-      const Rectangle& bakery = world.ways.queues()[1].plan.areas[0];
-      int most_inside = 0;
+      const QueuePlan& plan = world.map.queues()[0].plan;
+      const Rectangle& bakery = world.map.queues()[1].plan.areas[0];
+      int max_inside = 0;
       std::vector<uint8_t> was_in(crowd.size(), 0), was_out(crowd.size(), 0);
       for (int step = 0; step < 300 * 60; ++step) {
         world.crowd.step();
@@ -116,7 +116,7 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
           was_in[id] |= is_in;
           inside += is_in && was_out[id] == 0;
         }
-        most_inside = std::max(most_inside, inside);
+        max_inside = std::max(max_inside, inside);
         const std::span<const uint32_t> line = crowd.queues().waiting(0);
         for (size_t place = 0; place < line.size(); ++place) {
           const Eigen::Vector2d own_m = plan.line.at(plan.along_m(place));
@@ -124,8 +124,9 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
           in_place += (crowd.positions_m()[line[place]] - own_m).norm() < 2 * plan.spacing_m;
         }
       }
-      EXPECT_EQ(most_inside, 4);
-      EXPECT_EQ(crowd.traffic().counters().left, crowd.size()) << "not everybody has been served";
+      EXPECT_EQ(max_inside, 4);
+      EXPECT_EQ(crowd.population().counters().left, crowd.size())
+          << "not everybody has been served";
     }
     EXPECT_GT(in_line, 12 * 100 * 60) << "nobody queues";
     fmt::print("ticket_office {}: {:.0f} % of {:.0f} s in line within two places of theirs\n",
@@ -143,29 +144,29 @@ TEST(BundledScenes, OfTheConcert95PercentFaceTheStageWithin20DegreesThenAllLeave
     for (int step = 0; step < 9 * 30; ++step) world.crowd.step();
     size_t face = 0;
     for (uint32_t id = 0; id < world.crowd.size(); ++id) {
-      const Eigen::Vector2d way = *scene.groups[0].face_m - world.crowd.positions_m()[id];
+      const Eigen::Vector2d way = *scene.groups[0].look_at_m - world.crowd.positions_m()[id];
       face += world.crowd.headings()[id].dot(way.normalized()) > 0.9397;
     }
     EXPECT_GE(static_cast<double>(face), 0.95 * static_cast<double>(world.crowd.size()));
     int steps = 9 * 30;
-    while (world.crowd.traffic().counters().present > 0 && steps < 30 * 300) {
+    while (world.crowd.population().counters().present > 0 && steps < 30 * 300) {
       world.crowd.step();
       ++steps;
     }
     std::printf("%s: the last of %zu leaves after %d s\n", std::string(name_of(model)).c_str(),
                 world.crowd.size(), steps / 30);
-    EXPECT_EQ(world.crowd.traffic().counters().present, 0u);
+    EXPECT_EQ(world.crowd.population().counters().present, 0u);
   }
 }
 
 TEST(BundledScenes, EvacuationEmptiesTheHall) {
   SmallWorld world(load_scene("evacuation"), 2);
   int steps = 0;
-  while (world.crowd.traffic().counters().present > 0 && steps < 30 * 120) {
+  while (world.crowd.population().counters().present > 0 && steps < 30 * 120) {
     world.crowd.step();
     ++steps;
   }
-  EXPECT_EQ(world.crowd.traffic().counters().left, 1000u) << "after " << steps / 30 << " s";
+  EXPECT_EQ(world.crowd.population().counters().left, 1000u) << "after " << steps / 30 << " s";
 }
 
 }  // namespace

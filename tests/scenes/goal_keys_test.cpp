@@ -22,12 +22,12 @@ TEST_F(GoalKeys, GoalsMayHaveAQueue) {
   EXPECT_FALSE(plain.groups[0].goals[0].is_limited());
   const Scene counter = load(with_goal(", queue: {}"));
   EXPECT_TRUE(counter.groups[0].goals[0].is_limited());
-  EXPECT_EQ(counter.groups[0].goals[0].most_inside(), 1);
+  EXPECT_EQ(counter.groups[0].goals[0].max_inside(), 1);
   EXPECT_EQ(counter.groups[0].goals[0].queue.spacing_m, 0.9);
   EXPECT_NE(counter.content_hash, plain.content_hash);
   const Scene few = load(with_goal(", capacity: 5"));
   EXPECT_TRUE(few.groups[0].goals[0].is_limited());
-  EXPECT_EQ(few.groups[0].goals[0].most_inside(), 5);
+  EXPECT_EQ(few.groups[0].goals[0].max_inside(), 5);
   EXPECT_NE(few.content_hash, plain.content_hash);
   const Scene both =
       load(with_goal(", capacity: 5, queue: {spacing_m: 1, line: [[14, 5], [9, 5], [9, 2]]}"));
@@ -41,7 +41,7 @@ TEST_F(GoalKeys, GoalsMayHaveAQueue) {
 TEST_F(GoalKeys, PeopleWaitAtAGoalForAsLongAsADistributionDraws) {
   const Scene fixed = load(with_goal(", wait_s: 5"));
   EXPECT_EQ(fixed.groups[0].goals[0].wait_s, (Distribution{5, 0, 5, 5}));
-  const Scene drawn = load(with_goal(", wait_s: {mean: 5, deviation: 2, max: 9}"));
+  const Scene drawn = load(with_goal(", wait_s: {mean: 5, std_dev: 2, max: 9}"));
   EXPECT_EQ(drawn.groups[0].goals[0].wait_s, (Distribution{5, 2, 0, 9}));
   EXPECT_NE(drawn.content_hash, fixed.content_hash);
   EXPECT_EQ(complaint(with_goal(", wait_s: {mean: 5, max: 4}")),

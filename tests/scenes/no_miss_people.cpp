@@ -16,22 +16,22 @@
 #include "base/simd.h"
 #include "scenes/run/body_tables.h"
 #include "scenes/run/postures.h"
-#include "tests/scenes/near_people.h"
+#include "tests/scenes/person_pairs.h"
 
 namespace {
 
 using namespace throng;
 
 struct Tally {
-  uint64_t near = 0, touching = 0, missed = 0, given_way = 0;
+  uint64_t tested = 0, touching = 0, missed = 0, avoiding = 0;
   std::string first_miss;
-  test::NearRowsTally rows;
+  test::ProximityTally rows;
 
   void add(const Tally& other) {
-    near += other.near;
+    tested += other.tested;
     touching += other.touching;
     missed += other.missed;
-    given_way += other.given_way;
+    avoiding += other.avoiding;
     rows.add(other.rows);
   }
 };
@@ -40,7 +40,7 @@ struct Tally {
 Scene pressed(std::string_view name, uint64_t seed) {
   Scene scene = load_scene(std::string(name));
   for (Group& group : scene.groups)
-    if (group.driven.empty()) group.radius_m = 0.1;
+    if (group.control_channel.empty()) group.radius_m = 0.1;
   scene.seed = seed;
   return scene;
 }
@@ -52,8 +52,8 @@ void run(std::string_view name, uint64_t seed, size_t round, bool has_margin, Ta
   constexpr std::array<float, 2> kMargins_m = {0.05f, 0.2f};
   const std::vector<SimdTarget> targets = simd_targets_of_this_machine();
   Scene scene = pressed(name, seed + round);
-  const float near_m = has_margin ? kMargins_m[round / 2 % kMargins_m.size()] : 0;
-  scene.near_m = static_cast<double>(near_m);
+  const float proximity_m = has_margin ? kMargins_m[round / 2 % kMargins_m.size()] : 0;
+  scene.proximity_m = static_cast<double>(proximity_m);
   scene.part_volume = kAllVolumes[round % std::size(kAllVolumes)];
   static const auto tables = std::make_shared<BodyTables>();
   SimulationOptions options;
@@ -63,13 +63,14 @@ void run(std::string_view name, uint64_t seed, size_t round, bool has_margin, Ta
   options.culler.pair_search = kSearches[round % kSearches.size()];
   options.culler.exact = round % 2 == 1;
   Simulation simulation(scene, options);
-  test::NearPeople people(simulation, near_m);
+  test::PersonPairs people(simulation, proximity_m);
   const int steps = static_cast<int>(8 / scene.step_s);
   for (int step = 0; step < steps; ++step) {
     const Frame& frame = simulation.step();
     if (step % 6 != 5) continue;
     people.check(frame);
-    for (const Yield& yield : simulation.bodies().yields) tally.given_way += !yield.is_none();
+    for (const AvoidancePosture& posture : simulation.bodies().avoidance)
+      tally.avoiding += !posture.is_none();
   }
   if (people.missed > 0 && tally.missed == 0)
     tally.first_miss =
@@ -78,7 +79,7 @@ void run(std::string_view name, uint64_t seed, size_t round, bool has_margin, Ta
   if (tally.rows.first_wrong.empty() && !people.rows.is_right())
     people.rows.first_wrong = fmt::format("{}, seed {}, {}: {}", name, scene.seed,
                                           name_of(options.culler.simd), people.rows.first_wrong);
-  tally.add({people.near, people.touching, people.missed, 0, "", people.rows});
+  tally.add({people.tested, people.touching, people.missed, 0, "", people.rows});
 }
 
 }  // namespace
@@ -94,24 +95,25 @@ int main(int argc, char** argv) {
   fmt::print("{:<16}{:>12}{:>12}{:>20}{:>8}\n", "scene", "near pairs", "touching",
              "postures given way", "missed");
   const auto line = [](std::string_view name, const Tally& tally) {
-    fmt::print("{:<16}{:>12}{:>12}{:>20}{:>8}\n", name, tally.near, tally.touching, tally.given_way,
-               tally.missed);
+    fmt::print("{:<16}{:>12}{:>12}{:>20}{:>8}\n", name, tally.tested, tally.touching,
+               tally.avoiding, tally.missed);
     if (!tally.first_miss.empty()) fmt::print("  first miss: {}\n", tally.first_miss);
     std::fflush(stdout);
   };
   const uint64_t of_each = pairs / kScenes.size() + 1;
   for (const std::string_view name : kScenes) {
     Tally& tally = of_scenes.emplace_back();
-    const uint64_t& least = has_margin ? tally.rows.near : tally.near;
-    for (size_t round = 0; std::min(tally.near, least) < of_each; ++round)
+    const uint64_t& least = has_margin ? tally.rows.tested : tally.tested;
+    for (size_t round = 0; std::min(tally.tested, least) < of_each; ++round)
       run(name, seed, round, has_margin, tally);
     line(name, tally);
     sum.add(tally);
   }
   line("all", sum);
   if (!has_margin) return sum.missed == 0 ? 0 : 1;
-  test::print_near_rows_head("within a margin");
-  for (size_t i = 0; i < kScenes.size(); ++i) test::print_near_rows(kScenes[i], of_scenes[i].rows);
-  test::print_near_rows("all", sum.rows);
+  test::print_proximity_head("within a margin");
+  for (size_t i = 0; i < kScenes.size(); ++i)
+    test::print_proximity_rows(kScenes[i], of_scenes[i].rows);
+  test::print_proximity_rows("all", sum.rows);
   return sum.missed == 0 && sum.rows.is_right() ? 0 : 1;
 }

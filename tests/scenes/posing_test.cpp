@@ -23,12 +23,12 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   bodies.scales = {1, 1};
   bodies.phases = {0, 0};
   bodies.resize_steps(2);
-  bodies.held_rows = {nullptr, row.data()};
-  const std::array<ModelUse, 2> uses = {ModelUse{}, ModelUse{{}, PostureKind::kHeld}};
+  bodies.external_rows = {nullptr, row.data()};
+  const std::array<ModelUse, 2> uses = {ModelUse{}, ModelUse{{}, PostureKind::kExternal}};
   Workers workers(1);
   BodyTables tables;
   const Posing posing({adult, adult}, uses, bodies, tables, workers);
-  walk_on(posing, std::array<WalkNow, 2>{}, 0.1, 0, SimdTarget::kScalar, bodies);
+  advance_walk(posing, std::array<WalkInput, 2>{}, 0.1, 0, SimdTarget::kScalar, bodies);
   const std::array<uint32_t, 2> both = {0, 1};
   std::array<RootBox, 2> boxes;
   posing.bounds(both, boxes);
@@ -53,13 +53,13 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   std::vector<float> looks;
   for (uint32_t id = 0; id < kAvatars; ++id)
     looks.push_back((id % 5 < 3 ? 0.25f : -0.2f) * static_cast<float>(id % 3));
-  bodies.looks_rad = looks;
+  bodies.head_yaws_rad = looks;
   const std::array<ModelUse, 1> all = {ModelUse{GaitStyles().set(), PostureKind::kStepping}};
   Workers workers(2);
   BodyTables tables;
   const Posing posing({adult}, all, bodies, tables, workers);
-  const std::vector<WalkNow> comes_in(kAvatars, WalkNow{{}, 1.4f, true});
-  walk_on(posing, comes_in, 0.1, 0, SimdTarget::kScalar, bodies);
+  const std::vector<WalkInput> comes_in(kAvatars, WalkInput{{}, 1.4f, true});
+  advance_walk(posing, comes_in, 0.1, 0, SimdTarget::kScalar, bodies);
   const auto columns = static_cast<size_t>(posing.column_count(0));
   std::vector<float> rows(kAvatars * columns), own(columns);
   posing.postures(0, kAvatars, rows);
@@ -76,7 +76,7 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
     SCOPED_TRACE(id);
     const Gait& gait = gaits[static_cast<size_t>(bodies.styles[id])];
     gait.postures({&bodies.phases[id], 1}, {&bodies.gait_mps[id], 1}, {&bodies.scales[id], 1}, own);
-    gait.look(looks[id], own);
+    gait.apply_head_yaw(looks[id], own);
     // Legs are bent anew, to the same feet: near a straight knee a millimetre is half a degree.
     for (size_t c = 0; c < columns; ++c) EXPECT_NEAR(own[c], rows[id * columns + c], 0.02f);
     for (size_t part = 0; part < parts; ++part)
@@ -96,28 +96,30 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
 TEST(Posing, RowsThatLieSomewhereAreReadWhereTheyLie) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const auto columns = static_cast<size_t>(adult->kinematics.column_count());
-  std::vector<float> held(columns, 0.1f), room(2 * columns, 7.0f);
+  std::vector<float> external(columns, 0.1f), scratch(2 * columns, 7.0f);
   BodyStates bodies;
-  bodies.held_rows = {nullptr, held.data()};
-  const uint32_t driven = 1;
+  bodies.external_rows = {nullptr, external.data()};
+  const uint32_t external_id = 1;
   const float* row = nullptr;
-  make_posture_provider(PostureKind::kHeld, {}, bodies)->rows({&driven, 1}, room, {&row, 1});
-  EXPECT_EQ(row, held.data());
-  EXPECT_EQ(room, std::vector<float>(2 * columns, 7.0f));
+  make_posture_provider(PostureKind::kExternal, {}, bodies)
+      ->rows({&external_id, 1}, scratch, {&row, 1});
+  EXPECT_EQ(row, external.data());
+  EXPECT_EQ(scratch, std::vector<float>(2 * columns, 7.0f));
 }
 
 TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const auto columns = static_cast<size_t>(adult->kinematics.column_count());
   constexpr uint32_t kAvatars = 200;
-  for (const PostureKind kind : {PostureKind::kHeld, PostureKind::kStepping, PostureKind::kTable}) {
+  for (const PostureKind kind :
+       {PostureKind::kExternal, PostureKind::kStepping, PostureKind::kTable}) {
     SCOPED_TRACE(static_cast<int>(kind));
-    const std::vector<float> held(columns, 0.1f);
+    const std::vector<float> external(columns, 0.1f);
     BodyStates bodies;
     bodies.types.assign(kAvatars, 0);
     bodies.scales.assign(kAvatars, 1.1f);
     bodies.roots.resize(kAvatars);
-    bodies.held_rows.assign(kAvatars, held.data());
+    bodies.external_rows.assign(kAvatars, external.data());
     for (uint32_t id = 0; id < kAvatars; ++id)
       bodies.phases.push_back(static_cast<float>(id) / kAvatars);
     bodies.resize_steps(kAvatars);
@@ -125,8 +127,8 @@ TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
     BodyTables tables;
     Posing posing({adult}, std::array<ModelUse, 1>{ModelUse{{}, kind}}, bodies, tables, workers);
     for (uint32_t first = 0; first < kAvatars; first += 50)
-      walk_on(posing, std::vector<WalkNow>(50, WalkNow{{}, 1.3f, true}), 0.1, first,
-              SimdTarget::kScalar, bodies);
+      advance_walk(posing, std::vector<WalkInput>(50, WalkInput{{}, 1.3f, true}), 0.1, first,
+                   SimdTarget::kScalar, bodies);
     std::vector<float> rows(kAvatars * columns);
     std::vector<size_t> offsets;
     for (size_t id = 0; id < kAvatars; ++id) offsets.push_back(id * columns);

@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Bundled, ResumeScenes, testing::ValuesIn(scene_names())
 
 TEST(Resume, UnderADeadlineGivesTheSameRemainingFrames) {
   SimulationOptions options;
-  options.culler.deadline_tests = 2000;
+  options.culler.budget_tests = 2000;
   Simulation whole(small("plaza"), options);
   for (int i = 0; i < 40; ++i) whole.step();
   const std::vector<uint8_t> state = whole.saved();

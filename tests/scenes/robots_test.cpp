@@ -129,12 +129,12 @@ TEST_F(Robots, AreAsTallAsTheSceneSaysFromLowestToHighestPoint) {
 TEST_F(Robots, StandThereUntilTheyAreDrivenAndThenWhereTheRootIsPut) {
   write("r.urdf", random_robot(3));
   Scene scene = scene_with("model: r.urdf");
-  scene.groups[0].driven = "ROBOT";
+  scene.groups[0].control_channel = "ROBOT";
   Simulation simulation(scene, {});
   EXPECT_NEAR(extent_of(simulation, simulation.step(), 0).first, 0, 5e-3);
-  DrivenPose pose;
+  ExternalPose pose;
   pose.root.position_m = {1, 2, 0.25};
-  EXPECT_EQ(simulation.drive(0, pose), 0);
+  EXPECT_EQ(simulation.set_pose(0, pose), 0);
   EXPECT_EQ(simulation.step().roots[0].position_m, pose.root.position_m);
 }
 
@@ -148,7 +148,7 @@ TEST_F(Robots, SayTheirSizeAndScale) {
   EXPECT_EQ(describe_size(scene_with("model: r.urdf").groups[0]), own);
   EXPECT_EQ(describe_size(scene_with("model: r.urdf, height_m: 1").groups[0]),
             "robot 'cart', 2.4 x 1.2 x 1 m at scale 2, its root 0.5 m above the ground");
-  EXPECT_EQ(describe_size(scene_with("speed_mps: 1").groups[0]),
+  EXPECT_EQ(describe_size(scene_with("desired_speed_mps: 1").groups[0]),
             "people of all heights after 'adult', which is 1.75 m tall");
   Simulation simulation(scene_with("model: r.urdf"), {});
   EXPECT_THAT(simulation.notes(), testing::Contains("group 'g': " + own));

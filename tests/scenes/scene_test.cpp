@@ -32,7 +32,7 @@ const std::string kTwoGroups = kGround +
                                "    density_per_m2: 3\n"
                                "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
                                "    goals:\n"
-                               "      - {min_m: [15, 1], max_m: [19, 9], pass: true}\n"
+                               "      - {min_m: [15, 1], max_m: [19, 9], waypoint: true}\n"
                                "      - {min_m: [10, 1], max_m: [12, 9]}\n"
                                "  - name: b\n"
                                "    count: 2\n"
@@ -41,23 +41,23 @@ const std::string kTwoGroups = kGround +
 
 TEST_F(SceneFile, SaysWhoWaitsForWhomAndWhenDoorsOpen) {
   const Scene scene = load(kTwoGroups +
-                           "    after: {group: a, goal: 1, later_s: 2}\n"
+                           "    after: {group: a, goal: 1, delay_s: 2}\n"
                            "doors:\n"
                            "  - {from_m: [9, 2], to_m: [9, 4], opens: [3, {group: a}]}\n"
                            "  - {name: gate, from_m: [9, 5], to_m: [9, 7], closes: [7/2]}\n");
   EXPECT_EQ(scene.groups[0].count, 72);
   EXPECT_FALSE(scene.groups[0].after);
-  EXPECT_EQ(scene.groups[1].after, (Cue{2, "a", 1}));
+  EXPECT_EQ(scene.groups[1].after, (TriggerRule{2, "a", 1}));
   ASSERT_EQ(scene.doors.size(), 2u);
   EXPECT_EQ(scene.doors[0].name, "door 1");
-  EXPECT_EQ(scene.doors[0].opens, (std::vector<Cue>{{3, "", 0}, {0, "a", 0}}));
+  EXPECT_EQ(scene.doors[0].opens, (std::vector<TriggerRule>{{3, "", 0}, {0, "a", 0}}));
   EXPECT_TRUE(scene.doors[0].closes.empty());
   EXPECT_EQ(scene.doors[1].name, "gate");
   EXPECT_EQ(scene.doors[1].to_m, Eigen::Vector2d(9, 7));
-  EXPECT_EQ(scene.doors[1].closes, (std::vector<Cue>{{3.5, "", 0}}));
+  EXPECT_EQ(scene.doors[1].closes, (std::vector<TriggerRule>{{3.5, "", 0}}));
   const uint64_t hash = scene.content_hash;
-  EXPECT_NE(load(kTwoGroups + "    after: {group: a, goal: 2, later_s: 2}\n").content_hash,
-            load(kTwoGroups + "    after: {group: a, goal: 1, later_s: 2}\n").content_hash);
+  EXPECT_NE(load(kTwoGroups + "    after: {group: a, goal: 2, delay_s: 2}\n").content_hash,
+            load(kTwoGroups + "    after: {group: a, goal: 1, delay_s: 2}\n").content_hash);
   EXPECT_NE(load(kTwoGroups).content_hash, hash);
   EXPECT_EQ(load(kTwoGroups + "doors: []\n").content_hash, load(kTwoGroups).content_hash);
 }
@@ -95,42 +95,42 @@ TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
 
 TEST_F(SceneFile, SaysWhoWalksWithWhom) {
   const Scene alone = load(kTwoGroups);
-  EXPECT_FALSE(alone.groups[1].companions);
-  const Scene usual = load(kTwoGroups + "    companions: {}\n");
-  EXPECT_EQ(usual.groups[1].companions->share, 0.6);
+  EXPECT_FALSE(alone.groups[1].social_groups);
+  const Scene usual = load(kTwoGroups + "    social_groups: {}\n");
+  EXPECT_EQ(usual.groups[1].social_groups->share, 0.6);
   EXPECT_NE(usual.content_hash, alone.content_hash);
-  EXPECT_EQ(load(kTwoGroups + "    companions: 0.6\n").content_hash, usual.content_hash);
-  const Scene some = load(kTwoGroups + "    companions: {share: 1/4, pairs: 0, fours: 3}\n");
-  EXPECT_EQ(some.groups[1].companions->share, 0.25);
-  EXPECT_EQ(some.groups[1].companions->sizes, (std::array<double, 3>{0, 0.21, 3}));
+  EXPECT_EQ(load(kTwoGroups + "    social_groups: 0.6\n").content_hash, usual.content_hash);
+  const Scene some = load(kTwoGroups + "    social_groups: {share: 1/4, pairs: 0, fours: 3}\n");
+  EXPECT_EQ(some.groups[1].social_groups->share, 0.25);
+  EXPECT_EQ(some.groups[1].social_groups->sizes, (std::array<double, 3>{0, 0.21, 3}));
   EXPECT_NE(some.content_hash, usual.content_hash);
   const auto group = [](const std::string& lines) { return kTwoGroups + lines; };
-  EXPECT_EQ(complaint(group("    companions: 2\n")),
-            "s.yaml:13: expected 'companions' from 0 to 1, found 2");
-  EXPECT_EQ(complaint(group("    companions: [2]\n")),
+  EXPECT_EQ(complaint(group("    social_groups: 2\n")),
+            "s.yaml:13: expected 'social_groups' from 0 to 1, found 2");
+  EXPECT_EQ(complaint(group("    social_groups: [2]\n")),
             "s.yaml:13: expected companions (a map of keys), found a list of 1");
-  EXPECT_EQ(complaint(group("    companions: {pairs: 0, threes: 0, fours: 0}\n")),
+  EXPECT_EQ(complaint(group("    social_groups: {pairs: 0, threes: 0, fours: 0}\n")),
             "s.yaml:13: expected one of 'pairs', 'threes' and 'fours' above 0, found none");
-  EXPECT_EQ(complaint(group("    companions: {pair: 1}\n")).substr(0, 40),
+  EXPECT_EQ(complaint(group("    social_groups: {pair: 1}\n")).substr(0, 40),
             "s.yaml:13: expected a key of companions,");
   EXPECT_EQ(complaint(kGround + "groups:\n"
                                 "  - density_per_m2: 3\n"
-                                "    companions: 0.5\n"
+                                "    social_groups: 0.5\n"
                                 "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
                                 "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n"),
-            "s.yaml:4: expected either 'companions' or 'density_per_m2', found both");
+            "s.yaml:4: expected either 'social_groups' or 'density_per_m2', found both");
 }
 
 TEST_F(SceneFile, SaysWhatItSays) {
-  const Scene scene = load(
-      "name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
-      "culling: {part_volume: ordop14, exact: true}\nplanted_feet: false\n" + kGroup +
-      "    speed_mps: {mean: 1.2, deviation: 0.1, min: 1, max: 1.5}\n"
-      "    height_m: 1.8\n"
-      "    face: [10, -3]\n"
-      "obstacles:\n"
-      "  - {name: wall, kind: box, position_m: [10, 5], size_m: [0.5, 2, 3], heading_deg: 90}\n"
-      "  - {kind: cylinder, position_m: [12, 5], diameter_m: 1, height_m: 2, bottom_m: 1}\n");
+  const Scene scene =
+      load("name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
+           "culling: {part_volume: ordop14, exact: true}\nplanted_feet: false\n" + kGroup +
+           "    desired_speed_mps: {mean: 1.2, std_dev: 0.1, min: 1, max: 1.5}\n"
+           "    height_m: 1.8\n"
+           "    look_at: [10, -3]\n"
+           "obstacles:\n"
+           "  - {name: wall, kind: box, position_m: [10, 5], size_m: [0.5, 2, 3], yaw_deg: 90}\n"
+           "  - {kind: cylinder, position_m: [12, 5], diameter_m: 1, height_m: 2, bottom_m: 1}\n");
   EXPECT_EQ(scene.name, "test");
   EXPECT_EQ(scene.seed, 7u);
   EXPECT_EQ(scene.step_s, 1.0 / 50);
@@ -138,13 +138,13 @@ TEST_F(SceneFile, SaysWhatItSays) {
   EXPECT_EQ(scene.part_volume, VolumeKind::kOrdop14);
   EXPECT_TRUE(scene.exact);
   EXPECT_FALSE(scene.planted_feet);
-  EXPECT_TRUE(scene.yielding);
+  EXPECT_TRUE(scene.body_avoidance);
   ASSERT_EQ(scene.groups.size(), 1u);
   EXPECT_EQ(scene.groups[0].count, 3);
   EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.2);
   EXPECT_EQ(scene.groups[0].height_m->min, 1.8);
   EXPECT_EQ(scene.groups[0].height_m->max, 1.8);
-  EXPECT_EQ(scene.groups[0].face_m, Eigen::Vector2d(10, -3));
+  EXPECT_EQ(scene.groups[0].look_at_m, Eigen::Vector2d(10, -3));
   ASSERT_NE(scene.groups[0].body, nullptr);
   EXPECT_EQ(scene.groups[0].body->part_count(), 15);
   ASSERT_EQ(scene.obstacles.size(), 2u);
@@ -191,8 +191,8 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:1: expected min_m below max_m in ground, found [0, 10] and [20, 0]"},
       {"three coordinates", "ground: {min_m: [0, 0, 0], max_m: [20, 10]}\n" + kGroup,
        "s.yaml:1: expected a list of 2 numbers for 'min_m', found a list of 3"},
-      {"a face without a place", kGround + kGroup + "    face: north\n",
-       "s.yaml:7: expected a list of 2 numbers for 'face', found 'north'"},
+      {"a face without a place", kGround + kGroup + "    look_at: north\n",
+       "s.yaml:7: expected a list of 2 numbers for 'look_at', found 'north'"},
       {"huge ground", "ground: {min_m: [-90000, -90000], max_m: [90000, 90000]}\n" + kGroup,
        "s.yaml:1: expected ground of at most 1"},
       {"spawn off the ground",
@@ -204,7 +204,7 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:3: expected a whole number from 0 to 16777215 for 'count', found '-1'"},
       {"no goals", kGround + kGroup.substr(0, kGroup.find("    goals")) + "    goals: []\n",
        "s.yaml:6: expected a list for 'goals', found a list of 0"},
-      {"mean outside", kGround + kGroup + "    speed_mps: {mean: 3, max: 2}\n",
+      {"mean outside", kGround + kGroup + "    desired_speed_mps: {mean: 3, max: 2}\n",
        "s.yaml:7: expected min <= mean <= max in speed_mps, found min 0.5, mean 3, max 2"},
       {"unknown age", kGround + kGroup + "    ages: elderlies\n",
        "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed) "
@@ -222,12 +222,12 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
        "s.yaml:7: expected a share above 0 in ages, found none"},
       {"negative share", kGround + kGroup + "    ages: {young: -1}\n",
        "s.yaml:7: expected 'young' from 0 to 1000000, found -1"},
-      {"unknown style", kGround + kGroup + "    styles: stif\n",
+      {"unknown style", kGround + kGroup + "    gait_styles: stif\n",
        "s.yaml:7: expected styles (plain, relaxed, brisk, stiff, pockets, short_steps) or a map of "
        "shares, found 'stif' (did you mean 'stiff'?)"},
-      {"unknown style among others", kGround + kGroup + "    styles: {plain: 1, brisque: 1}\n",
+      {"unknown style among others", kGround + kGroup + "    gait_styles: {plain: 1, brisque: 1}\n",
        "s.yaml:7: expected a key of styles, found 'brisque' (did you mean 'brisk'?)"},
-      {"nobody in any style", kGround + kGroup + "    styles: {plain: 0}\n",
+      {"nobody in any style", kGround + kGroup + "    gait_styles: {plain: 0}\n",
        "s.yaml:7: expected a share above 0 in styles, found none"},
       {"no such model", kGround + kGroup + "    model: nobody.urdf\n",
        "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
@@ -364,7 +364,7 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
   };
   const Scene inside = with("position_m: [10, 5], size_m: [20, 1, 1]");
   EXPECT_TRUE(inside.notes.empty()) << "its ends lie in the edge";
-  const Scene over = with("position_m: [20, 5], heading_deg: 30, size_m: [4, 1, 1]");
+  const Scene over = with("position_m: [20, 5], yaw_deg: 30, size_m: [4, 1, 1]");
   ASSERT_EQ(over.notes.size(), 1u);
   EXPECT_EQ(over.notes[0],
             "obstacle 'x' reaches over the edge of the ground: its footprint is cut off there, all "
@@ -381,7 +381,7 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
   }
   EXPECT_NEAR(doubled_m2, 4, 1e-6) << "counter-clockwise, half of 4 m by 1 m";
   for (const char* keys : {"position_m: [22, 5], size_m: [4, 1, 1]",
-                           "position_m: [22.7, 12.5], heading_deg: 45, size_m: [4, 4, 1]",
+                           "position_m: [22.7, 12.5], yaw_deg: 45, size_m: [4, 4, 1]",
                            "position_m: [-500, 5], size_m: [4, 1, 1]"})
     EXPECT_THAT(complaint(kGround + kGroup + "obstacles: [{name: x, kind: box, " + keys + "}]\n"),
                 testing::HasSubstr("s.yaml:7: expected obstacle 'x' on the ground ([0, 0] to [20, "
@@ -403,8 +403,7 @@ TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
   EXPECT_DOUBLE_EQ(headroom("    ages: children\n"), 1.7);
   EXPECT_DOUBLE_EQ(headroom("    ages: {children: 1, elderly: 1}\n"), 2.06);
   EXPECT_DOUBLE_EQ(headroom("    height_m: 1.5\n"), 1.6);
-  EXPECT_DOUBLE_EQ(headroom("    height_m: {mean: 1.7, deviation: 0.1, min: 1.5, max: 2.5}\n"),
-                   2.6);
+  EXPECT_DOUBLE_EQ(headroom("    height_m: {mean: 1.7, std_dev: 0.1, min: 1.5, max: 2.5}\n"), 2.6);
   const std::string second =
       "  - {name: b, count: 1, height_m: 2.2, spawn: {min_m: [5, 1], max_m: [8, 9]}, goals: "
       "[{min_m: [15, 1], max_m: [19, 9]}]}\n";

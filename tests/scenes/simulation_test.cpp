@@ -131,7 +131,7 @@ TEST(Simulation, EveryAvatarHasAGroupWithAName) {
   const RunInfo& info = plaza.info();
   ASSERT_EQ(info.group_of_avatar.size(), 60u);
   ASSERT_EQ(info.groups.size(), plaza.scene().groups.size());
-  EXPECT_EQ(info.drive_channels, std::vector<std::string>(info.groups.size()));
+  EXPECT_EQ(info.control_channels, std::vector<std::string>(info.groups.size()));
   std::vector<int> members(info.groups.size());
   for (const uint16_t group : info.group_of_avatar) ++members.at(group);
   for (size_t i = 0; i < members.size(); ++i) {
@@ -227,7 +227,7 @@ TEST(Runner, QuantilesAreRanksOfTheSamples) {
 TEST_F(SceneFile, PeopleWalkUnderALintelAndDoNotTouchIt) {
   const Scene scene = load(
       kGround +
-      "near_m: 0.3\n"
+      "proximity_m: 0.3\n"
       "groups:\n"
       "  - {name: a, count: 30, height_m: 2.0, on_arrival: leave, spawn: {min_m: [1, 1], max_m: "
       "[6, "
@@ -243,7 +243,7 @@ TEST_F(SceneFile, PeopleWalkUnderALintelAndDoNotTouchIt) {
     frame = &simulation.step();
     for (const PairKey& pair : frame->pairs)
       ASSERT_LT(pair.b(), people) << "touches the lintel in frame " << i;
-    for (const NearPair row : frame->near_pairs) near += row.pair.b() >= people;
+    for (const ProximityPair row : frame->proximity_pairs) near += row.pair.b() >= people;
   }
   EXPECT_GT(near, 0u) << "the lintel is looked at";
   EXPECT_EQ(std::count(frame->present.begin(), frame->present.end(), 1), 0) << "all arrived";

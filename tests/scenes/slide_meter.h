@@ -38,8 +38,8 @@ class SlideMeter {
         if (part.name == (side == 0 ? "rightFoot" : "leftFoot"))
           parts_[side] = static_cast<size_t>(&part - model.parts.data());
     feet_.resize(simulation.info().model_of_avatar.size());
-    // A stride is kStridePerRootSpeed times the root of speed times leg length.
-    const float root = Gait(model).stride_length_m(1, 1) / static_cast<float>(kStridePerRootSpeed);
+    // A stride is kStridePerSqrtSpeed times the root of speed times leg length.
+    const float root = Gait(model).stride_length_m(1, 1) / static_cast<float>(kStridePerSqrtSpeed);
     leg_m_ = root * root;
   }
 

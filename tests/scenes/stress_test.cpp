@@ -10,7 +10,7 @@
 #include "avatars/avatars.h"
 #include "base/random.h"
 #include "culling/culling.h"
-#include "culling/exact/triangle_bvh.h"
+#include "culling/triangles/triangle_bvh.h"
 #include "scenes/run/simulation.h"
 
 namespace throng::stress_test {
@@ -72,7 +72,7 @@ class StandIns : public PoseSource {
     poses({&b, 1}, of_b);
     const Eigen::Vector3f a_to_b = (roots[b].position_m - roots[a].position_m).cast<float>();
     int missed = 0;
-    ExactCounters counters;
+    TriangleCounters counters;
     for (uint32_t i = 0; i < parts(); ++i)
       for (uint32_t j = 0; j < parts(); ++j) {
         if (!solids_touch(trees_[i], of_a[i], 1, trees_[j], of_b[j], 1, a_to_b, counters)) continue;
@@ -247,7 +247,7 @@ TEST(Stress, APressedCrowdWalksOnAndEndsItsPairs) {
   Scene scene = load_scene("corridor");
   std::vector<std::string> notes;
   scale_to(scene, 400, notes);
-  scene.yielding = false;  // so that many touch
+  scene.body_avoidance = false;  // so that many touch
   SimulationOptions options;
   options.threads = 2;
   Simulation simulation(std::move(scene), options);

@@ -40,7 +40,7 @@ void print_slides(const char* who, const char* name, const Slides& slides) {
 TEST(Walk, PlantedFeetOfARealCrowdStayWhereTheyArePut) {
   for (const char* name : {"plaza", "corridor"}) {
     Scene scene = small(name, 200);
-    scene.yielding = false;
+    scene.body_avoidance = false;
     Slides slides;
     for (scene.seed = 1; scene.seed <= 3; ++scene.seed) {
       Simulation simulation(scene, {});

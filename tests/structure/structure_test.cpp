@@ -126,7 +126,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/culling.h",
                                            "culling/distance/hull_depth.h",
                                            "culling/event_hash.h",
-                                           "culling/near.h",
+                                           "culling/proximity.h",
                                            "culling/pair.h",
                                            "culling/pair_filter.h",
                                            "culling/part_tally.h",
@@ -134,7 +134,7 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
                                            "culling/strategies/strategy.h",
                                            "culling/volumes/volume_kind.h"};
   const std::set<std::string_view> behind = {
-      "avatars/gait/gait_sphere.cpp", "scenes/motion/box_world.cpp",
+      "avatars/gait/gait_sphere.cpp", "scenes/motion/box_motion.cpp",
       "viewer/picture/volume_outline.cpp", "viewer/server/run_message.cpp"};
   std::set<std::string> seen;
   for (const SourceFile& file : files()) {
@@ -182,10 +182,10 @@ TEST_F(Structure, OnePlaceSpeaksToStandardError) {
       if (code.find("__sanitizer_set_report_path") != std::string_view::npos) continue;
       for (const std::string_view way : ways) {
         if (code.find(way) == std::string_view::npos) continue;
-        said |= file.path == "base/say.cpp";
-        EXPECT_EQ(file.path, "base/say.cpp")
+        said |= file.path == "base/console.cpp";
+        EXPECT_EQ(file.path, "base/console.cpp")
             << file.path << ":" << line.number
-            << ": messages go through say() of base/say.h: " << line.text;
+            << ": messages go through print_message() of base/console.h: " << line.text;
       }
     }
   }

@@ -72,7 +72,7 @@ TEST_F(LiveCrowd, ShowsTheLastFrameOfAFinishedRunToALatePage) {
     sink.frame(run.info(), frame);
   }
   sink.end(run.info(), run.finish());
-  for (int i = 0; i < 1000 && view_.frames_heard() < 10; ++i) std::this_thread::sleep_for(5ms);
+  for (int i = 0; i < 1000 && view_.frames_received() < 10; ++i) std::this_thread::sleep_for(5ms);
   TestSocket late(view_.server().port());
   late.open();
   EXPECT_NE(next(late, kRunMessage), "");
@@ -134,8 +134,8 @@ TEST_F(LiveCrowd, AClientThatStopsReadingCostsNoFrame) {
     sink.frame(run.info(), run.step());
     std::this_thread::sleep_for(2ms);
   }
-  for (int i = 0; i < 1000 && view_.frames_heard() < sent; ++i) std::this_thread::sleep_for(5ms);
-  EXPECT_EQ(view_.frames_heard(), sent);
+  for (int i = 0; i < 1000 && view_.frames_received() < sent; ++i) std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(view_.frames_received(), sent);
   const uint64_t built = view_.frames_built();
   EXPECT_GE(built, 30u);
   EXPECT_GE(view_.server().frames_dropped() + 10, built)

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "avatars/avatars.h"
-#include "bench/workbench/couples.h"
+#include "bench/workbench/random_pairs.h"
 #include "culling/volumes/pose_math.h"
 
 namespace throng::volume_outline_test {

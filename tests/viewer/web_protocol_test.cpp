@@ -25,7 +25,7 @@ TEST(WebProtocol, ReadsARequest) {
   EXPECT_EQ(request->method, "GET");
   EXPECT_EQ(request->path, "/ws");
   EXPECT_EQ(request->header("upgrade"), "WebSocket");
-  EXPECT_TRUE(request->asks_for_web_socket());
+  EXPECT_TRUE(request->is_web_socket_upgrade());
 }
 
 TEST(WebProtocol, RefusesWhatIsNoRequest) {
@@ -57,7 +57,7 @@ TEST(WebProtocol, OnlyThePageItselfMayOpenTheSocket) {
        }) {
     HttpRequest request;
     request.headers = {{"host", visit.host}, {"origin", visit.origin}};
-    EXPECT_EQ(is_own_page(request, visit.loopback), visit.is_own)
+    EXPECT_EQ(is_same_origin(request, visit.loopback), visit.is_own)
         << "host " << visit.host << ", origin " << visit.origin;
   }
 }
@@ -72,7 +72,7 @@ std::string masked(std::string head, const std::string& payload) {
 TEST(WebProtocol, UnmasksAFrame) {
   const std::string bytes = masked("\x81\x85", "hello") + "next";
   const ClientFrame frame = parse_frame(as_bytes(bytes), 100);
-  ASSERT_EQ(frame.status, ClientFrame::Status::kWhole);
+  ASSERT_EQ(frame.status, ClientFrame::Status::kComplete);
   EXPECT_EQ(frame.opcode, Opcode::kText);
   EXPECT_EQ(frame.payload, "hello");
   EXPECT_EQ(frame.bytes, bytes.size() - 4);
@@ -112,7 +112,7 @@ TEST(WebProtocol, SurvivesAnyBytes) {
     for (uint64_t i = 0; i < size; ++i)
       bytes += static_cast<char>(random_bits({.seed = kSeed, .id = round, .step = i + 1}));
     const ClientFrame frame = parse_frame(as_bytes(bytes), 64);
-    if (frame.status != ClientFrame::Status::kWhole) continue;
+    if (frame.status != ClientFrame::Status::kComplete) continue;
     ++whole;
     ASSERT_LE(frame.bytes, bytes.size());
     ASSERT_LE(frame.payload.size(), 64u);

@@ -56,7 +56,7 @@ TEST(WebServer, NamesWhatItDoesNotServe) {
 TEST(WebServer, ClosesOnAHeadWithoutEnd) {
   WebServer server({}, kPage, {});
   TestSocket browser(server.port());
-  browser.send("GET / HTTP/1.1\r\nX: " + std::string(3 * WebServer::kMostRequestBytes, 'x'));
+  browser.send("GET / HTTP/1.1\r\nX: " + std::string(3 * WebServer::kMaxRequestBytes, 'x'));
   EXPECT_TRUE(browser.is_closed());
   EXPECT_EQ(server.refused(), 1u);
 }
@@ -146,7 +146,7 @@ TEST(WebServer, LetsGoOfAClientThatSaysTooMuch) {
   WebServer server({}, kPage, {});
   TestSocket browser(server.port());
   ASSERT_EQ(browser.open(), kAccepted);
-  browser.send_frame(Opcode::kText, std::string(WebServer::kMostMessageBytes + 1, 'x'));
+  browser.send_frame(Opcode::kText, std::string(WebServer::kMaxClientMessageBytes + 1, 'x'));
   EXPECT_TRUE(browser.is_closed());
   EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
 }

@@ -15,7 +15,7 @@
 
 #include "avatars/gait/gait.h"
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "viewer/picture/volume_outline.h"
 
 namespace throng {
@@ -174,7 +174,7 @@ void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<R
 /// How far back the eye has to be for everybody who is there to be in the picture, feet and head.
 float distance_to_all(const CrowdState& crowd, const Eigen::Vector3f& target_m,
                       const Eigen::Vector3f& back, float half_width, float half_height) {
-  constexpr float kRoom = 1.06F;  // at the rim: arms, shadows
+  constexpr float kRimFactor = 1.06F;  // at the rim: arms, shadows
   const Eigen::Vector3f right = Eigen::Vector3f::UnitZ().cross(back).normalized();
   const Eigen::Vector3f up = back.cross(right);
   float distance_m = 3 * kPersonHeight_m;
@@ -185,7 +185,7 @@ float distance_to_all(const CrowdState& crowd, const Eigen::Vector3f& target_m,
           crowd.roots[avatar].position_m.cast<float>() + Eigen::Vector3f(0, 0, z_m) - target_m;
       const float aside =
           std::max(std::abs(point.dot(right)) / half_width, std::abs(point.dot(up)) / half_height);
-      distance_m = std::max(distance_m, point.dot(back) + kRoom * aside);
+      distance_m = std::max(distance_m, point.dot(back) + kRimFactor * aside);
     }
   }
   return distance_m;
@@ -296,7 +296,7 @@ size_t Animation::write(const std::filesystem::path& file) {
   WebPDataInit(&data);
   if (WebPAnimEncoderAssemble(encoder_->webp, &data) == 0) encoder_->fail();
   const std::unique_ptr<WebPData, void (*)(WebPData*)> owned(&data, WebPDataClear);
-  write_whole_file(file, std::span<const uint8_t>(data.bytes, data.size));
+  write_file_atomically(file, std::span<const uint8_t>(data.bytes, data.size));
   return data.size;
 }
 

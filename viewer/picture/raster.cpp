@@ -15,7 +15,7 @@
 #include <memory>
 
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 
 namespace throng {
 namespace {
@@ -24,7 +24,7 @@ const Eigen::Vector3f kSun = Eigen::Vector3f(-0.45F, -0.55F, 1.0F).normalized();
 const Eigen::Vector3f kBackground(0.93F, 0.95F, 0.97F);
 const Eigen::Vector3f kGround(0.86F, 0.86F, 0.84F);
 constexpr float kShadow = 0.62F;  // what is left of the ground's light
-constexpr float kNear_m = 0.05F;
+constexpr float kNearPlane_m = 0.05F;
 constexpr float kGridLine_m = 0.02F;
 /// Gamma 2: a square root away from linear light, near enough to sRGB for flat colours.
 uint8_t to_byte(float linear) {
@@ -70,7 +70,7 @@ struct Sample {
 };
 
 /// What lies before a sample and lets it through: its light, and how much it takes.
-struct Veil {
+struct TranslucentLayer {
   float red = 0, green = 0, blue = 0;
   float cover = 0;
 };
@@ -78,7 +78,7 @@ struct Veil {
 struct Canvas {
   int width, height;
   std::vector<Sample> samples;
-  std::vector<Veil> veils;  // none where nothing is see-through
+  std::vector<TranslucentLayer> layers;  // none where nothing is see-through
   std::vector<uint8_t> shadow;
 
   /// Calls body(index, a, b, c) for the samples inside a triangle, with barycentric weights.
@@ -132,13 +132,13 @@ int clip(const std::array<Corner, 3>& in, std::array<Corner, 4>& out) {
   for (size_t i = 0; i < 3; ++i) {
     const Corner& a = in[i];
     const Corner& b = in[(i + 1) % 3];
-    const bool a_in = a.camera.z() > kNear_m;
+    const bool a_in = a.camera.z() > kNearPlane_m;
     if (a_in) out[static_cast<size_t>(count++)] = a;
-    if (a_in != (b.camera.z() > kNear_m)) {
-      const float t = (kNear_m - a.camera.z()) / (b.camera.z() - a.camera.z());
+    if (a_in != (b.camera.z() > kNearPlane_m)) {
+      const float t = (kNearPlane_m - a.camera.z()) / (b.camera.z() - a.camera.z());
       Corner cut;
       cut.camera = a.camera + t * (b.camera - a.camera);
-      cut.camera.z() = kNear_m;
+      cut.camera.z() = kNearPlane_m;
       cut.light = a.light + t * (b.light - a.light);
       out[static_cast<size_t>(count++)] = cut;
     }
@@ -200,7 +200,7 @@ class Painter {
 
   void draw(const RenderItem& item) {
     const Mesh& mesh = *item.mesh;
-    if (item.opacity < 1) canvas_.veils.resize(canvas_.samples.size());
+    if (item.opacity < 1) canvas_.layers.resize(canvas_.samples.size());
     world_.clear();
     for (const Eigen::Vector3f& v : mesh.vertices)
       world_.push_back(item.world_from_mesh * (item.scale * v));
@@ -251,7 +251,7 @@ class Painter {
         Eigen::Vector3f sum = Eigen::Vector3f::Zero();
         for (int sy = 0; sy < options_.samples; ++sy)
           for (int sx = 0; sx < options_.samples; ++sx)
-            sum += behind_veil(x * options_.samples + sx, y * options_.samples + sy);
+            sum += behind_layer(x * options_.samples + sx, y * options_.samples + sy);
         for (int c = 0; c < 3; ++c) image.rgb.push_back(to_byte(sum[c] * share));
       }
     }
@@ -269,20 +269,21 @@ class Painter {
 
   /// The nearer ones come later and lie over what is there.
   void cover(size_t at, const RenderItem& item, float light) {
-    Veil& veil = canvas_.veils[at];
+    TranslucentLayer& layer = canvas_.layers[at];
     const float lets = 1 - item.opacity;
-    veil = {veil.red * lets + item.opacity * item.rgb.x() * light,
-            veil.green * lets + item.opacity * item.rgb.y() * light,
-            veil.blue * lets + item.opacity * item.rgb.z() * light,
-            veil.cover * lets + item.opacity};
+    layer = {layer.red * lets + item.opacity * item.rgb.x() * light,
+             layer.green * lets + item.opacity * item.rgb.y() * light,
+             layer.blue * lets + item.opacity * item.rgb.z() * light,
+             layer.cover * lets + item.opacity};
   }
 
-  Eigen::Vector3f behind_veil(int x, int y) const {
+  Eigen::Vector3f behind_layer(int x, int y) const {
     Eigen::Vector3f bare = colour(x, y);
-    if (canvas_.veils.empty()) return bare;
-    const Veil& veil = canvas_.veils[static_cast<size_t>(y) * static_cast<size_t>(canvas_.width) +
-                                     static_cast<size_t>(x)];
-    return Eigen::Vector3f(veil.red, veil.green, veil.blue) + (1 - veil.cover) * bare;
+    if (canvas_.layers.empty()) return bare;
+    const TranslucentLayer& layer =
+        canvas_.layers[static_cast<size_t>(y) * static_cast<size_t>(canvas_.width) +
+                       static_cast<size_t>(x)];
+    return Eigen::Vector3f(layer.red, layer.green, layer.blue) + (1 - layer.cover) * bare;
   }
 
   Eigen::Vector3f colour(int x, int y) const {
@@ -327,16 +328,16 @@ Image render(std::span<const RenderItem> items, const Camera& camera,
   assert(options.width > 0 && options.height > 0 && options.samples >= 1 && options.samples <= 4);
   assert(camera.eye_m != camera.target_m);
   Painter painter(camera, options);
-  std::vector<const RenderItem*> see_through;
+  std::vector<const RenderItem*> translucent;
   for (const RenderItem& item : items)
     if (item.opacity < 1)
-      see_through.push_back(&item);
+      translucent.push_back(&item);
     else
       painter.draw(item);
   const auto depth = [&](const RenderItem* item) { return painter.depth_of(*item); };
-  std::stable_sort(see_through.begin(), see_through.end(),
+  std::stable_sort(translucent.begin(), translucent.end(),
                    [&](const RenderItem* a, const RenderItem* b) { return depth(a) > depth(b); });
-  for (const RenderItem* item : see_through) painter.draw(*item);
+  for (const RenderItem* item : translucent) painter.draw(*item);
   return painter.finish();
 }
 
@@ -359,7 +360,7 @@ void write_png(const std::filesystem::path& file, const Image& image) {
   const std::unique_ptr<char, void (*)(void*)> owned(bytes, std::free);
   if (!written) fail(header.message);
   if (!closed) fail(std::strerror(ENOMEM));
-  write_whole_file(file, std::string_view(bytes, size));
+  write_file_atomically(file, std::string_view(bytes, size));
 }
 
 }  // namespace throng

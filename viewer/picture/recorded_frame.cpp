@@ -40,7 +40,7 @@ void RecordedFrame::advance_to(int64_t number) {
   }
 }
 
-std::string RecordedFrame::what_is_missing() {
+std::string RecordedFrame::describe_missing() {
   LogEvent event;
   while (gaps_.next(reader_, event)) continue;
   return run_.run() == nullptr ? "" : gaps_.describe(run_.run()->step_s);

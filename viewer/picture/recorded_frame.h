@@ -29,10 +29,10 @@ class RecordedFrame {
 
   /// What of the run the log lacks, in sentences, or "". Reads on to the end: nothing but this may
   /// be asked afterwards.
-  std::string what_is_missing();
+  std::string describe_missing();
 
   /// The next frame after the one advanced to that has states, if the log has one. Reads on:
-  /// nothing but this and what_is_missing() may be asked afterwards.
+  /// nothing but this and describe_missing() may be asked afterwards.
   std::optional<int64_t> next_states();
 
   RunReader& run() { return run_; }

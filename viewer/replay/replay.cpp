@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/errors.h"
-#include "base/files/whole_file.h"
+#include "base/files/atomic_file.h"
 #include "lcm_io/log/log_gaps.h"
 #include "viewer/picture/recorded_frame.h"
 
@@ -67,8 +67,8 @@ using nlohmann::json;
 constexpr uint8_t kBeganBefore = 1;  // its begin was not recorded
 constexpr uint8_t kEndLost = 2;      // its end was not recorded
 
-constexpr size_t kMostKept = size_t{2} << 30;
-constexpr int64_t kMostFrames = 10'000'000;  // two days; a damaged number must not ask for memory
+constexpr size_t kMaxStoredBytes = size_t{2} << 30;
+constexpr int64_t kMaxFrames = 10'000'000;  // two days; a damaged number must not ask for memory
 
 /// Seven bits a byte, low ones first; signs folded into the lowest bit.
 void put_varint(Bytes& out, int64_t value) {
@@ -115,19 +115,19 @@ double ReplayRecorder::seconds() const {
 }
 
 /// Contacts as the page shows them: one whose begin was not heard is there from where it was seen.
-void ReplayRecorder::keep_changes() {
+void ReplayRecorder::store_changes() {
   for (const PairBegins::Change& change : begins_.changes()) {
-    std::vector<Stretch>& stretches = pairs_[change.pair];
+    std::vector<ContactInterval>& intervals = pairs_[change.pair];
     if (change.kind == PairBegins::ChangeKind::kBegan) {
-      const bool is_heard = change.began >= 0;
+      const bool is_begin_known = change.began >= 0;
       const auto level = run_.touching().find(change.pair);
-      stretches.push_back({is_heard ? change.began : ~change.began, -1,
+      intervals.push_back({is_begin_known ? change.began : ~change.began, -1,
                            level == run_.touching().end() ? PairLevel::kPartVolume : level->second,
-                           is_heard ? uint8_t{0} : kBeganBefore});
-      ++stretches_;
-    } else if (!stretches.empty()) {
-      stretches.back().end = std::max(stretches.back().begin, change.frame);
-      if (change.kind == PairBegins::ChangeKind::kLost) stretches.back().flags |= kEndLost;
+                           is_begin_known ? uint8_t{0} : kBeganBefore});
+      ++interval_count_;
+    } else if (!intervals.empty()) {
+      intervals.back().end = std::max(intervals.back().begin, change.frame);
+      if (change.kind == PairBegins::ChangeKind::kLost) intervals.back().flags |= kEndLost;
     }
   }
 }
@@ -135,7 +135,7 @@ void ReplayRecorder::keep_changes() {
 void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> bytes) {
   const RunReader::Update update = run_.take(channel, bytes);
   begins_.take(run_, update);
-  keep_changes();
+  store_changes();
   switch (update) {
     case RunReader::Update::kState: {
       const auto every =
@@ -143,17 +143,17 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
       const CrowdState& crowd = run_.state();
       if (!keys_.empty() && crowd.frame < keys_.back().frame + every) break;
       bytes_per_key_ = crowd.roots.size() * (sizeof(RootPose) + 5) + crowd.postures.size() * 4;
-      if (bytes_kept() + bytes_per_key_ > kMostKept)
+      if (stored_bytes() + bytes_per_key_ > kMaxStoredBytes)
         throw EnvironmentError(fmt::format(
             "--html keeps at most {} MB in memory; that is {:.1f} s of {} people: fewer, please",
-            kMostKept >> 20, seconds(), avatars()));
+            kMaxStoredBytes >> 20, seconds(), avatars()));
       keys_.push_back({crowd.frame, crowd});
       break;
     }
     case RunReader::Update::kFrameStats:
-      if (run_.frame_stats()->frame >= kMostFrames)
+      if (run_.frame_stats()->frame >= kMaxFrames)
         throw EnvironmentError(fmt::format("--html shows at most {} frames; found number {}",
-                                           kMostFrames, run_.frame_stats()->frame));
+                                           kMaxFrames, run_.frame_stats()->frame));
       last_frame_ = std::max(last_frame_, run_.frame_stats()->frame);
       frame_ms_.resize(static_cast<size_t>(last_frame_) + 1);
       frame_ms_.back() = static_cast<float>(run_.frame_stats()->frame_ns * 1e-6);
@@ -195,18 +195,18 @@ void ReplayRecorder::put_pairs(Bytes& out) const {
   // Column by column: like numbers next to each other compress best.
   const auto column = [&](const auto& put_one) {
     PairKey last(0, 0, 0, 0);
-    for (const auto& [pair, stretches] : pairs_) {
+    for (const auto& [pair, intervals] : pairs_) {
       int64_t end = 0;
-      for (const Stretch& stretch : stretches) {
+      for (const ContactInterval& interval : intervals) {
         const bool is_same_a = pair.a() == last.a();
-        put_one(pair, last, is_same_a, stretch, end);
-        end = stretch.end < 0 ? last_frame_ + 1 : stretch.end;
+        put_one(pair, last, is_same_a, interval, end);
+        end = interval.end < 0 ? last_frame_ + 1 : interval.end;
         last = pair;
       }
     }
   };
   using Pair = const PairKey&;
-  using Span = const Stretch&;
+  using Span = const ContactInterval&;
   column([&](Pair pair, Pair last, bool, Span, int64_t) {
     put_varint(out, int64_t{pair.a()} - int64_t{last.a()});
   });
@@ -276,7 +276,7 @@ Bytes ReplayRecorder::finish(const std::string& problem) {
   json head = {{"position_step_m", kReplayPosition_m},
                {"quaternion_step", kReplayQuaternion},
                {"frames", last_frame_ + 1},
-               {"pairs", stretches_},
+               {"pairs", interval_count_},
                {"pairs_at", pairs_at},
                {"problem", problem},
                {"models", models}};
@@ -341,7 +341,7 @@ ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path&
         fmt::format("{:.1f} MB for {} people over {:.1f} s; {:.1f} s of them would fit", mb,
                     recorder.avatars(), recorder.seconds(), 0.95 * share * recorder.seconds()));
   }
-  write_whole_file(html, text);
+  write_file_atomically(html, text);
   return {text.size(), recorder.avatars(), recorder.seconds(), problem};
 }
 
@@ -372,8 +372,8 @@ void ReplaySink::begin(const RunInfo& run) {
   const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));
   encoder_.emplace(EncoderOptions{.state_every = every}, static_cast<MessageTarget&>(*this));
   encoder_->begin(run);
-  for (int chunk = 0; chunk < encoder_->outlet().description_chunks(); ++chunk)
-    encoder_->outlet().send_description_chunk(chunk);
+  for (int chunk = 0; chunk < encoder_->target_state().description_chunks(); ++chunk)
+    encoder_->target_state().send_description_chunk(chunk);
 }
 
 void ReplaySink::frame(const RunInfo& run, const Frame& frame) { encoder_->frame(run, frame); }

@@ -59,7 +59,7 @@ class ReplayRecorder {
   double seconds() const;
 
   /// What has been kept so far, in memory.
-  size_t bytes_kept() const { return keys_.size() * bytes_per_key_; }
+  size_t stored_bytes() const { return keys_.size() * bytes_per_key_; }
 
   /// u32 bytes | run message | u32 bytes of JSON | JSON | columns: see the definition. Not yet
   /// compressed. Needs keys. `problem`: what of the run is missing, for the page to say.
@@ -70,12 +70,12 @@ class ReplayRecorder {
     int64_t frame;
     CrowdState crowd;
   };
-  struct Stretch {
+  struct ContactInterval {
     int64_t begin, end;
     PairLevel level;
     uint8_t flags;
   };
-  void keep_changes();
+  void store_changes();
   void put_people(Bytes& out) const;
   Eigen::MatrixXd rows_of(std::span<const size_t> members, Eigen::Index joints) const;
   PostureBasis put_postures(size_t model_index, Bytes& out);
@@ -86,8 +86,8 @@ class ReplayRecorder {
   std::vector<Key> keys_;
   size_t bytes_per_key_ = 0;
   int64_t last_frame_ = -1;
-  std::map<PairKey, std::vector<Stretch>> pairs_;
-  int64_t stretches_ = 0;
+  std::map<PairKey, std::vector<ContactInterval>> pairs_;
+  int64_t interval_count_ = 0;
   std::vector<float> frame_ms_;
 };
 

@@ -18,7 +18,7 @@ bool overlap(const PlacedSphere& a, const PlacedSphere& b) {
 }  // namespace
 
 /// Cells no smaller than the widest sphere, so that neighbours hold all partners.
-struct Crowded::Grid {
+struct SphereOverlaps::Grid {
   explicit Grid(std::span<const PlacedSphere> spheres) {
     float widest = 0;
     for (const PlacedSphere& s : spheres) {
@@ -29,8 +29,8 @@ struct Crowded::Grid {
     }
     if (high_x < low_x) return;
     // A crowd spread thin over kilometres gets larger cells rather than millions of them.
-    const float side = std::sqrt((high_x - low_x) * (high_y - low_y) / kMostCells);
-    const float long_side = std::max(high_x - low_x, high_y - low_y) / kMostCells;
+    const float side = std::sqrt((high_x - low_x) * (high_y - low_y) / kMaxCells);
+    const float long_side = std::max(high_x - low_x, high_y - low_y) / kMaxCells;
     edge = std::max({2 * widest, side, long_side, 1e-3F});
     columns = static_cast<int>((high_x - low_x) / edge) + 1;
     rows = static_cast<int>((high_y - low_y) / edge) + 1;
@@ -42,12 +42,12 @@ struct Crowded::Grid {
     return cell(std::min(columns - 1, static_cast<int>((s.x - low_x) / edge)),
                 std::min(rows - 1, static_cast<int>((s.y - low_y) / edge)));
   }
-  static constexpr float kMostCells = 1 << 18;
+  static constexpr float kMaxCells = 1 << 18;
   float low_x = 1e30F, high_x = -1e30F, low_y = 1e30F, high_y = -1e30F, edge = 1;
   int columns = 1, rows = 1;
 };
 
-void Crowded::sort_by_cell(std::span<const PlacedSphere> spheres, const Grid& grid) {
+void SphereOverlaps::sort_by_cell(std::span<const PlacedSphere> spheres, const Grid& grid) {
   const size_t cells = static_cast<size_t>(grid.columns) * static_cast<size_t>(grid.rows);
   start_.resize(cells + 2);
   order_.resize(spheres.size());
@@ -61,7 +61,7 @@ void Crowded::sort_by_cell(std::span<const PlacedSphere> spheres, const Grid& gr
       [&](uint32_t i, uint32_t position) { order_[position] = i; });
 }
 
-size_t Crowded::mark(std::span<const PlacedSphere> spheres, std::span<uint8_t> flags) {
+size_t SphereOverlaps::mark(std::span<const PlacedSphere> spheres, std::span<uint8_t> flags) {
   assert(flags.size() == spheres.size());
   std::fill(flags.begin(), flags.end(), uint8_t{0});
   const Grid grid(spheres);
@@ -174,7 +174,7 @@ void FrameMessages::add_people() {
     spheres_[i] = {centre.x(), centre.y(), centre.z(), is_there ? sphere.radius_m * scale : 0};
     if (is_there) ++head_.present;
   }
-  head_.crowded = static_cast<uint32_t>(crowded_.mark(spheres_, crowded_flags_));
+  head_.crowded = static_cast<uint32_t>(sphere_overlaps_.mark(spheres_, crowded_flags_));
   auto* people = records_at<AvatarRecord>(*out_, sizeof(FrameHead));
   for (size_t i = 0; i < crowd.roots.size(); ++i) {
     const Eigen::Vector3f position = crowd.roots[i].position_m.cast<float>();

@@ -18,7 +18,7 @@ struct PlacedSphere {
   float radius = 0;  ///< 0: nobody there
 };
 
-class Crowded {
+class SphereOverlaps {
  public:
   /// flags[i] becomes 1 if sphere i overlaps another one, else 0; returns how many do. Nothing is
   /// allocated once it has seen as many spheres.
@@ -85,7 +85,7 @@ class FrameMessages {
   std::vector<PlacedSphere> spheres_;
   std::vector<RootFrame> roots_;
   std::vector<PartPose> poses_;
-  Crowded crowded_;
+  SphereOverlaps sphere_overlaps_;
 };
 
 }  // namespace throng

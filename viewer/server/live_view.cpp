@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "lcm_io/codec/guard.h"
+#include "lcm_io/codec/message_validation.h"
 #include "viewer/picture/recorded_frame.h"
-#include "viewer/server/questions.h"
+#include "viewer/server/view_query.h"
 
 namespace throng {
 namespace {
@@ -36,7 +36,7 @@ LiveView::LiveView(std::unique_ptr<Receiver> receiver, const WebOptions& options
       receiver_(std::move(receiver)),
       server_(options, page,
               {[this](const std::shared_ptr<WebClient>& client) { opened(client); },
-               [this](WebClient& client, std::string_view text) { said(client, text); }}),
+               [this](WebClient& client, std::string_view text) { on_text(client, text); }}),
       thread_([this] { listen(); }) {}
 
 LiveView::~LiveView() {
@@ -48,7 +48,7 @@ LiveView::~LiveView() {
 std::string LiveView::waiting() const {
   std::string start = "throng run plaza --pace 1";
   if (lcm_url_ != kDefaultLcmUrl) start += fmt::format(" --lcm '{}'", lcm_url_);
-  return text_of({{"waiting", trouble_}, {"lcm", lcm_url_}, {"start", start}});
+  return text_of({{"waiting", problem_}, {"lcm", lcm_url_}, {"start", start}});
 }
 
 void LiveView::opened(const std::shared_ptr<WebClient>& client) {
@@ -56,11 +56,11 @@ void LiveView::opened(const std::shared_ptr<WebClient>& client) {
   if (run_message_ == nullptr) return client->send_text(waiting());
   client->send_binary(run_message_);
   if (has_ended_) client->send_text(kEnded);
-  has_newcomer_ = true;
+  has_new_client_ = true;
 }
 
-void LiveView::said(WebClient& client, std::string_view text) {
-  const Question question = parse_question(text);
+void LiveView::on_text(WebClient& client, std::string_view text) {
+  const ViewQuery question = parse_view_query(text);
   if (question.person)
     client.send_text(
         history_.of(*question.person, question.frame.value_or(INT64_MAX), kHistoryPairs));
@@ -83,7 +83,7 @@ void LiveView::begin_run() {
   {
     const std::lock_guard lock(mutex_);
     run_message_ = message;
-    trouble_ = trouble;
+    problem_ = trouble;
     has_ended_ = false;
     if (message == nullptr) server_.send_text(waiting());
   }
@@ -104,7 +104,7 @@ void LiveView::take(const ReceivedMessage& message) {
     case RunReader::Update::kFrameStats:
       last_touching_.clear();
       last_begins_.clear();
-      ++heard_;
+      ++received_;
       is_fresh_ = true;
       break;
     case RunReader::Update::kEnd:
@@ -122,10 +122,10 @@ int64_t LiveView::missing() const {
   return missing;
 }
 
-void LiveView::tell_status() {
+void LiveView::send_status() {
   const Inbox& inbox = receiver_->inbox();
   server_.send_text(text_of({{"status",
-                              {{"heard", heard_.load()},
+                              {{"heard", received_.load()},
                                {"dropped", server_.frames_dropped()},
                                {"lost", missing()},
                                {"refused", inbox.refused()},
@@ -157,7 +157,7 @@ void LiveView::offer_frame() {
       run.state().frame < 0 || !run.frame_stats())
     return;
   const bool is_over = run.end().has_value();
-  server_.offer_frame(messages_->build(static_cast<double>(heard_), run.frame_stats()->frame,
+  server_.offer_frame(messages_->build(static_cast<double>(received_), run.frame_stats()->frame,
                                        is_over ? last_touching_ : run.touching(),
                                        is_over ? last_begins_ : begins_.all(), missing()));
   ++built_;
@@ -168,10 +168,10 @@ void LiveView::listen() {
   while (!stopping_) {
     receiver_->receive(kWait, [this](const ReceivedMessage& message) { take(message); });
     // One frame for all that came: whoever is behind gets the newest.
-    const bool is_wanted = std::exchange(is_fresh_, false);
-    if (has_newcomer_.exchange(false) || is_wanted) offer_frame();
+    const bool is_due = std::exchange(is_fresh_, false);
+    if (has_new_client_.exchange(false) || is_due) offer_frame();
     if (Clock::now() < next_status) continue;
-    tell_status();
+    send_status();
     next_status = Clock::now() + kStatusPeriod;
   }
 }

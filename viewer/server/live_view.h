@@ -25,7 +25,7 @@ class LiveView {
   ~LiveView();
 
   WebServer& server() { return server_; }
-  uint64_t frames_heard() const { return heard_; }
+  uint64_t frames_received() const { return received_; }
   uint64_t frames_built() const { return built_; }
 
  private:
@@ -37,9 +37,9 @@ class LiveView {
   void offer_frame();
   std::string waiting() const;
   int64_t missing() const;
-  void tell_status();
+  void send_status();
   void opened(const std::shared_ptr<WebClient>& client);
-  void said(WebClient& client, std::string_view text);
+  void on_text(WebClient& client, std::string_view text);
 
   std::string lcm_url_;
   std::unique_ptr<Receiver> receiver_;
@@ -52,13 +52,13 @@ class LiveView {
   RunReader::Touching last_touching_;
   PairBegins::Begins last_begins_;
 
-  std::atomic<uint64_t> heard_{0}, built_{0};
+  std::atomic<uint64_t> received_{0}, built_{0};
   PairHistory history_;
   std::mutex mutex_;
   SharedBytes run_message_;
-  std::string trouble_;  ///< why the run that is heard cannot be shown
+  std::string problem_;  ///< why the run that is heard cannot be shown
   bool has_ended_ = false;
-  std::atomic<bool> has_newcomer_{false};  ///< a page that has no frame yet
+  std::atomic<bool> has_new_client_{false};  ///< a page that has no frame yet
   std::atomic<bool> stopping_{false};
   WebServer server_;
   std::thread thread_;  // last: uses the rest

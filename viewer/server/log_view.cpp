@@ -6,7 +6,7 @@
 
 #include "base/errors.h"
 #include "viewer/picture/recorded_frame.h"
-#include "viewer/server/questions.h"
+#include "viewer/server/view_query.h"
 
 namespace throng {
 namespace {
@@ -90,10 +90,10 @@ std::optional<LogIndex::Start> LogIndex::start_of(int64_t frame) const {
   return Start{*states, newest(touching_, frame).value_or(touching_.front())};
 }
 
-std::string LogIndex::to_json(size_t most) const {
+std::string LogIndex::to_json(size_t max_samples) const {
   const std::lock_guard lock(mutex_);
   const auto frames = static_cast<size_t>(last_frame_ + 1);
-  const size_t every = frames / most + 1;
+  const size_t every = frames / max_samples + 1;
   std::vector<int32_t> pairs((frames + every - 1) / every);
   std::vector<float> frame_ms(pairs.size());
   for (const Sample& sample : samples_) {
@@ -144,7 +144,7 @@ void LogPlayer::read_to(int64_t frame, const LogIndex::Start& start) {
     const LogReader::Status status = reader_.next(event);
     if (status == LogReader::Status::kEnd) return;
     if (status != LogReader::Status::kEvent) {
-      if (!skip_damage(reader_, status).goes_on) return;
+      if (!skip_damage(reader_, status).continues) return;
       continue;
     }
     // States that newer ones replace before anybody sees them are not decoded.
@@ -198,7 +198,7 @@ LogView::LogView(const std::filesystem::path& log, const WebOptions& options, st
           std::make_shared<Bytes>(throng::run_message(description_, geometry_, ViewMode::kLog))),
       server_(options, page,
               {[this](const std::shared_ptr<WebClient>& client) { opened(client); },
-               [this](WebClient& client, std::string_view text) { said(client, text); }}) {}
+               [this](WebClient& client, std::string_view text) { on_text(client, text); }}) {}
 
 void LogView::opened(const std::shared_ptr<WebClient>& client) {
   client->state = std::make_shared<Player>(index_, geometry_);
@@ -206,9 +206,9 @@ void LogView::opened(const std::shared_ptr<WebClient>& client) {
   client->send_text(index_.to_json(kIndexSamples));
 }
 
-void LogView::said(WebClient& client, std::string_view text) {
+void LogView::on_text(WebClient& client, std::string_view text) {
   auto& player = *static_cast<Player*>(client.state.get());
-  const Question question = parse_question(text);
+  const ViewQuery question = parse_view_query(text);
   if (question.index) client.send_text(index_.to_json(kIndexSamples));
   if (question.person) {
     client.send_text(

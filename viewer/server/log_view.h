@@ -46,7 +46,7 @@ class LogIndex {
   std::string problem() const;
   /// {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
   /// "frame_ms": [...]}}: the run in at most `most` samples, and the first frame that has states.
-  std::string to_json(size_t most) const;
+  std::string to_json(size_t max_samples) const;
 
   const PairHistory& history() const { return history_; }
   /// The messages of the description, one after the other.
@@ -122,7 +122,7 @@ class LogView {
  private:
   struct Player;
   void opened(const std::shared_ptr<WebClient>& client);
-  void said(WebClient& client, std::string_view text);
+  void on_text(WebClient& client, std::string_view text);
 
   LogIndex index_;
   RunReader description_;

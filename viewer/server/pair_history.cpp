@@ -18,7 +18,7 @@ void PairBegins::begin(PairKey pair, int64_t frame, BeginFrame began) {
 }
 
 /// Events are missing before `frame`: what touched before it may have ended and begun anew.
-void PairBegins::doubt(int64_t frame) {
+void PairBegins::mark_lost(int64_t frame) {
   for (const auto& [pair, began] : begins_) {
     if (began == frame) continue;
     changes_.push_back({pair, ChangeKind::kLost, frame + 1, began});
@@ -66,7 +66,7 @@ bool PairBegins::take(const RunReader& run, RunReader::Update update) {
     }
   }
   const int64_t missing = run.tally(Channel::kEvents).missing;
-  if (missing > missing_) doubt(frame);
+  if (missing > missing_) mark_lost(frame);
   missing_ = missing;
   return is_new;
 }
@@ -74,7 +74,7 @@ bool PairBegins::take(const RunReader& run, RunReader::Update update) {
 namespace {
 
 using Kind = PairBegins::ChangeKind;
-constexpr int64_t kUnheard = -2;  // an end that was lost
+constexpr int64_t kLostEnd = -2;  // an end that was lost
 
 }  // namespace
 
@@ -106,13 +106,13 @@ std::string PairHistory::of(uint32_t body, int64_t frame, size_t max) const {
     const PairKey& pair = entry->pair;
     if (entry->frame > frame || (pair.a() != body && pair.b() != body)) continue;
     if (entry->kind != Kind::kBegan) {
-      ends[pair] = entry->kind == Kind::kEnded ? entry->frame : kUnheard;
+      ends[pair] = entry->kind == Kind::kEnded ? entry->frame : kLostEnd;
       continue;
     }
     const auto found = ends.find(pair);
     const int64_t end = found == ends.end() ? -1 : found->second;
     // How long a contact took whose end was lost, nobody knows: it is not told.
-    if (end != kUnheard)
+    if (end != kLostEnd)
       pairs.push_back({entry->began, end, pair.a(), pair.b(), pair.part_a(), pair.part_b()});
     if (found != ends.end()) ends.erase(found);
   }

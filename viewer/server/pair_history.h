@@ -48,7 +48,7 @@ class PairBegins {
 
  private:
   void begin(PairKey pair, int64_t frame, BeginFrame began);
-  void doubt(int64_t frame);
+  void mark_lost(int64_t frame);
   void match(const RunReader::Touching& touching, int64_t frame);
 
   Begins begins_;

@@ -20,9 +20,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLargest = 32767;       // of an int16
-constexpr int64_t kMostParts = 4 << 20;  // 64 MB a frame
-constexpr float kLargest_m = 1e5F;
+constexpr double kMaxInt16 = 32767;     // of an int16
+constexpr int64_t kMaxParts = 4 << 20;  // 64 MB a frame
+constexpr float kMaxVertex_m = 1e5F;
 
 class MeshSection {
  public:
@@ -31,7 +31,7 @@ class MeshSection {
     double reach = 1e-6;
     for (const Eigen::Vector3f& v : vertices)
       reach = std::max(reach, static_cast<double>(v.cwiseAbs().maxCoeff()));
-    const double step = reach / kLargest;
+    const double step = reach / kMaxInt16;
     json place = {
         {"vertex_step_m", step}, {"vertices", bytes_.size()}, {"vertex_count", vertices.size()}};
     for (const Eigen::Vector3f& v : vertices)
@@ -163,17 +163,17 @@ const char* name_of(ViewMode mode) {
 }
 
 /// A description may come from anybody: what would take gigabytes or overflow is refused.
-void require_showable(const run_description_t& run) {
+void require_viewable(const run_description_t& run) {
   int64_t parts = 0;
   for (const int16_t model : run.model_of_avatar)
     parts += run.models[static_cast<size_t>(model)].part_count;
-  if (parts > kMostParts)
-    throw InputError(run.scene, fmt::format("at most {} body parts to show", kMostParts),
+  if (parts > kMaxParts)
+    throw InputError(run.scene, fmt::format("at most {} body parts to show", kMaxParts),
                      fmt::format("{}", parts));
   const auto require = [&](const std::string& name, const mesh_t& mesh) {
     for (const float x : mesh.coordinates_m)
-      if (!(std::fabs(x) < kLargest_m))
-        throw InputError(name, fmt::format("vertices within {} m", kLargest_m),
+      if (!(std::fabs(x) < kMaxVertex_m))
+        throw InputError(name, fmt::format("vertices within {} m", kMaxVertex_m),
                          fmt::format("{}", x));
   };
   for (const model_t& model : run.models)
@@ -185,12 +185,12 @@ void require_showable(const run_description_t& run) {
 
 RunGeometry::RunGeometry(RunReader& run) {
   const run_description_t& description = *run.run();
-  require_showable(description);
-  std::vector<float> largest_scale(description.models.size(), 1);
+  require_viewable(description);
+  std::vector<float> max_scale(description.models.size(), 1);
   first_part = {0};
   for (size_t i = 0; i < description.model_of_avatar.size(); ++i) {
     const auto model = static_cast<size_t>(description.model_of_avatar[i]);
-    largest_scale[model] = std::max(largest_scale[model], description.scale_of_avatar[i]);
+    max_scale[model] = std::max(max_scale[model], description.scale_of_avatar[i]);
     first_part.push_back(first_part.back() +
                          static_cast<uint32_t>(description.models[model].part_count));
   }
@@ -200,7 +200,7 @@ RunGeometry::RunGeometry(RunReader& run) {
     spheres.push_back({gait.sphere_centre_m().z(), gait.sphere_radius_m()});
     float reach_m = 0.01F;
     for (const float reach : model->kinematics.reach_m()) reach_m = std::max(reach_m, reach);
-    part_step_m.push_back(1.01F * reach_m * largest_scale[m] / static_cast<float>(kLargest));
+    part_step_m.push_back(1.01F * reach_m * max_scale[m] / static_cast<float>(kMaxInt16));
   }
 }
 

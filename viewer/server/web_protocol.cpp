@@ -37,7 +37,7 @@ std::string_view HttpRequest::header(const std::string& name) const {
   return found == headers.end() ? std::string_view{} : found->second;
 }
 
-bool HttpRequest::asks_for_web_socket() const {
+bool HttpRequest::is_web_socket_upgrade() const {
   return lower(header("upgrade")) == "websocket" && !header("sec-websocket-key").empty();
 }
 
@@ -65,7 +65,7 @@ std::optional<HttpRequest> parse_request(std::string_view head) {
   return request;
 }
 
-bool is_own_page(const HttpRequest& request, bool loopback) {
+bool is_same_origin(const HttpRequest& request, bool loopback) {
   const std::string host = lower(request.header("host"));
   const std::string_view name = name_in(host);
   if (loopback && name != "localhost" && name != "127.0.0.1" && name != "[::1]") return false;
@@ -105,7 +105,7 @@ std::string close_payload(uint16_t code, std::string_view reason) {
   return payload.append(reason);
 }
 
-ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most) {
+ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t max_bytes) {
   ClientFrame frame;
   if (bytes.size() < 2) return frame;
   frame.status = ClientFrame::Status::kRefused;
@@ -113,10 +113,10 @@ ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most) {
   const bool is_masked = (bytes[1] & 0x80) != 0;
   const bool has_extension = (bytes[0] & 0x70) != 0;
   frame.opcode = static_cast<Opcode>(bytes[0] & 0x0f);
-  constexpr std::array kKnown = {Opcode::kText, Opcode::kBinary, Opcode::kClose, Opcode::kPing,
-                                 Opcode::kPong};
+  constexpr std::array kKnownOpcodes = {Opcode::kText, Opcode::kBinary, Opcode::kClose,
+                                        Opcode::kPing, Opcode::kPong};
   if (!is_whole || !is_masked || has_extension ||
-      std::find(kKnown.begin(), kKnown.end(), frame.opcode) == kKnown.end())
+      std::find(kKnownOpcodes.begin(), kKnownOpcodes.end(), frame.opcode) == kKnownOpcodes.end())
     return frame;
   uint64_t size = bytes[1] & 0x7f;
   const size_t length_bytes = size == 126 ? 2 : size == 127 ? 8 : 0;
@@ -127,7 +127,7 @@ ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most) {
   }
   if (length_bytes > 0) size = 0;
   for (size_t i = 0; i < length_bytes; ++i) size = size << 8 | bytes[2 + i];
-  if (size > most) return frame;
+  if (size > max_bytes) return frame;
   frame.bytes = head + static_cast<size_t>(size);
   if (bytes.size() < frame.bytes) {
     frame.status = ClientFrame::Status::kIncomplete;
@@ -136,7 +136,7 @@ ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most) {
   frame.payload.resize(static_cast<size_t>(size));
   for (size_t i = 0; i < frame.payload.size(); ++i)
     frame.payload[i] = static_cast<char>(bytes[head + i] ^ bytes[head - 4 + i % 4]);
-  frame.status = ClientFrame::Status::kWhole;
+  frame.status = ClientFrame::Status::kComplete;
   return frame;
 }
 

@@ -20,7 +20,7 @@ struct HttpRequest {
   std::map<std::string, std::string> headers;  ///< names in lower case
 
   std::string_view header(const std::string& name) const;
-  bool asks_for_web_socket() const;
+  bool is_web_socket_upgrade() const;
 };
 
 /// The request of a head that ends in an empty line; nothing if it is none.
@@ -29,7 +29,7 @@ std::optional<HttpRequest> parse_request(std::string_view head);
 /// Whether the page may be served and the socket opened: a browser that another site's page drives
 /// sends that site as Origin, or its name as Host. `loopback`: only names of this machine are
 /// believed. Programs that send no Origin are no browsers.
-bool is_own_page(const HttpRequest& request, bool loopback);
+bool is_same_origin(const HttpRequest& request, bool loopback);
 
 /// Sec-WebSocket-Accept for a client's Sec-WebSocket-Key.
 std::string accept_key(std::string_view key);
@@ -46,7 +46,7 @@ std::string close_payload(uint16_t code, std::string_view reason);
 
 /// A client's frame at the start of `bytes`.
 struct ClientFrame {
-  enum class Status { kWhole, kIncomplete, kRefused };
+  enum class Status { kComplete, kIncomplete, kRefused };
   Status status = Status::kIncomplete;
   Opcode opcode = Opcode::kText;
   std::string payload;  ///< unmasked
@@ -54,6 +54,6 @@ struct ClientFrame {
 };
 
 /// Refused: longer than `most` bytes, unmasked, in pieces, or of no kind that we know.
-ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t most);
+ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t max_bytes);
 
 }  // namespace throng

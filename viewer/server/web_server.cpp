@@ -195,7 +195,7 @@ void WebServer::serve(Connection& connection) {
   Bytes buffer;
   const auto end = Clock::now() + kRequestTime;
   while (head_bytes(buffer) == 0) {
-    if (stopping_ || Clock::now() > end || buffer.size() > kMostRequestBytes) {
+    if (stopping_ || Clock::now() > end || buffer.size() > kMaxRequestBytes) {
       ++refused_;
       return;
     }
@@ -207,11 +207,11 @@ void WebServer::serve(Connection& connection) {
     ++refused_;
     reply(descriptor, status, "text/plain; charset=utf-8", fmt::format("{}\n", status));
   };
-  if (!request || head > kMostRequestBytes) return refuse("400 Bad Request");
-  if (!is_own_page(*request, loopback_)) return refuse("403 Forbidden");
+  if (!request || head > kMaxRequestBytes) return refuse("400 Bad Request");
+  if (!is_same_origin(*request, loopback_)) return refuse("403 Forbidden");
   if (request->method != "GET") return refuse("405 Method Not Allowed");
   if (request->path == "/ws") {
-    if (!request->asks_for_web_socket()) return refuse("426 Upgrade Required");
+    if (!request->is_web_socket_upgrade()) return refuse("426 Upgrade Required");
     return serve_socket(connection, *request,
                         Bytes(buffer.begin() + static_cast<std::ptrdiff_t>(head), buffer.end()));
   }
@@ -256,7 +256,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
 
 void WebServer::read_messages(Connection& connection, WebClient& client, Bytes buffer) {
   while (!stopping_ && !client.finished_) {
-    const ClientFrame frame = parse_frame(buffer, kMostMessageBytes);
+    const ClientFrame frame = parse_frame(buffer, kMaxClientMessageBytes);
     if (frame.status == ClientFrame::Status::kRefused) return;
     if (frame.status == ClientFrame::Status::kIncomplete) {
       if (!read_some(connection.descriptor, buffer)) return;
@@ -265,7 +265,8 @@ void WebServer::read_messages(Connection& connection, WebClient& client, Bytes b
     buffer.erase(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(frame.bytes));
     if (frame.opcode == Opcode::kClose) return;
     if (frame.opcode == Opcode::kPing) client.pong(frame.payload);
-    if (frame.opcode == Opcode::kText && handlers_.said) handlers_.said(client, frame.payload);
+    if (frame.opcode == Opcode::kText && handlers_.on_text)
+      handlers_.on_text(client, frame.payload);
   }
 }
 
@@ -297,7 +298,7 @@ void WebClient::finish() {
 void WebClient::enqueue(Message message) {
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() < kMostWaiting)
+    if (waiting_.size() < kMaxWaiting)
       waiting_.push_back(std::move(message));
     else
       finished_ = true;
@@ -322,7 +323,7 @@ void WebClient::offer_frame(SharedBytes frame) {
 void WebClient::pong(std::string payload) {
   {
     const std::lock_guard lock(mutex_);
-    if (pongs_.size() < kMostWaiting) pongs_.push_back(std::move(payload));
+    if (pongs_.size() < kMaxWaiting) pongs_.push_back(std::move(payload));
   }
   changed_.notify_one();
 }

@@ -27,7 +27,7 @@ class WebClient {
   explicit WebClient(int descriptor);
   ~WebClient();
 
-  /// Messages that must arrive, in order. A client that lets kMostWaiting of them pile up is let
+  /// Messages that must arrive, in order. A client that lets kMaxWaiting of them pile up is let
   /// go.
   void send_text(std::string text);
   void send_binary(SharedBytes bytes);
@@ -44,7 +44,7 @@ class WebClient {
 
  private:
   friend class WebServer;
-  static constexpr size_t kMostWaiting = 64;
+  static constexpr size_t kMaxWaiting = 64;
   struct Message {
     bool is_text = false;
     std::string text;
@@ -71,7 +71,7 @@ class WebClient {
 /// Called from the thread of the client that it is about.
 struct WebHandlers {
   std::function<void(const std::shared_ptr<WebClient>&)> opened;
-  std::function<void(WebClient&, std::string_view text)> said;
+  std::function<void(WebClient&, std::string_view text)> on_text;
 };
 
 struct WebOptions {
@@ -83,8 +83,8 @@ struct WebOptions {
 
 class WebServer {
  public:
-  static constexpr size_t kMostRequestBytes = 8192;
-  static constexpr size_t kMostMessageBytes = 4096;
+  static constexpr size_t kMaxRequestBytes = 8192;
+  static constexpr size_t kMaxClientMessageBytes = 4096;
 
   /// Listens; serves `page` under "/" and the socket under "/ws". Throws EnvironmentError if the
   /// port is taken.

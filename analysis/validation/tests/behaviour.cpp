@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "analysis/validation/recorded_inflow.h"
-#include "analysis/validation/recorded_set_ups.h"
-#include "analysis/validation/set_ups.h"
+#include "analysis/validation/recorded_setups.h"
+#include "analysis/validation/setups.h"
 #include "analysis/validation/trial.h"
 #include "scenes/retargeting/tracks.h"
 
@@ -23,7 +23,7 @@ constexpr double kSetUpSeconds = 60;
 
 Outcome accelerations(const Conditions& conditions) {
   Outcome outcome;
-  std::vector<Accelerated> all;
+  std::vector<SceneAccelerations> all;
   for (const char* name : {"plaza", "corridor", "crossing", "rush_hour"})
     all.push_back(accelerations_of(name, bundled_plan(name, conditions), kSeconds, outcome));
   for (const char* id : {"ug", "uo", "eo", "ko", "bot", "single_file"}) {
@@ -36,12 +36,12 @@ Outcome accelerations(const Conditions& conditions) {
 Outcome queues(const Conditions& conditions) {
   constexpr double kDoor_m = 0.9;
   Outcome outcome;
-  std::vector<Queued> all;
-  all.push_back(queue_in("bottleneck", bundled_plan("bottleneck", conditions),
-                         {{-12.2, -5.2}, {0, 5.2}}, 60, outcome));
-  all.push_back(queue_in("door of 0.9 m",
-                         door_plan(kDoor_m, 180, conditions.model, conditions.seed),
-                         {{0, -3}, {16, 3}}, 60, outcome));
+  std::vector<QueueTurning> all;
+  all.push_back(measure_queue("bottleneck", bundled_plan("bottleneck", conditions),
+                              {{-12.2, -5.2}, {0, 5.2}}, 60, outcome));
+  all.push_back(measure_queue("door of 0.9 m",
+                              door_plan(kDoor_m, 180, conditions.model, conditions.seed),
+                              {{0, -3}, {16, 3}}, 60, outcome));
   return judged(std::move(outcome), judge_queues(all));
 }
 
@@ -55,9 +55,9 @@ Outcome audience(const Conditions& conditions) {
 
 Outcome standing(const Conditions& conditions) {
   Outcome outcome;
-  std::vector<Standing> all;
+  std::vector<DenseStanding> all;
   for (const double per_m2 : {0.5, 2.0, 4.0, 6.0})
-    all.push_back(stand_close(per_m2, conditions, outcome));
+    all.push_back(place_dense_crowd(per_m2, conditions, outcome));
   return judged(std::move(outcome), judge_standing(all));
 }
 
@@ -98,14 +98,14 @@ constexpr double kWalkedWithin_s = 300;
 /// hundred.
 constexpr uint64_t kDoorCrowds = 3;
 
-Together stay_together_at_a_door(const Conditions& conditions, Outcome& outcome) {
-  Together all{"door of 1 m", 0, 0};
+GroupCohesion keep_together_at_a_door(const Conditions& conditions, Outcome& outcome) {
+  GroupCohesion all{"door of 1 m", 0, 0};
   for (uint64_t crowd = 0; crowd < kDoorCrowds; ++crowd) {
     const uint64_t seed = conditions.seed_of_run(crowd, kDoorCrowds);
-    const Together one = stay_together(all.where, parties_at_a_door_plan(conditions.model, seed),
-                                       kWalkedWithin_s, outcome);
+    const GroupCohesion one = measure_cohesion(
+        all.where, groups_at_a_door_plan(conditions.model, seed), kWalkedWithin_s, outcome);
     all.moments += one.moments;
-    all.near += one.near;
+    all.close += one.close;
   }
   return all;
 }
@@ -114,17 +114,17 @@ Outcome companions(const Conditions& conditions) {
   const SteeringKind model = conditions.model;
   const uint64_t seed = conditions.seed;
   Outcome outcome;
-  const std::vector<Together> places = {
-      stay_together("crossing", crossing_parties_plan(model, seed), kWalkedWithin_s, outcome),
-      stay_together_at_a_door(conditions, outcome)};
-  const PartyExits exits =
-      leave_together(parties_with_two_exits_plan(model, seed), 2 * kWalkedWithin_s, outcome);
-  return judged(std::move(outcome), judge_companions(places, exits));
+  const std::vector<GroupCohesion> places = {
+      measure_cohesion("crossing", crossing_groups_plan(model, seed), kWalkedWithin_s, outcome),
+      keep_together_at_a_door(conditions, outcome)};
+  const GroupExits exits =
+      measure_group_exits(groups_with_two_exits_plan(model, seed), 2 * kWalkedWithin_s, outcome);
+  return judged(std::move(outcome), judge_social_groups(places, exits));
 }
 
 }  // namespace
 
-std::vector<Test> companion_tests() {
+std::vector<Test> social_group_tests() {
   return {{{"companions"},
            {"Companions stay together"},
            "Parties of two, three and four, every person in one: 54 in two streams that cross at "
@@ -158,7 +158,7 @@ constexpr uint64_t kContactCrowds = 6;
 constexpr double kTwoSidedFrom_per_m2 = 2;
 
 Outcome encounters(const Conditions& conditions) {
-  return judged({}, judge_encounters(meet(kEncounters, conditions)));
+  return judged({}, judge_encounters(simulate_encounters(kEncounters, conditions)));
 }
 
 Outcome contacts(const Conditions& conditions) {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/validation/judging.h"
-#include "analysis/validation/reality_tables.h"
+#include "analysis/validation/empirical_tables.h"
 #include "analysis/validation/trial.h"
 #include "analysis/validation/validation.h"
+#include "analysis/validation/verdicts.h"
 #include "crowd/spawn.h"
 
 namespace throng::validation {
@@ -41,14 +41,14 @@ int best_rows(double per_metre) {
   return best;
 }
 
-OneWaySpeed measure(double asked_per_m2, const Conditions& conditions, Outcome& outcome) {
+UnidirectionalSpeed measure(double target_per_m2, const Conditions& conditions, Outcome& outcome) {
   Plan plan("corridor", {{0, 0}, {kLength_m + 30, 2}}, {conditions.model}, conditions.seed);
-  const int rows = best_rows(2 * asked_per_m2);
-  const auto columns = static_cast<int>(std::lround(asked_per_m2 * 2 * kLength_m / rows));
+  const int rows = best_rows(2 * target_per_m2);
+  const auto columns = static_cast<int>(std::lround(target_per_m2 * 2 * kLength_m / rows));
   plan.people_in_rows(rows, columns, {{0, 0}, {kLength_m, 2}},
                       {{{kLength_m + 25, 0}, {kLength_m + 30, 2}}});
   Trial trial(plan);
-  double seen = 0, speed_sum = 0;
+  double count = 0, speed_sum = 0;
   int samples = 0;
   while (trial.step(kEnd_s)) {
     if (trial.now_s() < kBegin_s) continue;
@@ -56,21 +56,21 @@ OneWaySpeed measure(double asked_per_m2, const Conditions& conditions, Outcome& 
     for (size_t id = 0; id < trial.size(); ++id) {
       const double x = trial.position_m(id).x();
       if (!trial.is_present(id) || x < kFirst_m || x >= kLast_m) continue;
-      seen += 1;
+      count += 1;
       speed_sum += trial.velocity_mps(id).x();
     }
   }
   note(outcome, trial);
-  OneWaySpeed point;
-  point.asked_per_m2 = asked_per_m2;
-  point.density_per_m2 = seen / samples / ((kLast_m - kFirst_m) * 2);
-  point.speed_mps = seen > 0 ? speed_sum / seen : 0;
+  UnidirectionalSpeed point;
+  point.target_per_m2 = target_per_m2;
+  point.density_per_m2 = count / samples / ((kLast_m - kFirst_m) * 2);
+  point.speed_mps = count > 0 ? speed_sum / count : 0;
   return point;
 }
 
-std::string rows_of(const std::vector<OneWaySpeed>& points) {
+std::string rows_of(const std::vector<UnidirectionalSpeed>& points) {
   std::string text;
-  for (const OneWaySpeed& point : points)
+  for (const UnidirectionalSpeed& point : points)
     text += fmt::format("{:.4f} {:.4f} {:.4f}\n", point.density_per_m2, point.speed_mps,
                         point.density_per_m2 * point.speed_mps);
   return text;
@@ -94,7 +94,7 @@ std::string recorded_rows() {
   return text;
 }
 
-std::vector<Figure> diagrams(const std::vector<OneWaySpeed>& points) {
+std::vector<Figure> diagrams(const std::vector<UnidirectionalSpeed>& points) {
   const std::string data = "$weidmann << EOD\n" + curve() + "EOD\n$recorded << EOD\n" +
                            recorded_rows() + "EOD\n$crowd << EOD\n" + rows_of(points) +
                            "EOD\nset grid\nset xrange [0:5.5]\nset yrange [0:*]\nset key top "
@@ -115,10 +115,10 @@ std::vector<Figure> diagrams(const std::vector<OneWaySpeed>& points) {
 
 Outcome fundamental_diagram(const Conditions& conditions) {
   Outcome outcome;
-  std::vector<OneWaySpeed> points;
+  std::vector<UnidirectionalSpeed> points;
   for (const double density : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0})
     points.push_back(measure(density, conditions, outcome));
-  Judgement judgement = judge_one_way(points);
+  Judgement judgement = judge_unidirectional(points);
   judgement.passed = judgement.passed && outcome.unplaced == 0;
   outcome = judged(std::move(outcome), std::move(judgement));
   outcome.figures = diagrams(points);

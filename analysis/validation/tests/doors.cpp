@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/validation/judging.h"
-#include "analysis/validation/reality_tables.h"
+#include "analysis/validation/empirical_tables.h"
 #include "analysis/validation/trial.h"
 #include "analysis/validation/validation.h"
+#include "analysis/validation/verdicts.h"
 
 namespace throng::validation {
 namespace {
@@ -83,7 +83,7 @@ std::vector<double> leave_a_hall(const Conditions& conditions, int doors, Outcom
   return times;
 }
 
-Outcome large_room(const Conditions& conditions) {
+Outcome large_hall(const Conditions& conditions) {
   Outcome outcome;
   const std::vector<double> four = leave_a_hall(conditions, 4, outcome);
   const std::vector<double> two = leave_a_hall(conditions, 2, outcome);
@@ -118,7 +118,7 @@ struct NeckResult {
   std::string densities;  ///< time, before the neck, before the exit
 };
 
-NeckResult pass_a_neck(SteeringKind model, double width_m, uint64_t seed, Outcome& outcome) {
+NeckResult measure_neck_flow(SteeringKind model, double width_m, uint64_t seed, Outcome& outcome) {
   Plan plan("neck", {{0, 0}, {27, 10}}, {model}, seed);
   plan.wall(10, 0, 15, 5 - 0.5 * width_m);
   plan.wall(10, 5 + 0.5 * width_m, 15, 10);
@@ -131,7 +131,7 @@ NeckResult pass_a_neck(SteeringKind model, double width_m, uint64_t seed, Outcom
   double before_neck = 0, before_exit = 0;
   int samples = 0;
   const auto take = [&](double per_m2, Crowding& crowding) {
-    crowding.most_per_m2 = std::max(crowding.most_per_m2, per_m2);
+    crowding.max_per_m2 = std::max(crowding.max_per_m2, per_m2);
     crowding.queued += per_m2 > kQueue_per_m2 ? kWindow_s : 0;
     crowding.jammed += per_m2 > kJam_per_m2 ? kWindow_s : 0;
   };
@@ -165,22 +165,22 @@ NeckResult pass_a_neck(SteeringKind model, double width_m, uint64_t seed, Outcom
 }
 
 void add(const Crowding& more, double share, Crowding& mean) {
-  mean.most_per_m2 += share * more.most_per_m2;
+  mean.max_per_m2 += share * more.max_per_m2;
   mean.queued += share * more.queued;
   mean.jammed += share * more.jammed;
 }
 
 Outcome neck_flow(const Conditions& conditions) {
   Outcome outcome;
-  std::vector<PassedNeck> necks;
+  std::vector<NeckPassage> necks;
   std::string densities;  // with a neck as wide as the exit
   std::string script, plots;
   constexpr uint64_t kSeeds = 3;
   for (const double width_m : {0.8, kExit_m, 1.2}) {
-    PassedNeck neck{width_m, 0, true, {}, {}};  // means of the seeds
+    NeckPassage neck{width_m, 0, true, {}, {}};  // means of the seeds
     for (uint64_t run = 0; run < kSeeds; ++run) {
-      const NeckResult each =
-          pass_a_neck(conditions.model, width_m, conditions.seed_of_run(run, kSeeds), outcome);
+      const NeckResult each = measure_neck_flow(conditions.model, width_m,
+                                                conditions.seed_of_run(run, kSeeds), outcome);
       neck.flow_per_s += flow_per_s(each.neck_s) / kSeeds;
       neck.all_through = neck.all_through && each.exit_s.size() == kPeople;
       add(each.before_neck, 1.0 / kSeeds, neck.before_neck);
@@ -230,7 +230,7 @@ std::vector<Test> door_tests() {
        "1000 people in 30 m x 20 m, four exits of 1 m in the long sides; then two, those of one "
        "side.",
        "everybody leaves, with two exits in 1.6 to 2.4 times the time",
-       large_room},
+       large_hall},
       {{"rimea_12"},
        {"RiMEA 12: effect of bottlenecks"},
        "150 people in the first of two rooms of 10 m x 10 m, a neck of 5 m between them 0.8, 1.0 "

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/validation/recorded_set_ups.h"
+#include "analysis/validation/recorded_setups.h"
 #include "analysis/validation/trial.h"
 #include "analysis/validation/validation.h"
 #include "base/random.h"
@@ -36,7 +36,7 @@ Outcome overtaking(const Conditions& conditions) {
   constexpr uint64_t kRuns = kStarts / kLanes;
   for (uint64_t run = 0; run < kRuns; ++run) {
     const std::vector<Overtaking> more =
-        overtake(kLanes, conditions.model, conditions.seed_of_run(run, kRuns), outcome);
+        measure_overtaking(kLanes, conditions.model, conditions.seed_of_run(run, kRuns), outcome);
     starts.insert(starts.end(), more.begin(), more.end());
   }
   return judged(std::move(outcome), judge_overtaking(starts));
@@ -46,9 +46,9 @@ Outcome two_way(const Conditions& conditions) {
   Outcome outcome;
   std::vector<std::vector<double>> flows;
   for (uint64_t crowd = 0; crowd < kTwoWayCrowds; ++crowd)
-    flows.push_back(walk_two_ways(kTwoWayMinutes, conditions.model,
-                                  conditions.seed_of_run(crowd, kTwoWayCrowds), outcome));
-  return judged(std::move(outcome), judge_two_way(flows));
+    flows.push_back(measure_counterflow(kTwoWayMinutes, conditions.model,
+                                        conditions.seed_of_run(crowd, kTwoWayCrowds), outcome));
+  return judged(std::move(outcome), judge_counterflow(flows));
 }
 
 }  // namespace
@@ -73,7 +73,8 @@ Plan overtaking_plan(int lanes, SteeringKind model, uint64_t seed) {
   return plan;
 }
 
-std::vector<Overtaking> overtake(int lanes, SteeringKind model, uint64_t seed, Outcome& outcome) {
+std::vector<Overtaking> measure_overtaking(int lanes, SteeringKind model, uint64_t seed,
+                                           Outcome& outcome) {
   Trial trial(overtaking_plan(lanes, model, seed));
   Gate start(Gate::Along::kX, kStart_m, 0, kPitch_m * lanes);
   Gate finish(Gate::Along::kX, kFinish_m, 0, kPitch_m * lanes);
@@ -105,14 +106,14 @@ Plan two_way_plan(SteeringKind model, uint64_t seed) {
   return plan;
 }
 
-std::vector<double> walk_two_ways(int minutes, SteeringKind model, uint64_t seed,
-                                  Outcome& outcome) {
+std::vector<double> measure_counterflow(int minutes, SteeringKind model, uint64_t seed,
+                                        Outcome& outcome) {
   Trial trial(two_way_plan(model, seed));
   std::vector<double> flows(static_cast<size_t>(minutes), 0);
   while (trial.step(60.0 * minutes)) {
     const size_t minute = std::min(flows.size() - 1, static_cast<size_t>(trial.now_s() / 60));
     for (size_t id = 0; id < trial.size(); ++id) {
-      const Eigen::Vector2d& before = trial.before_m(id);
+      const Eigen::Vector2d& before = trial.previous_m(id);
       const Eigen::Vector2d& now = trial.position_m(id);
       if ((before.x() < 0) == (now.x() < 0)) continue;
       // Half of the people, as populate() sends them, go counter-clockwise: to the left at the top.

@@ -7,30 +7,31 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/validation/judging_behaviour.h"
+#include "analysis/validation/behaviour_verdicts.h"
 #include "analysis/validation/recorded_inflow.h"
-#include "analysis/validation/recorded_set_ups.h"
+#include "analysis/validation/recorded_setups.h"
 
 namespace throng::validation {
 namespace {
 
 Figure figure_of(const RecordedCurve& curve, const std::vector<Reading>& readings,
                  const std::string& title, const std::vector<DensitySpeed>& samples) {
-  std::string band, ours, cloud;
+  std::string band, simulated, cloud;
   for (size_t i = 0; i < curve.bins.size(); ++i) {
     const double middle = curve.bins[i].from + 0.5 * kRecordedBin;
     band += fmt::format("{} {} {} {}\n", middle, curve.bins[i].mean_mps, curve.bins[i].low_mps,
                         curve.bins[i].high_mps);
-    if (readings[i].met) ours += fmt::format("{} {:.4f}\n", middle, readings[i].ours);
+    if (readings[i].met) simulated += fmt::format("{} {:.4f}\n", middle, readings[i].simulated);
   }
   const size_t every = std::max<size_t>(1, samples.size() / 400);
   for (size_t i = 0; i < samples.size(); i += every)
     cloud += fmt::format("{:.3f} {:.3f}\n", samples[i].density, samples[i].speed_mps);
   // A block without a line is an error to gnuplot.
-  if (ours.empty()) ours = "-1 -1\n";
+  if (simulated.empty()) simulated = "-1 -1\n";
   if (cloud.empty()) cloud = "-1 -1\n";
   return {curve.id, title, "Bars: 10 to 90 % of the recording. " + curve.source + ".",
-          "$band << EOD\n" + band + "EOD\n$ours << EOD\n" + ours + "EOD\n$cloud << EOD\n" + cloud +
+          "$band << EOD\n" + band + "EOD\n$ours << EOD\n" + simulated + "EOD\n$cloud << EOD\n" +
+              cloud +
               fmt::format(
                   "EOD\nset grid\nset xrange [0:*]\nset yrange [0:*]\nset key top right\nset "
                   "xlabel 'people {}'\nset ylabel 'speed, m/s'\nplot $cloud with dots linecolor "
@@ -92,7 +93,7 @@ std::vector<Test> recorded_speed_tests() {
         {{each.id},
          {each.title},
          fmt::format("{} Free speeds {:g} m/s, standard deviation {:.2f}.", each.setup,
-                     curve.free_speed_mps, curve.free_deviation_mps()),
+                     curve.desired_speed_mps, curve.desired_std_dev_mps()),
          fmt::format("means of bins of 0.25 {} with 20 samples on average at most 15 % of the free "
                      "speed off, 70 % of them between 10 and 90 % of the recording, half of its "
                      "bins reached; source: {}",
@@ -111,20 +112,20 @@ constexpr int kRecorded = 180;
 /// One crowd's flow differs from another's by some hundredths.
 constexpr uint64_t kCrowds = 3;
 constexpr double kEmptiedWithin_s = 600;
-constexpr double kRoom_m = 16;
+constexpr double kHallLength_m = 16;
 constexpr double kNeck_m = 2.8;
 constexpr double kHalf_m = 3;
 
 Figure figure_of(const std::vector<DoorFlow>& flows) {
-  std::string ours, theirs;
+  std::string simulated, recorded;
   for (const DoorFlow& flow : flows)
-    ours += fmt::format("{} {:.4f}\n", flow.width_m, flow.flow_per_s);
+    simulated += fmt::format("{} {:.4f}\n", flow.width_m, flow.flow_per_s);
   for (const RecordedDoor& door : recorded_doors())
     for (const double flow : door.flows_per_s)
-      theirs += fmt::format("{} {} {}\n", door.width_m, flow, door.mean_per_s());
+      recorded += fmt::format("{} {} {}\n", door.width_m, flow, door.mean_per_s());
   return {"doors", "Flow through a door, by its width",
           std::string("Points: an experiment each. ") + kRecordedDoorsSource + ".",
-          "$ours << EOD\n" + ours + "EOD\n$theirs << EOD\n" + theirs +
+          "$ours << EOD\n" + simulated + "EOD\n$theirs << EOD\n" + recorded +
               fmt::format(
                   "EOD\nset grid\nset key top left\nset xrange [0:2.7]\nset yrange [0:*]\nset "
                   "xlabel 'clear width, m'\nset ylabel 'people per s'\nplot $theirs using "
@@ -140,8 +141,8 @@ Figure figure_of(const std::vector<DoorFlow>& flows) {
 DoorFlow mean_flow(double width_m, const Conditions& conditions, Outcome& outcome) {
   DoorFlow mean = {width_m, 0, 0, 0};
   for (uint64_t run = 0; run < kCrowds; ++run) {
-    const DoorFlow flow = pass_a_door(width_m, kRecorded, conditions.model,
-                                      conditions.seed_of_run(run, kCrowds), outcome);
+    const DoorFlow flow = measure_door_flow(width_m, kRecorded, conditions.model,
+                                            conditions.seed_of_run(run, kCrowds), outcome);
     mean.flow_per_s += flow.flow_per_s / kCrowds;
     mean.through += flow.through;
     mean.people += flow.people;
@@ -161,22 +162,22 @@ Outcome doors(const Conditions& conditions) {
 }  // namespace
 
 Plan door_plan(double width_m, int people, SteeringKind model, uint64_t seed) {
-  const Rectangle room = {{0, -kHalf_m}, {kRoom_m, kHalf_m}};
-  const double end_x = kRoom_m + kNeck_m;
+  const Rectangle hall = {{0, -kHalf_m}, {kHallLength_m, kHalf_m}};
+  const double end_x = kHallLength_m + kNeck_m;
   Plan plan = carved("door",
-                     {room,
-                      {{kRoom_m, -0.5 * width_m}, {end_x, 0.5 * width_m}},
+                     {hall,
+                      {{kHallLength_m, -0.5 * width_m}, {end_x, 0.5 * width_m}},
                       {{end_x, -kHalf_m}, {end_x + 5, kHalf_m}}},
                      {model}, seed);
-  plan.people_packed(people, room, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
+  plan.people_packed(people, hall, {{{end_x + 4, -kHalf_m}, {end_x + 5, kHalf_m}}});
   return plan;
 }
 
-DoorFlow pass_a_door(double width_m, int people, SteeringKind model, uint64_t seed,
-                     Outcome& outcome) {
+DoorFlow measure_door_flow(double width_m, int people, SteeringKind model, uint64_t seed,
+                           Outcome& outcome) {
   Trial trial(door_plan(width_m, people, model, seed));
-  Gate gate(Gate::Along::kX, kRoom_m, -kHalf_m, kHalf_m);
-  Gate out(Gate::Along::kX, kRoom_m + kNeck_m, -kHalf_m, kHalf_m);
+  Gate gate(Gate::Along::kX, kHallLength_m, -kHalf_m, kHalf_m);
+  Gate out(Gate::Along::kX, kHallLength_m + kNeck_m, -kHalf_m, kHalf_m);
   while (trial.step(kEmptiedWithin_s)) {
     gate.watch(trial);
     out.watch(trial);
@@ -237,13 +238,13 @@ Outcome spacing(const std::string& id, const Conditions& conditions) {
   const InflowSite site = inflow_site(id, conditions);
   const auto recording = recording_of(site, conditions, outcome);
   if (recording == nullptr) return outcome;
-  const auto theirs = recorded_spacing(site.plan.scene, *recording);
-  std::vector<Spacings> ours;
+  const auto recorded = recorded_spacing(site.plan.scene, *recording);
+  std::vector<Spacings> simulated;
   for (uint64_t crowd = 0; crowd < kSpacingCrowds; ++crowd) {
     const InflowSite again = inflow_site(id, conditions.of_run(crowd, kSpacingCrowds));
-    ours.push_back(steered_spacing(with_inflow(again, *recording), kThroughWithin_s, outcome));
+    simulated.push_back(steered_spacing(with_inflow(again, *recording), kThroughWithin_s, outcome));
   }
-  return judged(std::move(outcome), judge_spacing(mean_of(ours), theirs));
+  return judged(std::move(outcome), judge_spacing(mean_of(simulated), recorded));
 }
 
 constexpr const char* kCriterion =
@@ -299,7 +300,7 @@ class WidthMeter {
       int same = 0, all = 0;
       for (const size_t other : there) {
         if (other == person || std::abs(moment.heads_m[other].y() - moment.heads_m[person].y()) >=
-                                   TwoWayUse::kAbreast_m)
+                                   CounterflowUse::kAbreast_m)
           continue;
         ++all;
         same += (velocities_.of_mps[other].x() > 0) == (velocities_.of_mps[person].x() > 0);
@@ -307,24 +308,24 @@ class WidthMeter {
       if (all > 0) use_.lane_orders.push_back(std::pow(2.0 * same / all - 1, 2));
     }
   }
-  TwoWayUse use() && { return std::move(use_); }
+  CounterflowUse use() && { return std::move(use_); }
 
  private:
   CellOf cell_;
   Velocities velocities_;
-  TwoWayUse use_{kWidth_m, {}, {}, {}};
+  CounterflowUse use_{kWidth_m, {}, {}, {}};
 };
 
-TwoWayUse recorded_use(const InflowSite& site, const Recording& recording) {
+CounterflowUse recorded_use(const InflowSite& site, const Recording& recording) {
   WidthMeter meter(site.plan.scene);
   watch_recorded(recording, WidthMeter::kSample_s, WidthMeter::kMoments,
                  [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return std::move(meter).use();
 }
 
-TwoWayUse steered_use(const Plan& plan, Outcome& outcome) {
+CounterflowUse steered_use(const Plan& plan, Outcome& outcome) {
   WidthMeter meter(plan.scene);
-  watch_steered(plan, Trial::With::kPlaces, kThroughWithin_s, WidthMeter::kSample_s,
+  watch_steered(plan, Trial::Detail::kPositions, kThroughWithin_s, WidthMeter::kSample_s,
                 WidthMeter::kMoments, outcome,
                 [&](const RecentCrowd& crowd) { meter.take(crowd); });
   return std::move(meter).use();
@@ -335,18 +336,19 @@ Outcome two_way_corridor(const Conditions& conditions) {
   const InflowSite site = inflow_site("two_way_corridor", conditions);
   const auto recording = recording_of(site, conditions, outcome);
   if (recording == nullptr) return outcome;
-  TwoWayUse ours{kWidth_m, {}, {}, {}};
+  CounterflowUse simulated{kWidth_m, {}, {}, {}};
   for (uint64_t crowd = 0; crowd < kCorridorCrowds; ++crowd) {
     const InflowSite again =
         inflow_site("two_way_corridor", conditions.of_run(crowd, kCorridorCrowds));
-    ours.add(steered_use(with_inflow(again, *recording), outcome));
+    simulated.add(steered_use(with_inflow(again, *recording), outcome));
   }
-  return judged(std::move(outcome), judge_two_way_use(ours, recorded_use(site, *recording)));
+  return judged(std::move(outcome),
+                judge_counterflow_use(simulated, recorded_use(site, *recording)));
 }
 
 }  // namespace
 
-std::vector<Test> two_way_corridor_tests() {
+std::vector<Test> counterflow_corridor_tests() {
   return {
       {{"two_way_corridor"},
        {"Two streams that meet use the width of a corridor"},

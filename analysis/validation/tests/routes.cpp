@@ -5,8 +5,8 @@
 #include <numbers>
 #include <utility>
 
-#include "analysis/validation/recorded_set_ups.h"
-#include "analysis/validation/set_ups.h"
+#include "analysis/validation/recorded_setups.h"
+#include "analysis/validation/setups.h"
 #include "analysis/validation/trial.h"
 #include "analysis/validation/validation.h"
 #include "avatars/mesh/primitives.h"
@@ -89,28 +89,31 @@ Outcome assigned_exits(const Conditions& conditions) {
 }
 
 // A way 20 m wide: straight on, or round a corner whose outer side is cut off.
-constexpr double kWay_m = 20;
+constexpr double kCorridorWidth_m = 20;
 constexpr double kCrowdDepth_m = 10;
 constexpr int kRows = 20, kColumns = 25;
 constexpr int kEvacuees = kRows * kColumns;
 
 /// In the last metres below `top_y`.
 void crowd(Plan& plan, double top_y, const Rectangle& exit) {
-  plan.people_in_rows(kRows, kColumns, {{0, top_y - kCrowdDepth_m}, {kWay_m, top_y}}, {exit});
+  plan.people_in_rows(kRows, kColumns, {{0, top_y - kCrowdDepth_m}, {kCorridorWidth_m, top_y}},
+                      {exit});
 }
 
 Plan straight(double length_m, const Conditions& conditions) {
-  Plan plan =
-      carved("straight", {{{0, -3}, {kWay_m, length_m}}}, {conditions.model}, conditions.seed);
-  crowd(plan, length_m, {{0, -3}, {kWay_m, -2}});
+  Plan plan = carved("straight", {{{0, -3}, {kCorridorWidth_m, length_m}}}, {conditions.model},
+                     conditions.seed);
+  crowd(plan, length_m, {{0, -3}, {kCorridorWidth_m, -2}});
   return plan;
 }
 
 /// Down along y, then to the right and out at x = 30.
 Plan round_a_corner(const Conditions& conditions) {
   constexpr double kTop_m = 60, kOut_m = 30, kCut_m = 10, kThick_m = 3;
-  Plan plan = carved("wide_corner", {{{0, 0}, {kWay_m, kTop_m}}, {{0, 0}, {kOut_m + 3, kWay_m}}},
-                     {conditions.model}, conditions.seed);
+  Plan plan =
+      carved("wide_corner",
+             {{{0, 0}, {kCorridorWidth_m, kTop_m}}, {{0, 0}, {kOut_m + 3, kCorridorWidth_m}}},
+             {conditions.model}, conditions.seed);
   Obstacle cut;
   cut.size_m = {std::sqrt(2.0) * kCut_m, kThick_m, 3};
   cut.heading_rad = -0.25 * std::numbers::pi;
@@ -118,7 +121,7 @@ Plan round_a_corner(const Conditions& conditions) {
   cut.centre_m = {middle_m, middle_m, 1.5};
   cut.mesh = box_mesh(cut.size_m);
   plan.solid(std::move(cut));
-  crowd(plan, kTop_m, {{kOut_m + 2, 0}, {kOut_m + 3, kWay_m}});
+  crowd(plan, kTop_m, {{kOut_m + 2, 0}, {kOut_m + 3, kCorridorWidth_m}});
   return plan;
 }
 
@@ -133,10 +136,10 @@ std::vector<double> leave(const Plan& plan, Gate gate, Outcome& outcome) {
 Outcome wide_corner(const Conditions& conditions) {
   constexpr double kShort_m = 50, kLong_m = 81;
   Outcome outcome;
-  const Gate down(Gate::Along::kY, 0, 0, kWay_m, false);
+  const Gate down(Gate::Along::kY, 0, 0, kCorridorWidth_m, false);
   const std::vector<double> times[] = {
       leave(straight(kShort_m, conditions), down, outcome),
-      leave(round_a_corner(conditions), Gate(Gate::Along::kX, 30, 0, kWay_m), outcome),
+      leave(round_a_corner(conditions), Gate(Gate::Along::kX, 30, 0, kCorridorWidth_m), outcome),
       leave(straight(kLong_m, conditions), down, outcome)};
   bool everybody = true;
   double last_s[3] = {}, mean_s[3] = {};

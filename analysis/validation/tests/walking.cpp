@@ -47,7 +47,7 @@ Outcome start_on_time(const Conditions& conditions) {
     const double x = 0.8 + 1.5 * column;
     const double y = 1.2 + 2.5 * row;
     Group& one = plan.people(1, {{x, y}, {x + 0.1, y + 0.1}}, {{{11, 0}, {12, 5}}});
-    one.delay_s = fixed(10.0 * (i + 1));
+    one.premovement_s = fixed(10.0 * (i + 1));
   }
   Trial trial(plan);
   std::vector<Eigen::Vector2d> from;

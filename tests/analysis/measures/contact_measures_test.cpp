@@ -162,7 +162,7 @@ TEST(ContactMeasures, AreTheStatisticsOfTheRunWhereNoGapIsBridged) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     Scene scene = load_scene("corridor");
     scene.exact = true;
-    scene.yielding = false;  // many contacts to count
+    scene.body_avoidance = false;  // many contacts to count
     scene.duration_s = 20;
     scene.seed = seed;
     Simulation simulation(std::move(scene), {.threads = 2});

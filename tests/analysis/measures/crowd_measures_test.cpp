@@ -108,9 +108,9 @@ TEST(CrowdMeasures, FindTheSpeedAtADensityThatTheValidationFinds) {
     const MeasuredRun found = measured(std::move(scene), 1, false);
     const double bin = SpeedAndSpacing::kDensityBin_per_m2 *
                        std::floor(density / SpeedAndSpacing::kDensityBin_per_m2);
-    const double ours = found.tables[0].value(
+    const double simulated = found.tables[0].value(
         range_text(bin, bin + SpeedAndSpacing::kDensityBin_per_m2), "", "mean");
-    EXPECT_NEAR(ours, speed, 0.1 * speed + 0.02) << density << " per m2";
+    EXPECT_NEAR(simulated, speed, 0.1 * speed + 0.02) << density << " per m2";
   }
 }
 

@@ -131,7 +131,7 @@ TEST(SpeedAndSpacing, SpacingIsThatOfAllPairs) {
     for (auto& named : oracle.distances) {
       const std::string& name = named.first;
       std::vector<double>& distances = named.second;
-      if (distances.size() < SpeedAndSpacing::kLeastValues) continue;
+      if (distances.size() < SpeedAndSpacing::kMinValues) continue;
       std::sort(distances.begin(), distances.end());
       const size_t blank = name.rfind(' ');
       for (const auto& [what, share] : {std::pair("1 %", 0.01), {"5 %", 0.05}, {"25 %", 0.25}}) {
@@ -245,7 +245,7 @@ TEST(FlowLines, ComeBackOnlyWithThoseWhoHadLeft) {
   FlowLines flow(ground(20), 1, Passage{{0, -1}, {0, 1}});
   watch({[](double t) { return Eigen::Vector2d(-2 * std::cos(t), 0); }}, 6.2,
         [&](const RecentCrowd& crowd) { flow.take(crowd); });
-  EXPECT_EQ(flow.used().forth, 1u);
+  EXPECT_EQ(flow.used().forward, 1u);
   EXPECT_EQ(flow.used().back, 1u);
 }
 

@@ -103,7 +103,7 @@ TEST_F(StudyFile, NamesItemsByNumberByNameOrAll) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 parameters:
   groups.2.count: [6]
-  groups.walkers.speed_mps.mean: [1.1]
+  groups.walkers.desired_speed_mps.mean: [1.1]
   groups.*.delay_s: [3]
   culling.exact: [true]
 )");
@@ -111,8 +111,8 @@ parameters:
   EXPECT_EQ(scene.groups[1].count, 6);
   EXPECT_EQ(scene.groups[0].speed_mps->mean, 1.1);
   EXPECT_FALSE(scene.groups[1].speed_mps.has_value());
-  EXPECT_EQ(scene.groups[0].delay_s.mean, 3);
-  EXPECT_EQ(scene.groups[1].delay_s.mean, 3);
+  EXPECT_EQ(scene.groups[0].premovement_s.mean, 3);
+  EXPECT_EQ(scene.groups[1].premovement_s.mean, 3);
   EXPECT_TRUE(scene.exact);
   EXPECT_EQ(plan.cells(0)[4], "1") << "the scene's own seed";
 }
@@ -123,7 +123,7 @@ parameters:
   latin_hypercube:
     samples: 8
     keys:
-      groups.1.speed_mps.mean: {from: 1.0, to: 1.8}
+      groups.1.desired_speed_mps.mean: {from: 1.0, to: 1.8}
       groups.1.count: {from: 1, to: 8, whole: true}
       steering: [heuristic, orca]
 )");
@@ -150,11 +150,11 @@ TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
       {scene + "second: 2\n", "study.yaml:2: expected"},
       {"scenes: [sqare]\n", "study.yaml:1: expected a scene, found 'sqare'"},
       {scene + "log: a.lcmlog\n", "study.yaml:2: expected an option that shapes a result"},
-      {scene + "deadline_ms: 5\n", "study.yaml:2: expected what comes out the same every time"},
+      {scene + "budget_ms: 5\n", "study.yaml:2: expected what comes out the same every time"},
       {scene + "seconds: -1\n", "study.yaml:2: expected a number of seconds above 0, found '-1'"},
       {scene + "seconds: '2'\n", "study.yaml:2: expected a number of seconds above 0, found"},
       {scene + "exact: yes\n", "study.yaml:2: expected true or false, found 'yes'"},
-      {scene + "deadline_tests: 5\nstrategy: two-pass\n",
+      {scene + "budget_tests: 5\nstrategy: two-pass\n",
        "study.yaml:3: expected 'pipeline' beside a deadline, found 'two-pass'"},
       {scene + "threads: 4\n", "study.yaml:2: expected threads on the command line"},
       {scene + "states_hz: 4\n", "study.yaml:2: expected an option that shapes a result"},

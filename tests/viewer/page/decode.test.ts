@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
 import {counted} from '../../../viewer/page/src/dom.ts';
-import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, spoken, type Run} from '../../../viewer/page/src/protocol.ts';
+import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, displayName, type Run} from '../../../viewer/page/src/protocol.ts';
 import {crowded, cubic, Varints} from '../../../viewer/page/src/replay.ts';
 import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
@@ -36,7 +36,7 @@ test('a frame is views into the bytes that came', () => {
 
 test('a person has a place, a speed and a mark', () => {
   const person = personOf(decodeFrame(frameBytes()), 0);
-  assert.deepEqual(person, {present: true, crowded: true, mark: 3, speed_mps: 1.34, position_m: [1.5, -2.5, 0]});
+  assert.deepEqual(person, {present: true, crowded: true, mark: 3, desired_speed_mps: 1.34, position_m: [1.5, -2.5, 0]});
   assert.equal(personOf(decodeFrame(frameBytes()), 1).present, false);
 });
 
@@ -87,7 +87,7 @@ test('people and parts have names', () => {
     torso: 'torso',
     _: '_',
   };
-  for (const [name, said] of Object.entries(names)) assert.equal(spoken(name), said);
+  for (const [name, said] of Object.entries(names)) assert.equal(displayName(name), said);
 });
 
 test('one of a thing is one', () => {

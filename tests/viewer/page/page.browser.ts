@@ -152,7 +152,7 @@ test('layers are drawn when asked for, and a person tells', async () => {
 
   const where = await page.evaluate(`(() => {
     for (let id = 0; id < 40; ++id) {
-      const at = window.throng.whereIs(id);
+      const at = window.throng.screenPosition(id);
       if (at && at[0] > 60 && at[0] < 560 && at[1] > 140 && at[1] < 480) return [id, ...at];
     }
   })()`) as number[];

@@ -6,14 +6,14 @@ import {nameOf, pairsOf, partNameOf, personOf, type Frame, type Pair, type Run} 
 import {MARKS} from './theme.ts';
 
 /** began, end or -1, a, b, part_a, part_b: a pair that was. */
-export type Past = [number, number, number, number, number, number];
+export type PastContact = [number, number, number, number, number, number];
 
 /** So many contacts of before are listed. */
-const SHOWN = 14;
+const MAX_ROWS = 14;
 
 export class Card {
   id = -1;
-  private past: Past[] = [];
+  private past: PastContact[] = [];
   private drawn = '';
 
   constructor(private readonly choose: (id: number) => void) {
@@ -37,7 +37,7 @@ export class Card {
     el('card').hidden = true;
   }
 
-  setHistory(past: Past[]): void {
+  setHistory(past: PastContact[]): void {
     this.past = past;
   }
 
@@ -53,7 +53,7 @@ export class Card {
     );
     const now = pairsOf(frame, this.id);
     const times = now.map((pair) => since(pair.began, frame.number, run.step_s));
-    const before = this.past.filter(([, end]) => end >= 0 && end <= frame.number).slice(0, SHOWN);
+    const before = this.past.filter(([, end]) => end >= 0 && end <= frame.number).slice(0, MAX_ROWS);
     // Lists are rebuilt only when they name something else; times go on in their places.
     const state = JSON.stringify([now, before]);
     if (state !== this.drawn) {
@@ -73,10 +73,10 @@ export class Card {
 
   private row(run: Run, pair: Pair, time = ''): HTMLElement {
     const isA = pair.a === this.id;
-    const [mine, other, theirs] = isA ? [pair.partA, pair.b, pair.partB] : [pair.partB, pair.a, pair.partA];
+    const [ownPart, other, otherPart] = isA ? [pair.partA, pair.b, pair.partB] : [pair.partB, pair.a, pair.partA];
     const color = pair.level < 0 ? 'var(--edge)' : MARKS[pair.level + 1].color;
-    const theirPart = partNameOf(run, other, theirs);
-    const text = `${partNameOf(run, this.id, mine)} – ${nameOf(run, other)}${theirPart ? ` ${theirPart}` : ''}`;
+    const otherPartName = partNameOf(run, other, otherPart);
+    const text = `${partNameOf(run, this.id, ownPart)} – ${nameOf(run, other)}${otherPartName ? ` ${otherPartName}` : ''}`;
     const attributes: Record<string, string> = other < run.avatars ? {'data-body': String(other)} : {};
     return make('li', attributes, make('i', {style: `background:${color}`}), make('span', {}, text), make('time', {'aria-live': 'off'}, time));
   }

@@ -14,9 +14,9 @@ export function peaks(values: ArrayLike<number>, columns: number): number[] {
   for (let c = 0; c < columns; ++c) {
     const from = Math.floor((c * values.length) / columns);
     const to = Math.max(from + 1, Math.floor(((c + 1) * values.length) / columns));
-    let most = 0;
-    for (let i = from; i < to && i < values.length; ++i) most = Math.max(most, values[i]);
-    out.push(most);
+    let max = 0;
+    for (let i = from; i < to && i < values.length; ++i) max = Math.max(max, values[i]);
+    out.push(max);
   }
   return out;
 }

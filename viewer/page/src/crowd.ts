@@ -48,8 +48,8 @@ const USEFUL_M = [9, 25, 60, 120];
 const BIN_M = 0.5;
 const TINT = 0.24;
 /** Up to here shadows are those of the mesh of LEVEL_OF_SHADOWS: nobody counts a shadow's fingers. */
-const LAST_LEVEL_WITH_SHADOWS_OF_MESHES = 1;
-const LEVEL_OF_SHADOWS = 3;
+const MAX_LEVEL_WITH_MESH_SHADOWS = 1;
+const SHADOW_LEVEL = 3;
 
 function texelMap(texels: number): DataTexture {
   const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
@@ -62,7 +62,7 @@ function texelMap(texels: number): DataTexture {
 }
 
 /** Shadows must not add up where they overlap: the first one on a pixel counts. */
-export function onceAPixel(material: RawShaderMaterial): RawShaderMaterial {
+export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
   material.stencilWrite = true;
   material.stencilFunc = EqualStencilFunc;
   material.stencilRef = 0;
@@ -127,7 +127,7 @@ export class Crowd {
     const count = this.run.modelOfAvatar.filter((m) => m === index).length;
     const step = {uPartStep: {value: model.part_step_m}};
     const body = this.material(BODY_VERTEX, BODY_FRAGMENT, step);
-    const shadow = onceAPixel(this.material(SHADOW_VERTEX, SHADOW_FRAGMENT, step));
+    const shadow = oncePerPixel(this.material(SHADOW_VERTEX, SHADOW_FRAGMENT, step));
     shadow.transparent = true;
     shadow.depthWrite = false;
     shadow.side = DoubleSide;
@@ -138,7 +138,7 @@ export class Crowd {
     shapes.forEach((geometry, level) => {
       const list = new Instances(count);
       this.add('meshes', new Mesh(list.drives(geometry), body));
-      const outline = level <= LAST_LEVEL_WITH_SHADOWS_OF_MESHES ? shapes[LEVEL_OF_SHADOWS] : farShadow;
+      const outline = level <= MAX_LEVEL_WITH_MESH_SHADOWS ? shapes[SHADOW_LEVEL] : farShadow;
       this.add('shadows', new Mesh(list.drives(sharing(outline)), shadow), 1);
       lists.push(list);
       triangles.push(geometry.index!.count / 3);

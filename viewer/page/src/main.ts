@@ -53,7 +53,7 @@ class Page {
   private run: Run | null = null;
   private frame: Frame | null = null;
   private series: Series | null = null;
-  private held = false;
+  private paused = false;
   private isScrubbing = false;
   private lastTick = 0;
   private fps = 0;
@@ -77,10 +77,10 @@ class Page {
     el('closeCard').onclick = () => this.choose(-1);
     el('closeBanner').onclick = () => (el('banner').hidden = true);
     el('follow').onclick = () => this.toggleFollow();
-    el('livePause').onclick = () => this.toggleHeld();
+    el('livePause').onclick = () => this.togglePaused();
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('resize', () => this.resize());
-    for (const deed of ['keydown', 'click', 'input']) addEventListener(deed, () => (this.isPanelOld = true), true);
+    for (const type of ['keydown', 'click', 'input']) addEventListener(type, () => (this.isPanelOld = true), true);
     const dark = matchMedia('(prefers-color-scheme: dark)');
     dark.addEventListener('change', () => this.setTheme(dark.matches ? 'dark' : 'light'));
     this.setTheme(dark.matches ? 'dark' : 'light');
@@ -134,7 +134,7 @@ class Page {
   }
 
   private take(frame: Frame): void {
-    if (this.held && this.frame) return;
+    if (this.paused && this.frame) return;
     this.frame = frame;
     ++this.frames;
     this.stage.take(frame);
@@ -198,22 +198,22 @@ class Page {
     this.updateLegend(frame);
     this.updateTimeline();
     this.drawCharts();
-    this.askHistory(now, frame, source);
+    this.requestHistory(now, frame, source);
     this.updateCard();
     this.updateFacts(frame, run);
   }
 
   /** Of every frame that rests on the screen, and now and then while it plays. */
-  private askHistory(now: number, frame: Frame, source: Source): void {
-    const asked = `${this.card.id} ${frame.number}`;
-    if (this.card.id < 0 || asked === this.historyOf) return;
+  private requestHistory(now: number, frame: Frame, source: Source): void {
+    const requested = `${this.card.id} ${frame.number}`;
+    if (this.card.id < 0 || requested === this.historyOf) return;
     if (now < this.historyAt) {
       this.isPanelOld = true;
       return;
     }
     this.historyAt = now + HISTORY_MS;
-    this.historyOf = asked;
-    source.askHistory(this.card.id, frame.number);
+    this.historyOf = requested;
+    source.requestHistory(this.card.id, frame.number);
   }
 
   private updateCard(): void {
@@ -319,10 +319,10 @@ class Page {
     );
   }
 
-  private toggleHeld(): void {
-    this.held = !this.held;
-    el('livePause').setAttribute('aria-pressed', String(this.held));
-    setText(el('livePause'), this.held ? '▶ Go on' : '❚❚ Hold');
+  private togglePaused(): void {
+    this.paused = !this.paused;
+    el('livePause').setAttribute('aria-pressed', String(this.paused));
+    setText(el('livePause'), this.paused ? '▶ Go on' : '❚❚ Hold');
   }
 
   // People
@@ -407,7 +407,7 @@ class Page {
     const far = event.shiftKey && playback ? Math.round(1 / playback.step_s) : 1;
     const layer = LAYER_ROWS.find(([, , key]) => key === event.key);
     const actions: Record<string, () => void> = {
-      ' ': () => (playback ? playback.toggle() : this.toggleHeld()),
+      ' ': () => (playback ? playback.toggle() : this.togglePaused()),
       arrowleft: () => playback?.step(-far),
       arrowright: () => playback?.step(far),
       arrowup: () => playback?.change(1),
@@ -454,7 +454,7 @@ class Page {
   }
 
   /** Where a person's chest is on the screen, in pixels; null outside the picture. */
-  whereIs(id: number): [number, number] | null {
+  screenPosition(id: number): [number, number] | null {
     if (!this.frame || !this.run) return null;
     const [x, y, z] = personOf(this.frame, id).position_m;
     const p = this.stage.project(x, y, z + 0.7 * this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id]);

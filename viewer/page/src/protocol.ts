@@ -226,8 +226,8 @@ export function pairsOf(frame: Frame, id: number): Pair[] {
   return found;
 }
 
-/** "leftHand" is "left hand": as spoken() of base/text.h has it. */
-export function spoken(name: string): string {
+/** "leftHand" is "left hand": as display_name() of base/text.h has it. */
+export function displayName(name: string): string {
   const words = name
     .replace(/([a-z0-9])([A-Z])/g, '$1 $2')
     .replace(/([A-Z])([A-Z][a-z])/g, '$1 $2')
@@ -245,5 +245,5 @@ export function nameOf(run: Run, body: number): string {
 export function partNameOf(run: Run, body: number, part: number): string {
   if (part === WHOLE_BODY) return 'body';
   if (body >= run.avatars) return '';
-  return spoken(run.models[run.modelOfAvatar[body]].parts[part]?.name ?? `part ${part}`);
+  return displayName(run.models[run.modelOfAvatar[body]].parts[part]?.name ?? `part ${part}`);
 }

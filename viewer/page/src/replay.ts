@@ -134,7 +134,7 @@ interface Head {
 }
 
 /** A pair from the frame of its begin up to the one before its end. */
-export interface Stretch {
+export interface ContactInterval {
   a: number;
   b: number;
   partA: number;
@@ -200,7 +200,7 @@ export async function inflated(base64: string): Promise<ArrayBuffer> {
 export class Replay {
   readonly run: Run;
   readonly frames: number;
-  readonly stretches: Stretch[] = [];
+  readonly intervals: ContactInterval[] = [];
   /** What of the run is missing, or ''. */
   readonly problem: string;
   /** Pairs that touch, by frame. */
@@ -281,17 +281,17 @@ export class Replay {
       end = begin + lengths[i];
       const began = flags[i] & BEGAN_BEFORE ? ~begin : begin;
       const isLost = (flags[i] & END_LOST) !== 0;
-      this.stretches.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end, began, isLost});
+      this.intervals.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end, began, isLost});
     }
   }
 
   private countPairs(): Int32Array {
     const changes = new Int32Array(this.frames + 1);
-    this.stretches.forEach((stretch, index) => {
-      changes[Math.min(this.frames, stretch.begin)] += 1;
-      changes[Math.min(this.frames, stretch.end)] -= 1;
-      const first = Math.floor(stretch.begin / this.perBucket);
-      const last = Math.floor(Math.max(stretch.begin, stretch.end - 1) / this.perBucket);
+    this.intervals.forEach((interval, index) => {
+      changes[Math.min(this.frames, interval.begin)] += 1;
+      changes[Math.min(this.frames, interval.end)] -= 1;
+      const first = Math.floor(interval.begin / this.perBucket);
+      const last = Math.floor(Math.max(interval.begin, interval.end - 1) / this.perBucket);
       for (let s = first; s <= last; ++s) (this.bySecond[s] ??= []).push(index);
     });
     let open = 0;
@@ -299,17 +299,17 @@ export class Replay {
   }
 
   /** Sorted like the server's. */
-  touching(frame: number): Stretch[] {
+  touching(frame: number): ContactInterval[] {
     const near = this.bySecond[Math.floor(frame / this.perBucket)] ?? [];
-    return near.map((i) => this.stretches[i]).filter((s) => s.begin <= frame && frame < s.end);
+    return near.map((i) => this.intervals[i]).filter((s) => s.begin <= frame && frame < s.end);
   }
 
   /** The newest pairs of a body that began at or before a frame, newest first. */
-  history(body: number, frame: number, most: number): Stretch[] {
-    return this.stretches
+  history(body: number, frame: number, max: number): ContactInterval[] {
+    return this.intervals
       .filter((s) => (s.a === body || s.b === body) && s.begin <= frame && !(s.isLost && s.end <= frame))
       .sort((p, q) => q.begin - p.begin)
-      .slice(0, most);
+      .slice(0, max);
   }
 
   /** The frame at a moment between frames, people moved on smoothly from key to key. */

@@ -38,7 +38,7 @@ Pose pose(float part) {
 vec3 placed(Person who, Pose p, vec3 local) {
   return who.root + p.origin + turned(p.q, local * instance.z);
 }
-const vec4 NOWHERE = vec4(2.0, 2.0, 2.0, 1.0);
+const vec4 OUTSIDE_CLIP = vec4(2.0, 2.0, 2.0, 1.0);
 `;
 
 /** A point slid along the sun's rays onto z = 0, a little above the ground that is drawn there. */
@@ -84,7 +84,7 @@ out float vMarked;
 out float vSelected;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = NOWHERE; return; }
+  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(partSlot.x);
   vec3 world = placed(who, p, position);
   vNormal = turned(p.q, normal);
@@ -149,7 +149,7 @@ in vec3 position;
 in vec2 partSlot;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = NOWHERE; return; }
+  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(partSlot.x);
   gl_Position = projectionMatrix * viewMatrix * shade(placed(who, p, position));
 }`;
@@ -183,7 +183,7 @@ out vec3 vColor;
 out float vStrength;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = NOWHERE; return; }
+  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   vec3 centre = who.root + vec3(0.0, 0.0, uSphere.x * instance.z);
   vWorld = centre + position * uSphere.y * instance.z;
   vNormal = position;
@@ -215,7 +215,7 @@ uniform vec3 uCalm;
 out vec4 vColor;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = NOWHERE; return; }
+  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(part);
   vec3 world = placed(who, p, position);
   vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.55);
@@ -233,7 +233,7 @@ uniform vec3 uCalm;
 out vec4 vColor;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = NOWHERE; return; }
+  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(part);
   vec3 x = turned(p.q, vec3(1.0, 0.0, 0.0)), y = turned(p.q, vec3(0.0, 1.0, 0.0));
   vec3 z = turned(p.q, vec3(0.0, 0.0, 1.0));

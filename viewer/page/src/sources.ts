@@ -1,6 +1,6 @@
 // Where frames come from: a live run, a log behind the server, or a recording in this page.
 // Showing them is the same whichever it is.
-import type {Past} from './card.ts';
+import type {PastContact} from './card.ts';
 import {clock, Playback} from './playback.ts';
 import {decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
 import {Replay} from './replay.ts';
@@ -20,7 +20,7 @@ interface SocketEvents {
 
 const TRY_AGAIN_LATER = 1013; // as the server closes where too many pages are open
 const FIRST_WAIT_MS = 250;
-const LONGEST_WAIT_MS = 2000;
+const MAX_WAIT_MS = 2000;
 
 class Connection {
   private socket: WebSocket | null = null;
@@ -68,7 +68,7 @@ class Connection {
       if (code === TRY_AGAIN_LATER) this.events.full(reason);
       else this.events.lost();
       this.waiting = window.setTimeout(() => this.connect(), this.wait_ms);
-      this.wait_ms = Math.min(LONGEST_WAIT_MS, this.wait_ms * 2);
+      this.wait_ms = Math.min(MAX_WAIT_MS, this.wait_ms * 2);
     };
   }
 }
@@ -84,7 +84,7 @@ export interface SourceEvents {
   run(run: Run): void;
   frame(frame: Frame): void;
   series(series: Series): void;
-  history(id: number, past: Past[]): void;
+  history(id: number, past: PastContact[]): void;
   /** Something to tell in the middle of the page; '' takes it away. `retry` makes a button. */
   notice(title: string, detail?: string, retry?: () => void): void;
 }
@@ -97,7 +97,7 @@ export interface Source {
   readonly isEnded: boolean;
   /** Called before every picture, with the time since the last one. */
   tick(dt_s: number): void;
-  askHistory(id: number, frame: number): void;
+  requestHistory(id: number, frame: number): void;
 }
 
 const ANSWER_MS = 2000;
@@ -112,11 +112,11 @@ export class ServerSource implements Source {
   private run: Run | null = null;
   private complete = false;
   private shown = -1;
-  private asked = -1;
-  private askedAt = 0;
+  private requested = -1;
+  private requestedAt = 0;
   private lastSeq = 0;
   private lastTime_s = -1;
-  private heardAt = 0;
+  private receivedAt = 0;
   private indexAt = 0;
   isEnded = false;
   private readonly pairs: number[] = [];
@@ -128,7 +128,7 @@ export class ServerSource implements Source {
   ) {
     this.connection = new Connection(url, {
       connected: () => {
-        this.asked = -1;
+        this.requested = -1;
         this.lastSeq = 0;
         events.notice('');
       },
@@ -146,7 +146,7 @@ export class ServerSource implements Source {
     const {playback, connection} = this;
     const now = performance.now();
     if (!playback) {
-      if (connection.open && this.run && !this.isEnded && this.heardAt > 0 && now - this.heardAt > 2500)
+      if (connection.open && this.run && !this.isEnded && this.receivedAt > 0 && now - this.receivedAt > 2500)
         this.events.notice('No frames', 'waiting for the next ones');
       return;
     }
@@ -156,14 +156,14 @@ export class ServerSource implements Source {
       this.indexAt = now + 500;
       connection.send({index: true});
     }
-    const waiting = this.asked >= 0 && now - this.askedAt < ANSWER_MS;
+    const waiting = this.requested >= 0 && now - this.requestedAt < ANSWER_MS;
     if (playback.frame === this.shown || waiting || playback.frames === 0) return;
-    this.asked = playback.frame;
-    this.askedAt = now;
-    connection.send({frame: this.asked});
+    this.requested = playback.frame;
+    this.requestedAt = now;
+    connection.send({frame: this.requested});
   }
 
-  askHistory(id: number, frame: number): void {
+  requestHistory(id: number, frame: number): void {
     this.connection.send({history: id, frame});
   }
 
@@ -173,7 +173,7 @@ export class ServerSource implements Source {
       const run = decodeRun(buffer);
       const isSame = this.run !== null && this.run.run_id === run.run_id && this.run.mode === run.mode;
       this.run = run;
-      this.shown = this.asked = -1;
+      this.shown = this.requested = -1;
       this.isEnded = false;
       this.lastTime_s = -1;
       this.pairs.length = this.frame_ms.length = 0;
@@ -185,15 +185,15 @@ export class ServerSource implements Source {
     const frame = decodeFrame(buffer);
     if (!this.run || frame.avatars !== this.run.avatars) return;
     if (this.playback) {
-      this.shown = this.asked;
-      this.asked = -1;
+      this.shown = this.requested;
+      this.requested = -1;
     } else {
       if (this.lastSeq > 0 && frame.seq > this.lastSeq) this.dropped += frame.seq - this.lastSeq - 1;
       this.lastSeq = frame.seq;
-      this.heardAt = performance.now();
+      this.receivedAt = performance.now();
       this.lastTime_s = frame.time_s;
       this.remember(frame);
-      if (this.isEnded) this.tellEnd();
+      if (this.isEnded) this.showEnd();
       else this.events.notice('');
     }
     this.events.frame(frame);
@@ -225,10 +225,10 @@ export class ServerSource implements Source {
       const hint = json.waiting || `start one: ${json.start}`;
       this.events.notice('Waiting for a run over LCM', `listening to ${json.lcm}\n${hint}`);
     }
-    if (json.end && this.run && !this.playback) this.tellEnd();
+    if (json.end && this.run && !this.playback) this.showEnd();
   }
 
-  private tellEnd(): void {
+  private showEnd(): void {
     this.isEnded = true;
     const last = this.lastTime_s < 0 ? '' : `its last frame is at ${clock(this.lastTime_s)}; `;
     this.events.notice('The run has finished', `${last}the next run appears here by itself`);
@@ -260,10 +260,10 @@ export class FileSource implements Source {
     this.events.frame(this.replay.frameAt(this.shown));
   }
 
-  askHistory(id: number, frame: number): void {
+  requestHistory(id: number, frame: number): void {
     const past = this.replay
       .history(id, frame, 40)
-      .map((s): Past => [s.began, s.end > frame ? -1 : s.end, s.a, s.b, s.partA, s.partB]);
+      .map((s): PastContact => [s.began, s.end > frame ? -1 : s.end, s.a, s.b, s.partA, s.partB]);
     this.events.history(id, past);
   }
 }

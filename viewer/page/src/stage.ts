@@ -17,7 +17,7 @@ import {
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {solidGeometry} from './bodies.ts';
-import {Crowd, onceAPixel, type Layer} from './crowd.ts';
+import {Crowd, oncePerPixel, type Layer} from './crowd.ts';
 import {personOf, type Frame, type Run} from './protocol.ts';
 import {
   FLAT_SHADOW_VERTEX,
@@ -31,9 +31,9 @@ import {THEMES, type ThemeName} from './theme.ts';
 const SUN = new Vector3(-0.45, -0.55, 1).normalize();
 const SLOW_MS = 30;
 const FAST_MS = 18;
-const LEAST_TRIANGLES = 100_000;
-const MOST_TRIANGLES = 6_000_000;
-const LEAST_PIXELS = 0.75;
+const MIN_TRIANGLES = 100_000;
+const MAX_TRIANGLES = 6_000_000;
+const MIN_PIXELS = 0.75;
 /** A picture that rested so long is drawn once more, as well as the machine can in about a second. */
 const REST_MS = 300;
 const TRIANGLES_AT_REST = 500_000;
@@ -64,7 +64,7 @@ export class Stage {
   private pixels = 1;
   private mean_ms = 16;
   private isChanged = true;
-  private wasDrawn = false;
+  private wasRendered = false;
   private rested_ms = 0;
   private readonly isSlow = isSoftware();
   private readonly shared = {
@@ -135,7 +135,7 @@ export class Stage {
     this.crowd?.dispose();
     this.run = run;
     this.crowd = new Crowd(run, this.shared);
-    if (this.isSlow) this.crowd.budget = LEAST_TRIANGLES;
+    if (this.isSlow) this.crowd.budget = MIN_TRIANGLES;
     this.scene.add(this.crowd.group);
     const {min_m, max_m} = run.ground;
     const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
@@ -153,7 +153,7 @@ export class Stage {
   private addSolids(run: Run): void {
     this.solids.clear();
     const solid = this.material(SOLID_VERTEX, SOLID_FRAGMENT, this.solidColor);
-    const shadow = onceAPixel(this.material(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, {}));
+    const shadow = oncePerPixel(this.material(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, {}));
     shadow.transparent = true;
     shadow.depthWrite = false;
     shadow.side = DoubleSide;
@@ -237,9 +237,9 @@ export class Stage {
   render(frame: Frame | null, dt_ms: number): boolean {
     this.adapt(dt_ms);
     const isTurned = this.controls.update();
-    this.wasDrawn = isTurned || this.isChanged;
+    this.wasRendered = isTurned || this.isChanged;
     this.isChanged = false;
-    if (this.wasDrawn) {
+    if (this.wasRendered) {
       this.rested_ms = 0;
       this.setPixels(this.pixels);
       this.draw(frame, this.crowd?.budget ?? 0);
@@ -247,7 +247,7 @@ export class Stage {
       this.rested_ms += dt_ms;
       if (this.rested_ms >= REST_MS) this.drawAtRest(frame);
     }
-    return this.wasDrawn;
+    return this.wasRendered;
   }
 
   private draw(frame: Frame | null, triangles: number): void {
@@ -266,14 +266,14 @@ export class Stage {
   /** Fewer triangles and pixels where the machine is slow, more where it has time. */
   private adapt(dt_ms: number): void {
     // Where nothing was drawn, the time between two pictures tells nothing.
-    if (!this.crowd || document.hidden || !this.wasDrawn) return;
+    if (!this.crowd || document.hidden || !this.wasRendered) return;
     this.mean_ms += 0.15 * (Math.min(dt_ms, 300) - this.mean_ms);
     if (this.mean_ms > SLOW_MS) {
-      this.crowd.budget = Math.max(LEAST_TRIANGLES, this.crowd.budget * 0.9);
-      if (this.crowd.budget === LEAST_TRIANGLES && this.pixels > LEAST_PIXELS)
-        this.pixels = Math.max(LEAST_PIXELS, 0.7 * this.pixels);
+      this.crowd.budget = Math.max(MIN_TRIANGLES, this.crowd.budget * 0.9);
+      if (this.crowd.budget === MIN_TRIANGLES && this.pixels > MIN_PIXELS)
+        this.pixels = Math.max(MIN_PIXELS, 0.7 * this.pixels);
     } else if (this.mean_ms < FAST_MS) {
-      this.crowd.budget = Math.min(MOST_TRIANGLES, this.crowd.budget * 1.03);
+      this.crowd.budget = Math.min(MAX_TRIANGLES, this.crowd.budget * 1.03);
     }
   }
 

@@ -1,0 +1,74 @@
+#include "apps/process/external_control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/process/stop_signal.h"
+#include "base/console.h"
+#include "base/errors.h"
+
+namespace throng {
+namespace {
+
+bool has_external(const RunInfo& run) {
+  return std::any_of(run.control_channels.begin(), run.control_channels.end(),
+                     [](const std::string& channel) { return !channel.empty(); });
+}
+
+}  // namespace
+
+void add_external_control_options(CommandOptions& app, ExternalControlOptions& options) {
+  Option* lockstep = app.add_flag(
+      "--lockstep", options.lockstep,
+      "Each frame waits for the answers of the driven groups' controllers to the last");
+  app.add_option("--lockstep-timeout", options.timeout_s,
+                 fmt::format("The longest wait for an answer [{:g}]", options.timeout_s))
+      ->check(number_option(0, 1e6, true, "a number of seconds above 0"))
+      ->needs(lockstep)
+      ->type_name("S");
+}
+
+ExternalControl::ExternalControl(const ExternalControlOptions& options, const RunInfo& run,
+                                 const std::string& lcm, bool is_paced) {
+  if (options.lockstep) {
+    if (lcm == "off")
+      throw InputError("--lockstep", "LCM, over which controllers answer", "--lcm off");
+    lockstep_ = std::make_unique<Lockstep>(run, lcm, options.timeout_s);
+    return;
+  }
+  if (!has_external(run)) return;
+  if (lcm == "off") {
+    print_message("note: with --lcm off nothing drives the driven groups: they stand\n");
+    return;
+  }
+  receiver_ = std::make_unique<PoseCommandReceiver>(run, lcm);
+  if (!is_paced)
+    print_message(
+        "warning: a driven group without --lockstep and without --pace: the run is as fast as it "
+        "can be and waits for no controller\n");
+}
+
+void ExternalControl::begin(Simulation& simulation) {
+  if (lockstep_) lockstep_->begin(simulation);
+}
+
+bool ExternalControl::await(Simulation& simulation, const Frame& frame) {
+  if (!lockstep_) return true;
+  const bool goes_on = lockstep_->after(simulation, frame, StopSignal::requested);
+  if (goes_on && lockstep_->has_missing_replies())
+    print_message(
+        "note: nobody answered frame {} any more: going on from its checkpoint is another run\n",
+        frame.number);
+  return goes_on;
+}
+
+void ExternalControl::take(Simulation& simulation) {
+  if (receiver_) receiver_->apply(simulation);
+}
+
+std::shared_ptr<lcm::LCM> ExternalControl::connection() const {
+  return lockstep_ ? lockstep_->connection() : nullptr;
+}
+
+}  // namespace throng

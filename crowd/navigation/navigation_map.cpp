@@ -1,0 +1,309 @@
+#include "crowd/navigation/navigation_map.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace throng {
+
+const Rectangle& Stop::nearest_area(const Eigen::Vector2d& point) const {
+  const auto square_m2 = [&](const Rectangle& area) {
+    return (point - area.nearest_m(point)).squaredNorm();
+  };
+  return *std::min_element(
+      goal.areas.begin(), goal.areas.end(),
+      [&](const Rectangle& a, const Rectangle& b) { return square_m2(a) < square_m2(b); });
+}
+
+namespace {
+
+/// The pieces of ground that an area lies on, by samples: the rim and inside.
+std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
+  constexpr int kSamples = 8;
+  std::vector<int> pieces;
+  for (const Rectangle& area : goal.areas)
+    for (int i = 0; i <= kSamples; ++i)
+      for (int j = 0; j <= kSamples; ++j) {
+        const Eigen::Vector2d share(i / double{kSamples}, j / double{kSamples});
+        const int piece = mesh.piece_at(area.min_m + area.size_m().cwiseProduct(share));
+        if (piece >= 0 && std::find(pieces.begin(), pieces.end(), piece) == pieces.end())
+          pieces.push_back(piece);
+      }
+  return pieces;
+}
+
+/// Others refer to the field: what they refer to stays where it is.
+void put(FlowField&& field, std::unique_ptr<FlowField>& place) {
+  if (place == nullptr)
+    place = std::make_unique<FlowField>(std::move(field));
+  else
+    *place = std::move(field);
+}
+
+}  // namespace
+
+NavigationMap::NavigationMap(const CrowdPlan& plan, Workers& workers)
+    : walkable_(plan), grid_(walkable_) {
+  for (const Group& group : plan.groups)
+    for (const Goal& goal : group.goals) add_goal(goal);
+  fields_.resize(goals_.size());
+  // Nobody walks in a box of parts.
+  if (plan.groups.empty()) return;
+  add_queues(plan);
+  resolve_triggers(plan);
+  build_fields(workers);
+  for (QueueFields& queue : queues_)
+    queue.plan.find_overflow_positions(walkable_, *queue.to_corners.back());
+  for (const Group& group : plan.groups) {
+    std::vector<Stop>& route = routes_.emplace_back();
+    for (const Goal& goal : group.goals) {
+      const uint32_t at = add_goal(goal);
+      Stop& stop = route.emplace_back();
+      stop = {goal,
+              fields_[at].get(),
+              at,
+              pieces_of(*nav_mesh_, goal),
+              first_exits_[at],
+              first_exits_[at + 1] - first_exits_[at],
+              {}};
+      if (!goal.is_limited()) continue;
+      stop.exits = 0;
+      stop.queue = queue_of(goal);
+    }
+    on_arrival_.push_back(group.on_arrival);
+    for (const Source& source : group.sources) entrances_.push_back(source.area);
+  }
+}
+
+/// Its index; each once.
+uint32_t NavigationMap::add_goal(const Goal& goal) {
+  const auto at = std::find(goals_.begin(), goals_.end(), goal.areas);
+  const auto index = static_cast<uint32_t>(at - goals_.begin());
+  if (at == goals_.end()) {
+    goals_.push_back(goal.areas);
+    may_have_exits_.push_back(0);
+  }
+  if (!goal.is_limited()) may_have_exits_[index] = 1;
+  return index;
+}
+
+/// Before cues are looked up, so that all doors are open.
+void NavigationMap::add_queues(const CrowdPlan& plan) {
+  for (const Group& group : plan.groups)
+    for (const Goal& goal : group.goals) {
+      if (!goal.is_limited() || queue_of(goal) < queues_.size()) continue;
+      int64_t people = 0;
+      for (const Group& other : plan.groups)
+        if (std::any_of(other.goals.begin(), other.goals.end(), [&](const Goal& each) {
+              return each.is_limited() && each.areas == goal.areas;
+            }))
+          people += other.total();
+      QueueFields& queue = queues_.emplace_back(QueueFields{{goal, walkable_, people}, {}, {}});
+      queue.to_areas.resize(queue.plan.areas.size());
+      queue.to_corners.resize(queue.plan.line.corners_m().size());
+    }
+}
+
+/// Its index, or how many there are.
+uint32_t NavigationMap::queue_of(const Goal& goal) const {
+  const auto at = std::find_if(queues_.begin(), queues_.end(), [&](const QueueFields& queue) {
+    return queue.plan.areas == goal.areas;
+  });
+  return static_cast<uint32_t>(at - queues_.begin());
+}
+
+void NavigationMap::build_queues(Workers& workers) {
+  for (QueueFields& queue : queues_) {
+    const std::vector<Eigen::Vector2d>& corners_m = queue.plan.line.corners_m();
+    const size_t areas = queue.plan.areas.size();
+    workers.for_blocks(static_cast<int>(areas + corners_m.size()), [&](int block, int) {
+      const auto index = static_cast<size_t>(block);
+      if (index < areas) {
+        const std::span<const Rectangle> area(&queue.plan.areas[index], 1);
+        put(FlowField(grid_, area, closed_, penalise_other_goals(area)), queue.to_areas[index]);
+        return;
+      }
+      const Eigen::Vector2d half = Eigen::Vector2d::Constant(grid_.cell_m());
+      const Eigen::Vector2d& corner = corners_m[index - areas];
+      const Rectangle around{corner - half, corner + half};
+      put(FlowField(grid_, {&around, 1}, closed_, penalise_other_goals({})),
+          queue.to_corners[index - areas]);
+    });
+  }
+}
+
+/// Where others are served nobody goes through who can go round. Nothing, if there are no queues.
+std::vector<CellPolicy> NavigationMap::penalise_other_goals(
+    std::span<const Rectangle> areas) const {
+  std::vector<CellPolicy> policies;
+  if (queues_.empty()) return policies;
+  constexpr double kBody_m = 0.2;
+  policies.resize(grid_.cell_count(), CellPolicy::kFree);
+  for (size_t cell = 0; cell < policies.size(); ++cell) {
+    const Eigen::Vector2d centre = grid_.centre_m(cell);
+    for (const QueueFields& queue : queues_)
+      for (const Rectangle& area : queue.plan.areas)
+        if (area.grown(kBody_m).contains(centre)) policies[cell] = CellPolicy::kPenalised;
+    for (const Rectangle& area : areas)
+      if (area.grown(kBody_m).contains(centre)) policies[cell] = CellPolicy::kFree;
+  }
+  return policies;
+}
+
+/// Of all goals, as the doors are; with them the mesh, where there is none yet.
+void NavigationMap::build_fields(Workers& workers) {
+  // The mesh first, it takes longest.
+  workers.for_blocks(static_cast<int>(goals_.size()) + 1, [&](int block, int) {
+    if (block == 0) {
+      if (nav_mesh_ == nullptr)
+        nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
+                                              grid_.passages(), grid_.closures());
+      return;
+    }
+    const auto goal = static_cast<size_t>(block - 1);
+    put(FlowField(grid_, goals_[goal], closed_, penalise_other_goals(goals_[goal])), fields_[goal]);
+  });
+  if (!queues_.empty()) build_queues(workers);
+  if (first_exits_.empty()) find_exits(workers);
+  if (!exits_.empty()) build_exits(workers);
+}
+
+/// Once: doorways where there are several, and otherwise areas where there are several.
+void NavigationMap::find_exits(Workers& workers) {
+  std::vector<std::vector<Doorway>> doorways(goals_.size());
+  workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
+    const auto goal = static_cast<size_t>(block);
+    if (may_have_exits_[goal] == 0) return;
+    doorways[goal] = closed_.empty() ? doorways_before(grid_, *fields_[goal])
+                                     : doorways_before(grid_, FlowField(grid_, goals_[goal]));
+  });
+  const auto add = [&](size_t goal, double width_m, std::vector<size_t> cells) {
+    exits_.push_back({nullptr, fields_.size() + exits_.size(), width_m});
+    goal_of_exit_.push_back(goal);
+    doorways_.push_back(std::move(cells));
+  };
+  first_exits_.push_back(0);
+  for (size_t goal = 0; goal < goals_.size(); ++goal) {
+    for (Doorway& doorway : doorways[goal]) add(goal, doorway.width_m, std::move(doorway.cells));
+    if (may_have_exits_[goal] != 0 && doorways[goal].empty() && goals_[goal].size() > 1)
+      for (const Rectangle& area : goals_[goal]) add(goal, area.size_m().maxCoeff(), {});
+    first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
+  }
+  exit_fields_.resize(exits_.size());
+}
+
+/// For areas the plain ways first, from which follows what lies before another one.
+void NavigationMap::build_exits(Workers& workers) {
+  const auto build = [&](uint32_t exit, std::span<const CellPolicy> cell_policies) {
+    const size_t goal = goal_of_exit_[exit];
+    const std::span<const Rectangle> areas(goals_[goal]);
+    return FlowField(grid_,
+                     doorways_[exit].empty() ? areas.subspan(exit - first_exits_[goal], 1) : areas,
+                     closed_, cell_policies);
+  };
+  const auto count = static_cast<int>(exits_.size());
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    if (doorways_[exit].empty()) put(build(exit, {}), exit_fields_[exit]);
+  });
+  std::vector<std::vector<CellPolicy>> cell_policies(exits_.size());
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    cell_policies[exit] = avoid_other_exits(exit);
+  });
+  workers.for_blocks(count, [&](int block, int) {
+    const auto exit = static_cast<uint32_t>(block);
+    put(build(exit, cell_policies[exit]), exit_fields_[exit]);
+    exits_[exit].field = exit_fields_[exit].get();
+  });
+}
+
+std::vector<CellPolicy> NavigationMap::avoid_other_exits(uint32_t exit) const {
+  const size_t goal = goal_of_exit_[exit];
+  std::vector<CellPolicy> cell_policies = penalise_other_goals(goals_[goal]);
+  cell_policies.resize(grid_.cell_count(), CellPolicy::kFree);
+  for (uint32_t other = first_exits_[goal]; other < first_exits_[goal + 1]; ++other) {
+    if (other == exit) continue;
+    for (const size_t cell : doorways_[other]) cell_policies[cell] = CellPolicy::kBlocked;
+    if (!doorways_[other].empty()) continue;
+    const FlowField &own = *exit_fields_[exit], &its = *exit_fields_[other];
+    for (size_t cell = 0; cell < cell_policies.size(); ++cell)
+      if (its.cell_distance_m(cell) <
+          std::min(own.cell_distance_m(cell), static_cast<float>(Exit::kMinOtherExit_m)))
+        cell_policies[cell] = CellPolicy::kPenalised;
+  }
+  return cell_policies;
+}
+
+void NavigationMap::resolve_triggers(const CrowdPlan& plan) {
+  for (const Group& group : plan.groups) {
+    std::optional<uint32_t>& after = after_.emplace_back();
+    if (group.after) after = add_trigger(plan, *group.after);
+  }
+  for (size_t door = 0; door < plan.doors.size(); ++door) {
+    DoorTriggers& times = door_triggers_.emplace_back();
+    for (const TriggerRule& rule : plan.doors[door].opens)
+      times.opens.push_back(add_trigger(plan, rule));
+    for (const TriggerRule& rule : plan.doors[door].closes)
+      times.closes.push_back(add_trigger(plan, rule));
+    doors_.push_back(times.opens.empty() ? DoorState::kOpen : DoorState::kShut);
+    std::vector<size_t>& cells = door_cells_.emplace_back();
+    for (size_t cell = 0; cell < grid_.cell_count(); ++cell)
+      if (grid_.is_free(cell) &&
+          nearest_door(door, grid_.centre_m(cell)).distance_m < 0.71 * grid_.cell_m())
+        cells.push_back(cell);
+  }
+  apply_doors();
+}
+
+uint32_t NavigationMap::add_trigger(const CrowdPlan& plan, const TriggerRule& rule) {
+  Trigger& trigger = triggers_.emplace_back();
+  trigger.delay_s = rule.delay_s;
+  if (!rule.group.empty()) {
+    const auto group = std::find_if(plan.groups.begin(), plan.groups.end(),
+                                    [&](const Group& each) { return each.name == rule.group; });
+    assert(group != plan.groups.end());
+    trigger.group = static_cast<uint32_t>(group - plan.groups.begin());
+    trigger.goals =
+        static_cast<uint32_t>(rule.goal > 0 ? static_cast<size_t>(rule.goal) : group->goals.size());
+  }
+  return static_cast<uint32_t>(triggers_.size() - 1);
+}
+
+/// What of the ground the doors leave to walk on and to look for ways on.
+void NavigationMap::apply_doors() {
+  closed_.clear();
+  std::vector<uint8_t> shut;
+  for (size_t door = 0; door < doors_.size(); ++door) {
+    shut.push_back(doors_[door] == DoorState::kShut ? 1 : 0);
+    if (doors_[door] == DoorState::kOpen) continue;
+    closed_.resize(grid_.cell_count());
+    for (const size_t cell : door_cells_[door]) closed_[cell] = 1;
+  }
+  if (!doors_.empty()) walkable_.shut(shut);
+}
+
+void NavigationMap::set_doors(std::span<const DoorState> doors, Workers& workers) {
+  const auto differs_in = [&](DoorState state) {
+    for (size_t door = 0; door < doors.size(); ++door)
+      if ((doors[door] == state) != (doors_[door] == state)) return true;
+    return false;
+  };
+  const bool changes_paths = differs_in(DoorState::kOpen);
+  if (!changes_paths && !differs_in(DoorState::kShut)) return;
+  doors_.assign(doors.begin(), doors.end());
+  apply_doors();
+  if (!changes_paths) return;
+  ++revision_;
+  build_fields(workers);
+}
+
+bool NavigationMap::leads(const Stop& stop, const Eigen::Vector2d& point) const {
+  if (stop.field->reaches(point)) return true;
+  // In the margin of an obstacle the field points out of it, perhaps to the wrong side.
+  if (stop.field->direction(point).squaredNorm() == 0) return false;
+  const int piece = nav_mesh_->piece_at(point);
+  return piece < 0 || std::find(stop.pieces.begin(), stop.pieces.end(), piece) != stop.pieces.end();
+}
+
+}  // namespace throng

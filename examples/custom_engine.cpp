@@ -1,0 +1,46 @@
+// An engine of one's own on the frames of `throng bench --export FOLDER`: here FCL's tree of boxes.
+// PROGRAM FOLDER writes FOLDER/found.csv, which `throng bench --check FOLDER/found.csv` judges.
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/narrowphase/collision_object.h>
+
+#include <cstdio>
+#include <deque>
+#include <fstream>
+#include <map>
+
+struct Box : fcl::CollisionGeometryd {  // a shape that is nothing but its box, with its numbers
+  unsigned frame, box, avatar;
+  void computeLocalAABB() override {}
+};
+
+bool append_pair(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* out) {
+  const auto& i = static_cast<const Box&>(*a->collisionGeometry());
+  const auto& j = static_cast<const Box&>(*b->collisionGeometry());
+  if (i.avatar != j.avatar)
+    *static_cast<std::ofstream*>(out) << i.frame << ',' << i.box << ',' << j.box << '\n';
+  return false;  // and go on
+}
+
+int main(int argc, char** argv) {
+  const std::string folder = argc > 1 ? argv[1] : ".";
+  std::ifstream in(folder + "/boxes.csv");
+  std::ofstream out(folder + "/found.csv");
+  std::map<unsigned, std::deque<fcl::CollisionObjectd>> frames;
+  std::string line;
+  for (std::getline(in, line); std::getline(in, line);) {  // the first is the header
+    const auto box = std::make_shared<Box>();
+    fcl::AABBd& at = box->aabb_local;
+    std::sscanf(line.c_str(), "%u,%u,%u,%*u,%lf,%lf,%lf,%lf,%lf,%lf", &box->frame, &box->box,
+                &box->avatar, &at.min_[0], &at.min_[1], &at.min_[2], &at.max_[0], &at.max_[1],
+                &at.max_[2]);
+    frames[box->frame].emplace_back(box);
+  }
+  out << "frame,a,b\n";
+  for (auto& [number, boxes] : frames) {
+    fcl::DynamicAABBTreeCollisionManagerd tree;
+    for (fcl::CollisionObjectd& box : boxes) tree.registerObject(&box);
+    tree.setup();
+    tree.collide(&out, append_pair);
+  }
+  return in.eof() && out.flush() ? 0 : 3;
+}

@@ -1,0 +1,170 @@
+// Cues that groups and doors wait for, and doors.
+#include <algorithm>
+
+#include "base/errors.h"
+#include "base/limits.h"
+#include "crowd/crowd_plan.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/scene_values.h"
+
+namespace throng {
+namespace {
+
+/// More goals than any route has.
+constexpr int64_t kMaxGoals = 1'000'000;
+/// Narrower than any body.
+constexpr double kMinDoorWidth_m = 0.2;
+
+KeyTable<TriggerRule> make_trigger_keys() {
+  return {
+      .text = {.name = "cue",
+               .meaning = "So many seconds after the start, or after everybody of a group has been "
+                          "at a goal",
+               .or_number = true},
+      .title = "a cue",
+      .keys = {number("delay_s", "how long after that", &TriggerRule::delay_s, kTimeRange),
+               custom_key<TriggerRule>(
+                   "group",
+                   "the name of a group: after everybody of it has been at a goal; who "
+                   "cannot get there is not waited for",
+                   "after the start", {})
+                   .with_reader([](ReadContext&, Fields& fields, TriggerRule& trigger) {
+                     trigger.group = fields.name_or("group", "");
+                   })
+                   .with_hash(&TriggerRule::group),
+               whole("goal", "which of its goals, counted from 1", &TriggerRule::goal, 1, kMaxGoals)
+                   .with_fallback("its last")
+                   .with_reader([](ReadContext&, Fields& fields, TriggerRule& trigger) {
+                     if (fields.find("goal") == nullptr) return;
+                     fields.require("group");
+                     trigger.goal = static_cast<int>(fields.integer_or("goal", 1, kMaxGoals, 1));
+                   })}};
+}
+
+void read_door_name(ReadContext& context, Fields& fields, Door& door) {
+  door.name = fields.name_or("name", fmt::format("door {}", context.scene.doors.size() + 1));
+  require_new(fields, door.name, context.door_names);
+}
+
+Key<Door> end_key(const std::string& name, const std::string& meaning, Eigen::Vector2d Door::*end) {
+  return custom_key<Door>(
+             name, meaning, "",
+             {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
+      .required()
+      .with_reader([name, end](ReadContext&, Fields& fields, Door& door) {
+        const std::vector<double> place = fields.numbers(name, 2, kPositionRange);
+        door.*end = {place[0], place[1]};
+      })
+      .with_hash([end](Hasher& hash, const Door& door) {
+        hash.add((door.*end).x()).add((door.*end).y());
+      });
+}
+
+Key<Door> triggers_key(const std::string& name, const std::string& meaning,
+                       const std::string& fallback, std::vector<TriggerRule> Door::*triggers) {
+  return custom_key<Door>(name, meaning, fallback, list_rule("cue"))
+      .with_reader([name, triggers](ReadContext& context, Fields& fields, Door& door) {
+        for (const YamlNode* item : fields.items(name, false))
+          (door.*triggers).push_back(read_trigger(context, fields.file(), *item));
+      })
+      .with_hash([triggers](Hasher& hash, const Door& door) {
+        hash.add(uint64_t{(door.*triggers).size()});
+        for (const TriggerRule& trigger : door.*triggers) add_trigger(hash, trigger);
+      });
+}
+
+void complete_door(ReadContext& context, const Fields& fields, Door& door) {
+  const Rectangle& ground = context.scene.ground;
+  for (const Eigen::Vector2d& end : {door.from_m, door.to_m})
+    if (!ground.contains(end))
+      throw InputError(fields.where(),
+                       fmt::format("door '{}' within the ground ({})", door.name, to_text(ground)),
+                       fmt::format("an end at [{}, {}]", end.x(), end.y()));
+  const double width_m = (door.to_m - door.from_m).norm();
+  if (!(width_m >= kMinDoorWidth_m))
+    throw InputError(fields.where(), fmt::format("a door at least {} m wide", kMinDoorWidth_m),
+                     fmt::format("{:.3g} m", width_m));
+  if (door.opens.empty() && door.closes.empty())
+    throw InputError(fields.where(), "'opens' or 'closes' of a door", "neither");
+}
+
+/// Groups that wait for each other would wait for ever.
+void require_no_circle(const ReadContext& context) {
+  std::map<std::string, std::string> waits_for;
+  for (const Group& group : context.scene.groups)
+    if (group.after && !group.after->group.empty()) waits_for[group.name] = group.after->group;
+  for (const auto& [name, first] : waits_for) {
+    std::string other = first;
+    for (size_t i = 0; i < waits_for.size() && other != name && waits_for.contains(other); ++i)
+      other = waits_for[other];
+    if (other == name)
+      throw InputError(context.scene.file.string(), "groups of which one sets out first",
+                       fmt::format("'{}', which waits for itself by way of 'after'", name));
+  }
+}
+
+}  // namespace
+
+const KeyTable<TriggerRule>& trigger_keys() {
+  static const KeyTable<TriggerRule> table = make_trigger_keys();
+  return table;
+}
+
+const KeyTable<Door>& door_keys() {
+  static const KeyTable<Door> table = {
+      .text = {.name = "door", .meaning = "A leaf across a way that opens and closes"},
+      .title = "a door",
+      .keys = {custom_key<Door>("name", "unique among the doors", "`door 1`, ...", {})
+                   .with_reader(read_door_name)
+                   .with_hash(&Door::name),
+               end_key("from_m", "`[x, y]` of one end", &Door::from_m),
+               end_key("to_m", "`[x, y]` of the other", &Door::to_m),
+               triggers_key("opens", "when it opens, a list of [cues](#cues)",
+                            "open from the start", &Door::opens),
+               triggers_key("closes", "when it closes", "never", &Door::closes)},
+      .complete = complete_door};
+  return table;
+}
+
+TriggerRule read_trigger(ReadContext& context, const std::string& file, const YamlNode& node) {
+  TriggerRule trigger;
+  if (node.kind == YamlNode::Kind::kScalar) {
+    const YamlNode wrapper{YamlNode::Kind::kMap,        node.line, "", false, {},
+                           {{"a cue", node.line, node}}};
+    trigger.delay_s = Fields(file, wrapper, "a cue").number("a cue", kTimeRange);
+    return trigger;
+  }
+  Fields fields(file, node, trigger_keys().title);
+  read_keys(trigger_keys(), context, fields, trigger);
+  context.triggers.emplace_back(fields.where(), trigger);
+  return trigger;
+}
+
+void require_triggers(const ReadContext& context) {
+  const std::vector<Group>& groups = context.scene.groups;
+  for (const auto& [where, trigger] : context.triggers) {
+    if (trigger.group.empty()) continue;
+    const auto group =
+        std::find_if(groups.begin(), groups.end(),
+                     [&name = trigger.group](const Group& each) { return each.name == name; });
+    if (group == groups.end()) {
+      const std::vector<std::string> names(context.group_names.begin(), context.group_names.end());
+      throw InputError(where, "the name of a group of the scene",
+                       fmt::format("'{}'", trigger.group) + did_you_mean(trigger.group, names));
+    }
+    if (!group->control_channel.empty() || group->recorded > 0)
+      throw InputError(where, "a group that walks to goals",
+                       fmt::format("'{}', which something else moves", trigger.group));
+    if (trigger.goal > static_cast<int>(group->goals.size()))
+      throw InputError(where,
+                       fmt::format("one of the {} goals of '{}'", group->goals.size(), group->name),
+                       fmt::format("{}", trigger.goal));
+  }
+  require_no_circle(context);
+}
+
+void add_trigger(Hasher& hash, const TriggerRule& trigger) {
+  add_keys(trigger_keys(), hash, trigger);
+}
+
+}  // namespace throng

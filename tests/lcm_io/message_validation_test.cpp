@@ -1,0 +1,182 @@
+// The guard: whatever bytes come, they decode to a sound message or to a reason.
+#include "lcm_io/codec/message_validation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+#include "lcm_io/codec/log_format.h"
+#include "synthetic_run.h"
+
+namespace throng::guard_test {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<MessageList::Message> one_of_each() {
+  SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 12, .near = true});
+  std::vector<MessageList::Message> out;
+  std::set<Channel> seen;
+  for (auto& m : messages_of(run, 2, {.part_poses = true}))
+    if (seen.insert(m.channel).second) out.push_back(std::move(m));
+  return out;
+}
+
+TEST(Guard, TakesEveryMessageOfOurs) {
+  const auto messages = one_of_each();
+  EXPECT_EQ(messages.size(), static_cast<size_t>(kChannelCount));
+  for (const auto& m : messages)
+    EXPECT_EQ(check_message(m.channel, m.bytes), "") << name_of(m.channel);
+}
+
+TEST(Guard, RefusesEveryMessageThatIsTooShortOrTooLong) {
+  for (const auto& m : one_of_each()) {
+    auto bytes = m.bytes;
+    bytes.push_back(0);
+    EXPECT_THAT(check_message(m.channel, bytes),
+                HasSubstr(bytes.size() > kMaxMessageBytes ? "bytes" : "after the end"))
+        << name_of(m.channel);
+    const size_t step = std::max<size_t>(1, m.bytes.size() / 500);
+    for (size_t size = 0; size < m.bytes.size(); size += step)
+      ASSERT_NE(check_message(m.channel, std::span(m.bytes).first(size)), "")
+          << name_of(m.channel) << " cut to " << size;
+  }
+}
+
+TEST(Guard, NamesAForeignFingerprint) {
+  for (auto& m : one_of_each()) {
+    m.bytes[3] ^= 1;
+    EXPECT_THAT(check_message(m.channel, m.bytes), HasSubstr("another version of Throng?"))
+        << name_of(m.channel);
+  }
+  const auto messages = one_of_each();
+  for (const auto& m : messages)
+    for (const Channel other : kAllChannels)
+      EXPECT_EQ(check_message(other, m.bytes).empty(), other == m.channel) << name_of(other);
+}
+
+TEST(Guard, AnOlderThrongIsRefusedByItsFingerprint) {
+  // What the first version sent on these channels; its counters and end had the same fields.
+  const std::pair<Channel, uint64_t> old[] = {{Channel::kStates, 0x1e02a511ca423d3a},
+                                              {Channel::kEvents, 0x928107e773cf3234},
+                                              {Channel::kTouching, 0x4c39f20edbb38640}};
+  for (const auto& [channel, fingerprint] : old)
+    for (const auto& m : one_of_each()) {
+      if (m.channel != channel) continue;
+      auto bytes = m.bytes;
+      put_big_endian(bytes.data(), fingerprint);
+      EXPECT_THAT(check_message(channel, bytes), HasSubstr("another version of Throng?"));
+    }
+  for (const auto& m : one_of_each()) {
+    auto bytes = m.bytes;
+    put_big_endian(bytes.data() + 56, int32_t{1});
+    EXPECT_EQ(check_message(m.channel, bytes), "schema 1, this program reads 3");
+  }
+}
+
+TEST(Guard, RefusesPairsAndPresenceThatCannotBe) {
+  SyntheticRun run({.avatars = 12, .seed = 3, .pairs = 12, .comings = true});
+  const auto defect_of_encoded = [](const auto& message) {
+    std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    auto out = message;
+    return decode(bytes, out);
+  };
+  for (const auto& m : messages_of(run, 1)) {
+    if (m.channel == Channel::kEvents) {
+      events_t sound;
+      ASSERT_EQ(decode(m.bytes, sound), "");
+      const auto with = [&](auto change) {
+        events_t damaged = sound;
+        change(damaged);
+        return defect_of_encoded(damaged);
+      };
+      EXPECT_THAT(with([](auto& e) { e.b[0] = e.a[0]; }),
+                  HasSubstr("expected 0 <= a < b <= 16777215, found a "));
+      EXPECT_THAT(with([](auto& e) { e.b[0] = 1 << 24; }), HasSubstr(", b 16777216"));
+      EXPECT_THAT(with([](auto& e) { e.part_a[0] = 255; }),
+                  HasSubstr("(part_b == 255), found part_a 255, part_b "));
+      EXPECT_EQ(with([](auto& e) { e.part_a[0] = e.part_b[0] = 255; }), "") << "whole bodies";
+      EXPECT_EQ(with([](auto& e) { e.level[0] = 4; }), "expected level <= 3, found level 4");
+      EXPECT_EQ(with([](auto& e) { e.kind[0] = 2; }), "expected kind <= 1, found kind 2");
+    }
+    if (m.channel == Channel::kStates) {
+      states_t states;
+      ASSERT_EQ(decode(m.bytes, states), "");
+      ASSERT_EQ(states.present_count, 12);
+      states.present.pop_back();
+      --states.present_count;
+      EXPECT_EQ(
+          defect_of_encoded(states),
+          "expected present_count == 0 || present_count == avatar_count, found present_count 11, "
+          "avatar_count 12");
+    }
+  }
+}
+
+TEST(Guard, HostileCountsNeitherThrowNorAllocate) {
+  // Every int32 of a message in turn becomes a count that generated code would die of.
+  for (const auto& m : one_of_each()) {
+    const size_t end = std::min<size_t>(m.bytes.size() - 4, 2000);
+    for (size_t at = 8; at < end; ++at)
+      for (const int32_t count : {-1, INT32_MIN, INT32_MAX, 0x10000000}) {
+        auto bytes = m.bytes;
+        put_big_endian(bytes.data() + at, count);
+        EXPECT_NO_THROW(check_message(m.channel, bytes));
+      }
+  }
+}
+
+TEST(Guard, HostileDescriptionsNeitherThrowNorAllocate) {
+  SyntheticRun run({.avatars = 4, .crowd = SyntheticRun::Crowd::kRovers});
+  const run_description_t description = describe(run.info());
+  std::vector<uint8_t> sound(static_cast<size_t>(description.getEncodedSize()));
+  description.encode(sound.data(), 0, static_cast<int>(sound.size()));
+  run_description_t out;
+  ASSERT_EQ(decode(sound, out), "");
+  for (size_t at = 8; at + 4 <= sound.size(); ++at)
+    for (const int32_t count : {-1, 0, INT32_MIN, INT32_MAX}) {
+      auto bytes = sound;
+      put_big_endian(bytes.data() + at, count);
+      EXPECT_NO_THROW(decode(bytes, out)) << "count " << count << " at byte " << at;
+    }
+  for (size_t size = 0; size < sound.size(); ++size)
+    ASSERT_NE(decode(std::span(sound).first(size), out), "") << "cut to " << size;
+}
+
+TEST(Guard, RandomDamageGivesAMessageOrAReason) {
+  constexpr uint64_t kSeed = 77;
+  const auto messages = one_of_each();
+  int refused = 0;
+  for (uint64_t round = 0; round < 20'000; ++round) {
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed << " round " << round);
+    const RandomKey key{kSeed, round, 0, Purpose::kStyle};
+    const auto& m = messages[random_bits(key, 0) % messages.size()];
+    auto bytes = m.bytes;
+    for (uint32_t hit = 0; hit < 4; ++hit)
+      bytes[random_bits(key, 2 * hit + 1) % bytes.size()] =
+          static_cast<uint8_t>(random_bits(key, 2 * hit + 2));
+    ASSERT_NO_THROW(refused += check_message(m.channel, bytes).empty() ? 0 : 1);
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(Guard, RefusesImpossibleHeaders) {
+  for (const auto& m : one_of_each()) {
+    const auto with = [&](size_t at, auto value) {
+      auto bytes = m.bytes;
+      put_big_endian(bytes.data() + at, value);
+      return check_message(m.channel, bytes);
+    };
+    EXPECT_THAT(with(8, int64_t{-1}), HasSubstr("utime"));
+    EXPECT_THAT(with(32, INT64_MAX), HasSubstr("seq"));
+    EXPECT_THAT(with(40, INT64_MIN), HasSubstr("seq"));
+    EXPECT_THAT(with(48, int32_t{-1}), HasSubstr("chunk -1"));
+    EXPECT_THAT(with(52, int32_t{0}), HasSubstr("of 0"));
+    EXPECT_THAT(with(52, INT32_MAX), HasSubstr("chunk"));
+    EXPECT_THAT(with(56, kSchema + 1), HasSubstr("schema 4, this program reads 3"));
+  }
+}
+
+}  // namespace
+}  // namespace throng::guard_test
