@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Counts, hashes and sizes in README.md and docs/ against the commands that print them:
-# scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example `scripts/docs.sh --update lcm`.
-# --nightly also runs what takes up to a minute, and the commands shown; --update writes what is printed
-# now into the documents, to be read and committed. Exit code 1 if a figure is another (with --update: if
-# it could not be mended).
+# Checks the counts, hashes and sizes in README.md and docs/ against the commands of
+# tests/apps/figures.yaml: scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example
+# `scripts/docs.sh --update culling`. --nightly also runs the commands that take up to a minute, and
+# the shown commands. --update writes the printed figures into the documents, to be read and
+# committed. Exit code 1 if a figure differs (with --update: if it could not be mended).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,7 +16,7 @@ for argument in "$@"; do
     *) filter=${filter:+$filter:}*/$(basename "$argument" .md) ;;
   esac
 done
-bash scripts/build.sh release docs_tests throng no_miss crowd_tests gait_tests scenes_tests fuzz_replay custom_volume custom_engine
+bash scripts/build.sh release docs_tests throng no_miss gait_tests scenes_tests fuzz_replay custom_volume custom_engine
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then build/release/throng scenes --schema >scenes/scene.schema.json; fi
 build/release/docs_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

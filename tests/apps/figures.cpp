@@ -7,6 +7,11 @@
 #include <optional>
 #include <regex>
 #include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "base/errors.h"
+#include "scenes/file/yaml_tree.h"
 
 namespace throng {
 namespace {
@@ -143,50 +148,79 @@ std::string unmasked(const std::string& line, const std::string& old) {
   return out;
 }
 
-/// The first text behind the comment that ends at `close`, and behind further comments.
-size_t first_text(const std::string& document, size_t close) {
-  for (;;) {
-    const size_t at = document.find_first_not_of("\n ", std::min(close + 3, document.size()));
-    if (at == std::string::npos || document.compare(at, 4, "<!--") != 0)
-      return std::min(at, document.size());
-    close = std::min(document.find("-->", at), document.size());
+std::string scalar_of(const YamlEntry& entry, const std::string& name) {
+  if (entry.value.kind == YamlNode::Kind::kScalar && !trimmed(entry.value.scalar).empty())
+    return entry.value.scalar;
+  throw InputError(fmt::format("{}:{}", name, entry.line), fmt::format("text for '{}'", entry.key),
+                   "none");
+}
+
+Figures figures_of(const YamlNode& node, const std::string& name) {
+  const std::string where = fmt::format("{}:{}", name, node.line);
+  if (node.kind != YamlNode::Kind::kMap)
+    throw InputError(where, "a map with page, at and command", "something else");
+  Figures figures;
+  figures.line = node.line;
+  for (const YamlEntry& entry : node.entries) {
+    const std::string value = scalar_of(entry, name);
+    const std::string entry_where = fmt::format("{}:{}", name, entry.line);
+    if (entry.key == "page") {
+      figures.page = value;
+    } else if (entry.key == "at") {
+      figures.at = trimmed(value);
+    } else if (entry.key == "command") {
+      figures.command = value;
+    } else if (entry.key == "nightly") {
+      if (value != "true" && value != "false")
+        throw InputError(entry_where, "true or false for 'nightly'", "'" + value + "'");
+      figures.is_nightly = value == "true";
+    } else {
+      throw InputError(entry_where, "page, at, nightly or command", "'" + entry.key + "'");
+    }
   }
+  if (figures.page.empty() || figures.at.empty() || figures.command.empty())
+    throw InputError(where, "page, at and command", "an entry without one of them");
+  return figures;
 }
 
 }  // namespace
 
-std::vector<Figures> figures_in(const std::string& document) {
-  constexpr std::string_view kEach = "<!-- check: ", kNightly = "<!-- check nightly: ";
-  constexpr std::string_view kClose = "-->", kFence = "```";
+std::vector<Figures> read_figures(const std::string& yaml, const std::string& name) {
+  const YamlNode list = parse_yaml(yaml, name);
+  if (list.kind != YamlNode::Kind::kList)
+    throw InputError(name, "a list of figures", "something else");
   std::vector<Figures> all;
-  bool is_in_fence = false;
-  size_t next = 0;
-  int number = 0;
-  for (size_t at = 0; at < document.size(); at = next) {
-    ++number;
-    next = std::min(document.find('\n', at), document.size() - 1) + 1;
-    const size_t indented = std::min(document.find_first_not_of(' ', at), document.size());
-    const std::string_view rest = std::string_view(document).substr(indented);
-    if (rest.starts_with(kFence)) is_in_fence = !is_in_fence;
-    if (is_in_fence || !(rest.starts_with(kEach) || rest.starts_with(kNightly))) continue;
-    Figures figures;
-    figures.line = number;
-    figures.is_nightly = rest.starts_with(kNightly);
-    const size_t command = indented + (figures.is_nightly ? kNightly : kEach).size();
-    const size_t close = std::min(document.find(kClose, at), document.size());
-    figures.command = document.substr(command, close - command);
-    figures.begin = first_text(document, close);
-    figures.is_fenced = document.compare(figures.begin, kFence.size(), kFence) == 0;
-    if (figures.is_fenced) {
-      figures.begin = std::min(document.find('\n', figures.begin), document.size() - 1) + 1;
-      figures.end = document.find(kFence, figures.begin);
-    } else {
-      figures.end = document.find("\n\n", figures.begin);
-    }
-    figures.end = std::min(figures.end, document.size());
-    all.push_back(figures);
-  }
+  for (const YamlNode& item : list.items) all.push_back(figures_of(item, name));
   return all;
+}
+
+FiguresBlock find_block(const std::string& document, const std::string& at) {
+  constexpr std::string_view kFence = "```";
+  FiguresBlock block;
+  bool is_in_fence = false, is_marked = false;
+  size_t count = 0, fence_begin = 0, next = 0;
+  for (size_t line = 0; line < document.size(); line = next) {
+    next = std::min(document.find('\n', line), document.size() - 1) + 1;
+    const std::string text = trimmed(document.substr(line, next - line));
+    if (text.starts_with(kFence)) {
+      if (is_in_fence && is_marked) block.end = line;
+      is_in_fence = !is_in_fence;
+      is_marked = false;
+      fence_begin = next;
+      continue;
+    }
+    if (text.find(at) == std::string::npos) continue;
+    ++count;
+    is_marked = is_in_fence;
+    block.is_fenced = is_in_fence;
+    block.begin = is_in_fence ? fence_begin : line;
+    block.end =
+        std::min(is_in_fence ? document.size() : document.find("\n\n", line), document.size());
+  }
+  if (count != 1)
+    throw std::runtime_error(
+        fmt::format("expected one line that contains '{}', found {}", at, count));
+  return block;
 }
 
 std::string difference(const std::string& text, const std::string& printed, bool is_fenced) {

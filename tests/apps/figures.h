@@ -1,35 +1,52 @@
-// Figures in the documents, each beside the command that prints it.
-// One rule: a figure that its command does not print is a failure, and one command mends it.
+// Figures compares the numbers in the documents with the output of the commands that print them.
+// Invariant: a number that its command does not print is a failure, and `--update` mends it.
 //
-//   <!-- check: COMMAND -->            below 5 s, in every run of the tests
-//   <!-- check nightly: COMMAND -->    below a minute, in scripts/nightly.sh
+// tests/apps/figures.yaml lists the commands:
 //
-// stands on lines of its own, before what it checks: a fenced block is all that the command prints;
-// of a paragraph, list or table every line that the command prints has to stand in it. Spaces and
-// line breaks count as one space, 12 345 as 12345, and "…" in what is printed stands for anything:
-// times are masked so.
+//   - page: docs/culling.md      the document, from the top of the repository
+//     at: text                   part of one line, unique on the page and without figures
+//     nightly: true              only if the command takes 5 s to a minute [false]
+//     command: throng info plaza for sh; $top is the repository
+//
+// If the line stands in a fenced block, the block is the whole output of the command. Otherwise
+// every line of the output stands in the paragraph, list or table from that line on. Spaces and
+// line breaks count as one space, 12 345 as 12345. "…" in the output stands for any text, such as a
+// time.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace throng {
 
+/// One entry of figures.yaml.
 struct Figures {
-  int line = 0;  ///< of the comment
+  int line = 0;  ///< of the entry, counted from 1
+  std::string page;
+  std::string at;
   bool is_nightly = false;
   std::string command;  ///< for sh
-  bool is_fenced = false;
-  size_t begin = 0, end = 0;  ///< what is checked, as part of the document
 };
 
-/// All that a document marks, in order.
-std::vector<Figures> figures_in(const std::string& document);
+/// Part of a document that one command checks.
+struct FiguresBlock {
+  size_t begin = 0, end = 0;  ///< offsets into the document
+  bool is_fenced = false;
+};
 
-/// What of `printed` does not stand in `text`, line by line; "" if all does.
+/// Returns the entries in the order of the file. Throws InputError "name:line: ..." on a missing or
+/// unknown key.
+std::vector<Figures> read_figures(const std::string& yaml, const std::string& name);
+
+/// Returns the block that `at` marks. Throws std::runtime_error unless exactly one line holds it.
+FiguresBlock find_block(const std::string& document, const std::string& at);
+
+/// Returns the printed lines that `text` does not hold, each with its counterpart; "" if it holds
+/// all.
 std::string difference(const std::string& text, const std::string& printed, bool is_fenced);
 
-/// `text` with the numbers that are printed now; what "…" stands for stays where it can.
+/// Returns `text` with the printed numbers; text that "…" stands for is kept where possible.
 std::string mended(const std::string& text, const std::string& printed, bool is_fenced);
 
 }  // namespace throng

@@ -1,6 +1,6 @@
-// Counts, hashes and sizes in the documents are what their commands print.
-// THRONG_NIGHTLY=1 also runs what takes up to a minute; THRONG_DOCS_UPDATE=1 writes what is
-// printed into the documents instead (scripts/docs.sh does both).
+// Counts, hashes and sizes in the documents equal what the commands in figures.yaml print.
+// THRONG_NIGHTLY=1 also runs the commands that take up to a minute. THRONG_DOCS_UPDATE=1 writes the
+// printed figures into the documents instead. scripts/docs.sh sets both.
 #include "tests/apps/figures.h"
 
 #include <gmock/gmock.h>
@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <string_view>
 
+#include "base/errors.h"
 #include "tests/apps/cli.h"
 #include "tests/nightly.h"
 
@@ -20,12 +22,23 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::vector<std::string> documents() {
-  std::vector<std::string> names = {"README.md"};
-  for (const fs::directory_entry& entry : fs::directory_iterator(THRONG_SOURCE_DIR "/docs"))
-    if (entry.path().extension() == ".md")
-      names.push_back("docs/" + entry.path().filename().string());
+constexpr const char* kFile = "tests/apps/figures.yaml";
+
+std::vector<Figures> all_figures() {
+  return read_figures(read_file(fs::path(THRONG_SOURCE_DIR) / kFile), kFile);
+}
+
+/// Pages that figures.yaml names. An unreadable file has none; Figures.HaveTheirPlaceOnAPage
+/// reports it.
+std::vector<std::string> pages() {
+  std::vector<std::string> names;
+  try {
+    for (const Figures& figures : all_figures()) names.push_back(figures.page);
+  } catch (const std::exception&) {
+    return {};
+  }
   std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 
@@ -34,58 +47,96 @@ bool is_updating() {
   return value != nullptr && std::string_view(value) == "1";
 }
 
-class Document : public testing::TestWithParam<std::string> {};
-
-TEST_P(Document, SaysWhatItsCommandsPrint) {
-  const fs::path file = fs::path(THRONG_SOURCE_DIR) / GetParam();
+/// Runs the command of one entry and compares its output with the page, or mends the page.
+void check_figures(const Figures& figures) {
+  const fs::path file = fs::path(THRONG_SOURCE_DIR) / figures.page;
+  const std::string where = std::string(kFile) + ":" + std::to_string(figures.line);
   std::string text = read_file(file);
-  const std::vector<Figures> all = figures_in(text);
-  // From the last to the first: what is mended moves what comes after.
-  for (auto figures = all.rbegin(); figures != all.rend(); ++figures) {
-    if (figures->is_nightly && !test::is_nightly()) continue;
-    const ScratchFolder folder;
-    const Outcome outcome = shell("top='" THRONG_SOURCE_DIR "'\n" + figures->command, folder);
-    const size_t size = figures->end - figures->begin;
-    const std::string said = text.substr(figures->begin, size);
-    const std::string wrong = difference(said, outcome.out, figures->is_fenced);
-    const std::string where = GetParam() + ":" + std::to_string(figures->line);
-    EXPECT_EQ(outcome.exit_code, 0) << where << ": " << figures->command << "\n" << outcome.err;
-    if (wrong.empty()) continue;
-    if (outcome.exit_code == 0 && is_updating()) {
-      text.replace(figures->begin, size, mended(said, outcome.out, figures->is_fenced));
-      write_file(file, text);
-      std::printf("%s: mended:\n%s", where.c_str(), wrong.c_str());
-      continue;
-    }
-    ADD_FAILURE() << where << ": " << figures->command << "\n"
-                  << wrong << outcome.err << "  scripts/docs.sh --update writes what is printed";
+  const FiguresBlock block = find_block(text, figures.at);
+  const ScratchFolder folder;
+  const Outcome outcome = shell("top='" THRONG_SOURCE_DIR "'\n" + figures.command, folder);
+  EXPECT_EQ(outcome.exit_code, 0) << where << ": " << figures.command << "\n" << outcome.err;
+  const size_t size = block.end - block.begin;
+  const std::string current = text.substr(block.begin, size);
+  const std::string wrong = difference(current, outcome.out, block.is_fenced);
+  if (wrong.empty()) return;
+  if (outcome.exit_code == 0 && is_updating()) {
+    text.replace(block.begin, size, mended(current, outcome.out, block.is_fenced));
+    write_file(file, text);
+    std::printf("%s: mended %s:\n%s", where.c_str(), figures.page.c_str(), wrong.c_str());
+    return;
   }
+  ADD_FAILURE() << where << ": " << figures.page << ": " << figures.command << "\n"
+                << wrong << outcome.err
+                << "  scripts/docs.sh --update writes the printed figures into the page";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Document, testing::ValuesIn(documents()), [](const auto& test) {
+class Document : public testing::TestWithParam<std::string> {};
+
+TEST_P(Document, HoldsTheFiguresThatItsCommandsPrint) {
+  for (const Figures& figures : all_figures())
+    if (figures.page == GetParam() && (test::is_nightly() || !figures.is_nightly))
+      check_figures(figures);
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Document);
+INSTANTIATE_TEST_SUITE_P(All, Document, testing::ValuesIn(pages()), [](const auto& test) {
   std::string name = fs::path(test.param).stem().string();
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });
 
-TEST(Figures, AreFoundWithWhatTheyCheck) {
-  const auto all = figures_in(
-      "# A\n  <!-- check: one | two -->\n<!-- check: three -->\nFive\nsix.\n\nnot this\n\n"
-      "<!-- check nightly: a \\\n  b -->\n\n```text\nx 1\n```\nrest\n"
-      "```text\n<!-- check: shown, not meant -->\n```\n");
-  ASSERT_EQ(all.size(), 3u);
-  EXPECT_EQ(all[0].command, "one | two ");
-  EXPECT_EQ(all[0].line, 2);
-  EXPECT_FALSE(all[0].is_nightly || all[0].is_fenced);
-  EXPECT_EQ(all[0].end - all[0].begin, std::string("Five\nsix.").size());
-  EXPECT_EQ(all[1].command, "three ");
-  EXPECT_EQ(all[1].begin, all[0].begin);
-  EXPECT_EQ(all[2].command, "a \\\n  b ");
-  EXPECT_TRUE(all[2].is_nightly && all[2].is_fenced);
-  EXPECT_EQ(all[2].end - all[2].begin, std::string("x 1\n").size());
+TEST(Figures, HaveTheirPlaceOnAPage) {
+  for (const Figures& figures : all_figures()) {
+    SCOPED_TRACE(std::string(kFile) + ":" + std::to_string(figures.line) + ": " + figures.page);
+    EXPECT_NO_THROW(find_block(read_file(fs::path(THRONG_SOURCE_DIR) / figures.page), figures.at));
+  }
 }
 
-TEST(Figures, OfATextAreFoundHoweverTheyAreSpacedAndGrouped) {
+TEST(Figures, AreReadFromAList) {
+  const auto all = read_figures(
+      "- page: docs/a.md\n  at: first line\n  command: one | two\n"
+      "- page: b.md\n  at: '| x'\n  nightly: true\n  command: |\n    a \\\n      b\n    c\n",
+      "f.yaml");
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].page, "docs/a.md");
+  EXPECT_EQ(all[0].at, "first line");
+  EXPECT_EQ(all[0].command, "one | two");
+  EXPECT_FALSE(all[0].is_nightly);
+  EXPECT_EQ(all[1].line, 4);
+  EXPECT_EQ(all[1].command, "a \\\n  b\nc\n");
+  EXPECT_TRUE(all[1].is_nightly);
+}
+
+TEST(Figures, WithAMissingOrUnknownKeyAreRejected) {
+  for (const char* text : {"page: a.md\n", "- a\n", "- page: a.md\n  at: x\n",
+                           "- page: a.md\n  at: x\n  command: b\n  nightly: 1\n",
+                           "- page: a.md\n  at: x\n  command: b\n  daily: true\n",
+                           "- page: a.md\n  at: ''\n  command: b\n"})
+    EXPECT_THROW(read_figures(text, "f.yaml"), InputError) << text;
+}
+
+TEST(Figures, CheckTheBlockThatTheirLineIsIn) {
+  const std::string document =
+      "# A\nFive\nsix.\n\nnot this\n\n```text\nx 1\ny 2\n```\nrest\n| head |\n| 7 |\n";
+  const auto block_at = [&](const char* at) {
+    const FiguresBlock block = find_block(document, at);
+    return (block.is_fenced ? "fenced: " : "") +
+           document.substr(block.begin, block.end - block.begin);
+  };
+  EXPECT_EQ(block_at("Five"), "Five\nsix.");
+  EXPECT_EQ(block_at("six"), "six.");
+  EXPECT_EQ(block_at("y 2"), "fenced: x 1\ny 2\n");
+  EXPECT_EQ(block_at("| head"), "| head |\n| 7 |\n");
+}
+
+TEST(Figures, OfALineThatIsMissingOrThereTwiceAreAnError) {
+  EXPECT_THROW(find_block("a\nb\n", "c"), std::runtime_error);
+  EXPECT_THROW(find_block("a 1\n\na 2\n", "a"), std::runtime_error);
+  EXPECT_THROW(find_block("", "a"), std::runtime_error);
+}
+
+TEST(Figures, OfATextAreFoundWithAnySpacingAndGrouping) {
   const std::string text = "| plaza | 12 345\n  pairs | 0.4 ms |";
   EXPECT_EQ(difference(text, "12345 pairs\n", false), "");
   EXPECT_EQ(difference(text, "plaza | 12345 pairs | … ms\n", false), "");
