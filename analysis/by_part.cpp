@@ -15,12 +15,12 @@
 namespace throng {
 namespace {
 
-constexpr const char* kTable = "by_part.csv";
+constexpr const char* kTable = "part_pairs.csv";
 constexpr const char* kFigures[] = {"by_part_boxes", "by_part_volumes"};
 constexpr const char* kObstacle = "obstacle";
 constexpr const char* kWhole = "whole body";
 
-/// Of a kind of body, a row of names a part.
+/// Part names of all body types; an obstacle counts as one part.
 class Names {
  public:
   explicit Names(const RunInfo& run) : run_(run) {}
@@ -50,7 +50,7 @@ void add_sum(StageCounters& sum, const StageCounters& frame) {
   sum.passed += frame.passed;
 }
 
-/// A row of matrices, each in both triangles.
+/// Heat maps side by side, each showing both triangles of a matrix.
 class Panels {
  public:
   explicit Panels(const PartNameTally& tally) : tally_(tally) {}
@@ -84,7 +84,7 @@ class Panels {
 
  private:
   static constexpr int kWidth = 1750, kHeight = 520;
-  static constexpr size_t kMany = 24;  // names that need smaller letters
+  static constexpr size_t kMany = 24;  // above this number of names the font shrinks
 
   std::string margins() const {
     const double left = 0.078 + 0.325 * panels_;
@@ -135,12 +135,12 @@ std::string csv_of(const PartNameTally& tally, bool exact) {
         cell.touching);
   });
   for_each([&](size_t a, size_t b, const PartPairCounts& cell) {
-    put("part", tally.volumes[a * tally.names.size() + b], a, b, cell.box_passed, cell.part_passed,
-        tally.counts_touching, cell.touching);
+    put("part_volume", tally.volumes[a * tally.names.size() + b], a, b, cell.box_passed,
+        cell.part_passed, tally.counts_touching, cell.touching);
   });
   if (!exact) return text;
   for_each([&](size_t a, size_t b, const PartPairCounts& cell) {
-    put("exact", "triangles", a, b, cell.part_passed, cell.touching, true, cell.touching);
+    put("triangles", "triangles", a, b, cell.part_passed, cell.touching, true, cell.touching);
   });
   return text;
 }
@@ -203,12 +203,12 @@ void ByPartSink::end(const RunInfo& run, const RunEnd& end) {
   const PartNameTally tally = end.by_part == nullptr ? PartNameTally{} : by_name(*end.by_part, run);
   std::string text = "stage,volume,part_a,part_b,tests,passed,touching,false_positives\n";
   for (const auto& [stage, sum] :
-       {std::pair("avatar", &bodies_), std::pair("body_box", &body_boxes_)})
+       {std::pair("body_sphere", &bodies_), std::pair("body_box", &body_boxes_)})
     append(text, "{},{},{},{},{},{},,\n", stage, sum->volume, kWhole, kWhole, sum->tests,
            sum->passed);
   write_file_atomically(folder_ / kTable, text + csv_of(tally, run.culler.exact),
                         {.what = "the counts by part"});
-  // Figures of an earlier run beside the numbers of this one would be wrong.
+  // Figures of an earlier run do not belong to these numbers.
   std::error_code error;
   for (const char* name : kFigures)
     std::filesystem::remove(folder_ / fmt::format("{}.svg", name), error);

@@ -1,5 +1,5 @@
-// What culling did, pair of parts by pair of parts: which parts are tested, pass and touch in vain.
-// One rule: the sums over all rows of a stage are the counters of the run.
+// ByPartSink counts tests, passed pairs and false positives per pair of parts.
+// Invariant: the sums over all rows of a stage equal the counters of the run.
 #pragma once
 
 #include <filesystem>
@@ -12,25 +12,25 @@
 
 namespace throng {
 
-/// Counts by the names of parts, of all kinds of bodies together; obstacles are one part.
+/// Counts by part name over all kinds of bodies; all obstacles together count as one part.
 struct PartNameTally {
   std::vector<std::string> names;
-  std::vector<PartPairCounts> cells;  ///< names x names, the upper triangle
-  std::vector<std::string> volumes;   ///< of the part stage, by cell: "ordop26", "sphere+ordop26"
+  std::vector<PartPairCounts> cells;  ///< names x names, upper triangle only
+  std::vector<std::string> volumes;   ///< volume of each cell: "ordop26", "sphere+ordop26"
   bool counts_touching = true;
 
   const PartPairCounts& at(size_t a, size_t b) const { return cells[a * names.size() + b]; }
 };
 PartNameTally by_name(const PartTally& tally, const RunInfo& run);
 
-/// Boxes, then volumes: what was tested, what passed and, where it is known, what did not touch.
+/// Figures of the box and volume stages: tested, passed and, where known, false positives.
 std::vector<Figure> figures_of(const PartNameTally& tally);
 
-/// Writes by_part.csv into a folder, and figures where gnuplot is there. Needs
+/// Writes part_pairs.csv into a folder, and figures if gnuplot is installed. Requires
 /// CullerOptions::by_part.
 class ByPartSink final : public Sink {
  public:
-  /// Creates the folder. Throws EnvironmentError, here and at the end, if it cannot be written.
+  /// Creates the folder. Throws EnvironmentError, also in end(), if it cannot be written.
   explicit ByPartSink(std::filesystem::path folder);
 
   void begin(const RunInfo&) override {}
@@ -39,10 +39,10 @@ class ByPartSink final : public Sink {
 
  private:
   std::filesystem::path folder_;
-  StageCounters bodies_, body_boxes_;  // sums
+  StageCounters bodies_, body_boxes_;  // sums over all frames
 };
 
-/// The names of all files that it writes.
+/// Names of all files that the sink can write.
 std::vector<std::string> by_part_files();
 
 }  // namespace throng

@@ -11,7 +11,7 @@ constexpr const char* kNames[kPartGroups] = {"head", "trunk", "arm",  "hand",
                                              "leg",  "foot",  "other"};
 
 constexpr std::pair<const char*, PartGroup> kWords[] = {
-    // Before "arm" and "leg", which "forearm" and the like hold, too.
+    // First, because "forearm" and similar names also contain "arm" or "leg".
     {"hand", PartGroup::kHand},   {"foot", PartGroup::kFoot},    {"head", PartGroup::kHead},
     {"torso", PartGroup::kTrunk}, {"pelvis", PartGroup::kTrunk}, {"trunk", PartGroup::kTrunk},
     {"chest", PartGroup::kTrunk}, {"arm", PartGroup::kArm},      {"leg", PartGroup::kLeg},

@@ -48,7 +48,7 @@ uint64_t hash_of(std::span<const PairEvent> events) {
 }  // namespace
 
 TraceSink::TraceSink(const std::filesystem::path& file) : file_(file) {
-  // Not emptied before there is a first line.
+  // begin() truncates the file: a run that fails to start keeps the old trace.
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor >= 0) out_.reset(::fdopen(descriptor, "w"));
   if (out_ == nullptr)
@@ -57,7 +57,7 @@ TraceSink::TraceSink(const std::filesystem::path& file) : file_(file) {
 }
 
 void TraceSink::begin(const RunInfo& run) {
-  // A pipe or device has nothing to lose (EINVAL).
+  // EINVAL: pipes and devices cannot be truncated.
   if (::ftruncate(::fileno(out_.get()), 0) != 0 && errno != EINVAL) fail();
   std::fputs(fmt::format("run {:016x}\n", run.run_id).c_str(), out_.get());
   flush();

@@ -1,6 +1,5 @@
-// A line a stage and frame with a hash of what the stage produced, to find where two runs that
-// should be the same part ways.
-// One rule: it hashes what a stage says, never how it is stored, so that any two machines compare.
+// TraceSink writes one hash per frame and stage, to find where two runs start to differ.
+// Invariant: hashes cover results, not memory layout; traces of any two machines are comparable.
 #pragma once
 
 #include <cstdio>
@@ -13,17 +12,17 @@
 
 namespace throng {
 
-/// Lines "FRAME STAGE HASH": steering (roots and speeds), gait (joint angles), poses (of every part
-/// of every avatar, whether or not culling asked for it), pairs, events. The first line in which
-/// two files differ names the stage to look at.
+/// Writes lines "FRAME STAGE HASH" for the stages steering (roots and speeds), gait (joint
+/// positions), poses (all parts of all avatars), pairs and events. The first line in which two
+/// traces differ names the stage to inspect.
 class TraceSink final : public Sink {
  public:
-  /// Opens the file; begin() empties it. Throws EnvironmentError naming it.
+  /// Opens the file; begin() truncates it. Throws EnvironmentError naming the file.
   explicit TraceSink(const std::filesystem::path& file);
 
   SinkNeeds needs() const override { return {.postures = true}; }
   void begin(const RunInfo& run) override;
-  /// Throws EnvironmentError when a line could not be written.
+  /// Throws EnvironmentError if a line cannot be written.
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 

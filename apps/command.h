@@ -1,6 +1,6 @@
-// The commands of `throng`: each adds its options to the parser and returns what to do.
-// One rule: results go to stdout, the rest to stderr; errors leave as exceptions and main() turns
-// them into exit codes.
+// Command is a subcommand of `throng` with its action.
+// Invariant: results go to stdout, the rest to stderr. Errors are exceptions, which main() turns
+// into exit codes.
 #pragma once
 
 #include <functional>

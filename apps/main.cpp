@@ -22,24 +22,25 @@ namespace throng {
 namespace {
 
 constexpr const char* kAbout =
-    "Throng tells which body part of whom touches which body part of whom, in crowds.";
+    "Throng simulates crowds of articulated agents and detects every contact between their body "
+    "parts.";
 constexpr const char* kFooter = R"(
 Examples:
-  throng run plaza                                  500 people, a log in out/
-  throng run plaza --avatars 5000 --seconds 2       more of them
-  throng info avatars/models/adult/adult.urdf       a model, checked and described
-  throng help run                                   the options of a command
+  throng run plaza                                  simulate 500 people, write a log to out/
+  throng run plaza --avatars 5000 --seconds 2       simulate a larger crowd
+  throng info avatars/models/adult/adult.urdf       check and describe a body model
+  throng help run                                   print the options of a command
 
-Exit codes: 0 fine, 1 a check failed, 2 bad input, 3 the environment failed; work that was stopped ends with
-its summary and 130 (SIGINT, Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP).)";
+Exit codes: 0 success, 1 a check failed, 2 bad input, 3 fault of the environment. Work stopped by a signal
+prints its summary and exits with 130 (SIGINT, Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP).)";
 
 int failed(const std::string& message, int exit_code) {
   print_message("{}\n", message);
   return exit_code;
 }
 
-/// Results that did not reach their reader are no results, unless the reader had enough of them.
-/// Closing the terminal closes what we write to as well, and knows.
+/// Fails if results were not written, except to a pipe whose reader has closed it. A terminal that
+/// closes also sends SIGHUP.
 int ended(int exit_code) {
   if (flush_results() || stdout_is_closed() ||
       (exit_code != kExitSuccess && exit_code == StopSignal::exit_code() &&
@@ -48,9 +49,8 @@ int ended(int exit_code) {
   return failed("throng: could not write to the standard output", kExitEnvironment);
 }
 
-/// What people write for what the parser wants: `throng help run` is `throng run --help`, and the
-/// --json of `monitor`, which takes no name, may have the one for stdout. A command that does not
-/// exist is left to the parser.
+/// Rewrites words that the parser does not accept: `throng help run` becomes `throng run --help`,
+/// and `monitor --json`, a flag, also accepts "-". Unknown commands are left to the parser.
 std::vector<std::string> as_parsed(const CommandLine& line, std::vector<std::string> words) {
   if (words.empty()) return words;
   if (words.front() == "monitor") std::erase(words, "-");
@@ -69,7 +69,7 @@ int run(int argc, char** argv) {
       add_view_command(line),     add_paper_command(line),   add_bench_command(line),
       add_validate_command(line), add_compare_command(line), add_study_command(line),
       add_export_command(line)};
-  line.add_subcommand("help", "The options of a command: throng help COMMAND");
+  line.add_subcommand("help", "Print the options of a command: throng help COMMAND");
   if (const auto text = line.parse(as_parsed(line, {argv + 1, argv + argc}))) {
     print_result("{}", *text);
     return kExitSuccess;
@@ -99,15 +99,14 @@ int run_guarded(int argc, char** argv) {
   }
 }
 
-/// Standard input, output and error that were closed when the program started take 0, 1 and 2
-/// before anything is opened, so that no log or picture gets the number of stderr. A closed stdin
-/// then reads as empty; what is said to a closed stderr goes nowhere; what is shown on a closed
-/// stdout fails as it would have: somebody wanted to read it.
+/// Opens closed standard streams on /dev/null before any other file, so no log gets the number of
+/// stderr. A closed stdin then reads as empty, and output to a closed stderr is dropped. Output to
+/// a closed stdout still fails, because its results are lost.
 void open_standard_files() {
   for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(descriptor, F_GETFD) >= 0) continue;
-    // open() gives the lowest free number, which is this one. Writing to a file that is open for
-    // reading fails with "bad file descriptor", as writing to a closed one does.
+    // open() returns the lowest free number, which is this one. Writing to a read-only descriptor
+    // fails like writing to a closed one.
     const int mode = descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY;
     [[maybe_unused]] const int opened = open("/dev/null", mode);
   }
@@ -119,8 +118,8 @@ void open_standard_files() {
 int main(int argc, char** argv) {
   throng::open_standard_files();
   throng::StopSignal::install();
-  // A file that reached its limit is an error like a full disk, not a silent death; a pipe whose
-  // reader has gone ends what is shown, not the work.
+  // SIGXFSZ ignored: a file at its size limit is an error like a full disk. SIGPIPE ignored: a
+  // reader that closes its pipe ends the output, not the work.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   const int exit_code = throng::ended(throng::run_guarded(argc, argv));

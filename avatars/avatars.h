@@ -1,4 +1,4 @@
-// Avatars: what a person is - body part meshes, a model made of a URDF and its parts, a gait.
+// Public header of the folder: body part meshes, body models (a URDF and its parts) and gaits.
 #pragma once
 
 #include "avatars/gait/gait.h"

@@ -1,6 +1,5 @@
-// Words for a person: print_message() on stderr, print_result() on stdout.
-// One rule: telling never ends the work. A stderr that takes nothing takes nothing; a stdout that
-// takes nothing leaves its mark on the stream, and main() ends with it.
+// Console output: print_message() writes to stderr, print_result() to stdout.
+// Invariant: neither throws. A failed stdout makes main() exit with code 3.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,9 +9,9 @@
 
 namespace throng {
 
-/// Notes, progress and errors, exactly as given: the line feed is the caller's.
+/// Writes a note, progress or an error to stderr, unchanged; the caller adds the line feed.
 void print_message_text(std::string_view text) noexcept;
-/// Results. What could not be written is known to flush_results().
+/// Writes a result to stdout. flush_results() reports failures.
 void print_result_text(std::string_view text) noexcept;
 
 template <typename... Args>
@@ -24,14 +23,14 @@ void print_result(fmt::format_string<Args...> format, Args&&... args) {
   print_result_text(fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Sends on what was shown so far; false if any of it, now or before, did not reach its reader.
+/// Flushes stdout. Returns false if any result so far was not written.
 bool flush_results() noexcept;
 
-/// Whether stdout is a pipe whose reader has gone, as `head` does once it has enough: what is shown
-/// from then on goes nowhere, and that is no failure.
+/// Whether stdout is a pipe whose reader has closed it, as `head` does. Later results are dropped
+/// without an error.
 bool stdout_is_closed() noexcept;
 
-/// For signal handlers, which may call next to nothing: this.
+/// Writes to stderr; safe in a signal handler.
 void print_in_signal_handler(std::string_view text) noexcept;
 
 }  // namespace throng

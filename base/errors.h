@@ -1,6 +1,6 @@
-// The errors that end a command, each with the exit code that the user sees.
-// One rule: an error says where, what was expected, what was found, and the way out if there is
-// one.
+// InputError and EnvironmentError end a command with the exit codes 2 and 3.
+// Invariant: a message states the place, what was expected, what was found, and the remedy if there
+// is one.
 #pragma once
 
 #include <span>
@@ -16,14 +16,14 @@ class InputError : public std::runtime_error {
  public:
   InputError(std::string_view where, std::string_view expected, std::string_view found);
 
-  /// What the message begins with: "file:line", a file, an option.
+  /// First part of the message: "file:line", a file, an option.
   const std::string& where() const { return where_; }
 
  private:
   std::string where_;
 };
 
-/// The environment failed us (exit code 3): a full disk, a directory that vanished, a dead socket.
+/// Fault of the environment (exit code 3): a full disk, a missing folder, a dead socket.
 class EnvironmentError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -32,7 +32,8 @@ class EnvironmentError : public std::runtime_error {
 /// "file:line", the form of `where` that editors make clickable.
 std::string at_line(std::string_view file, int line);
 
-/// " (did you mean 'NAME'?)" for the candidate nearest in edit distance, or "" if none is near.
+/// " (did you mean 'NAME'?)" for a synonym of `found` or the candidate with the least edit distance
+/// to it; "" if none is similar.
 std::string did_you_mean(std::string_view found, std::span<const std::string> candidates);
 
 }  // namespace throng

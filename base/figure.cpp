@@ -18,7 +18,7 @@
 namespace throng {
 
 std::string gnuplot_quoted(std::string text) {
-  // A line end would end the string, and begin a command.
+  // A line end would end the string and begin a command.
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   for (size_t at = text.find('\''); at != std::string::npos; at = text.find('\'', at + 2))
@@ -28,7 +28,7 @@ std::string gnuplot_quoted(std::string text) {
 
 namespace {
 
-/// ": " and what a program said, in one line; "" if it said nothing.
+/// ": " and the output of a program, in one line; "" if there is none.
 std::string words_of(FILE* file) {
   std::string text;
   if (file != nullptr) std::rewind(file);
@@ -78,14 +78,15 @@ void require_gnuplot() {
 
 std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / (figure.id + ".svg");
-  // Its warnings are about what is drawn and of use only where nothing is.
-  const std::unique_ptr<FILE, int (*)(FILE*)> said(std::tmpfile(), std::fclose);
-  const std::string command =
-      said == nullptr ? "gnuplot" : fmt::format("gnuplot 2>/proc/self/fd/{}", fileno(said.get()));
+  // gnuplot's warnings are reported only if it draws nothing.
+  const std::unique_ptr<FILE, int (*)(FILE*)> errors(std::tmpfile(), std::fclose);
+  const std::string command = errors == nullptr
+                                  ? "gnuplot"
+                                  : fmt::format("gnuplot 2>/proc/self/fd/{}", fileno(errors.get()));
   FILE* gnuplot = popen(command.c_str(), "w");
   if (gnuplot == nullptr)
     throw EnvironmentError(fmt::format("gnuplot: cannot start: {}", std::strerror(errno)));
-  // An id of its own, so that two figures in one page do not share their markers.
+  // A separate id per figure: figures in one page must not share their markers.
   fmt::print(gnuplot,
              "set terminal svg size {},{} font 'sans-serif,12' background rgb 'white' name '{}'\n"
              "set output {}\n{}set output\n",
@@ -95,7 +96,7 @@ std::string draw(const Figure& figure, const std::filesystem::path& folder) {
   std::string svg{std::istreambuf_iterator<char>(in), {}};
   if (status != 0 || !in || svg.find("</svg>") == std::string::npos)
     throw EnvironmentError(
-        fmt::format("{}: gnuplot could not draw it{}", file.string(), words_of(said.get())));
+        fmt::format("{}: gnuplot could not draw it{}", file.string(), words_of(errors.get())));
   return svg;
 }
 

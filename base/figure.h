@@ -1,6 +1,4 @@
-// Figures as SVG, drawn by gnuplot.
-// One rule: a figure is a gnuplot script with its data in it; the same numbers give the same
-// script.
+// Figure is a gnuplot script with its data; draw() makes an SVG of it.
 #pragma once
 
 #include <filesystem>
@@ -18,30 +16,28 @@ struct Figure {
   int height = 460;
 };
 
-/// Colours that people who see few colours tell apart, too (Tol 2021, "bright").
+/// Colours that colour-blind readers can distinguish (Tol 2021, "bright").
 inline constexpr const char* kFigureColours[] = {"#4477aa", "#ee6677", "#228833",
                                                  "#ccbb44", "#aa3377", "#66ccee"};
 
-/// A text of any origin (the name of a part, a path) as gnuplot takes it: in quotes that it cannot
-/// leave. Whatever else stands in a script is run as a command.
+/// Quotes any text (name of a part, path) for gnuplot. Unquoted text in a script would run as a
+/// command.
 std::string gnuplot_quoted(std::string text);
 
-/// A square of cells, one a pair of names, the darker the larger. `using_expression` says what of a
-/// cell's number ($3) is drawn: "3", "(log10(1 + $3))".
+/// Square heat map with a row and a column per name; larger values are darker. `using_expression`
+/// maps a cell's number ($3) to the drawn value: "3", "(log10(1 + $3))".
 struct HeatMap {
   std::vector<std::string> names;
   std::vector<double> values;  ///< names x names, row by row; NaN: an empty cell
   std::string using_expression = "3";
-  std::string label;  ///< of the colours
+  std::string label;  ///< label of the colour bar
   std::string margins = "set rmargin 14\n";
 };
-/// Sets up the axes and plots it.
 std::string gnuplot_script(const HeatMap& map);
 
-/// Whether figures can be drawn here at all.
 bool has_gnuplot();
 
-/// Throws EnvironmentError, with the way out, if gnuplot is not installed.
+/// Throws EnvironmentError with a remedy if gnuplot is not installed.
 void require_gnuplot();
 
 /// Draws the figure; returns the SVG's text. Throws EnvironmentError if gnuplot fails.

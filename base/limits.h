@@ -1,6 +1,5 @@
-// How much a description of a run may hold: what readers of files and messages believe.
-// One rule: whoever writes, loads or reads takes its limits from here, so that whatever loads can
-// be written, and whatever is written can be read.
+// Limits on scenes, models and messages, shared by writers and readers.
+// Invariant: whatever loads can be written to a log, and whatever is written can be read.
 #pragma once
 
 #include <cstddef>
@@ -8,36 +7,34 @@
 
 namespace throng {
 
-/// Names of scenes, groups, obstacles, robots, links and joints, see defect_of_name(): they travel
-/// in messages and stand in tables.
+/// Bytes of a name (scene, group, obstacle, robot, link, joint), see defect_of_name().
 inline constexpr size_t kMaxNameBytes = 120;
 
-/// The largest humanoids with hands have some 200 links.
+/// The largest humanoids with hands have about 200 links.
 inline constexpr int kMaxLinks = 2048;
-/// KDL recurses along a chain and overflows the stack at some 10^4 links; snakes have about 100.
+/// KDL recurses along a chain and overflows the stack at about 10^4 links; snakes have about 100.
 inline constexpr int kMaxChainDepth = 256;
-/// A pair's parts are numbered in 8 bits, and one number means the whole body.
+/// Parts have 8-bit indices, and one value means the whole body.
 inline constexpr int kMaxModelParts = 255;
 
-/// Groups and models are named by 16 bits with a sign. Kinds of bodies are 16 bits without, of
-/// which obstacles take 60 000.
+/// Groups and models have signed 16-bit indices. Kinds of bodies have unsigned ones, of which
+/// obstacles take 60 000.
 inline constexpr int64_t kMaxGroups = 32'767;
 inline constexpr int64_t kMaxModels = 5'000;
 
-/// Metres and radians in a description: vertices, places of joints, limits. Also keeps out infinity
-/// and NaN, and a model that was scaled by 1000 too often.
+/// Metres and radians in a description: vertices, joint origins, limits. Also rejects infinity, NaN
+/// and models scaled by 1000 too often.
 inline constexpr double kMaxDescribed = 1e6;
-/// An avatar's height over its model's, which so cannot be in millimetres of metres twice.
+/// An avatar's height over its model's: rejects a model with wrong length units.
 inline constexpr float kMaxScale = 1e3f;
-/// Of the ground of a scene, from the origin: positions keep a tenth of a micrometre in double, and
-/// no city is larger.
+/// Distance of the ground from the origin: double positions keep 0.1 micrometres.
 inline constexpr double kMaxCoordinate_m = 1e5;
-/// Of the parts of a body, from its root: beyond, a float no longer tells millimetres apart.
+/// Distance of parts from the root of their body: beyond, a float does not resolve millimetres.
 inline constexpr double kMaxReach_m = 1e4;
-/// The edge of a box of parts: float poses are relative to its middle.
+/// Edge of a box of parts, in metres: float poses are relative to its centre.
 inline constexpr double kMaxEdge_m = 1e3;
 
-/// Pieces of what is too long for one message: a hundred thousand avatars' part poses are 500.
+/// Chunks of a long message: part poses of 100 000 avatars take 500.
 inline constexpr int32_t kMaxChunks = 100'000;
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// Memory of what is large: a buffer that grows and never shrinks, so that a frame like one seen
-// before allocates nothing, and functions that ask for memory before it is needed.
+// GrowBuffer is a buffer that grows and never shrinks; THRONG_PREFETCH marks prefetch functions.
+// Invariant: a frame that needs no more elements than an earlier one allocates nothing.
 #pragma once
 
 #include <sys/mman.h>
@@ -14,16 +14,16 @@
 #include <type_traits>
 #include <utility>
 
-/// Of functions that do nothing but prefetch, which are inlined early: to an optimizer such a
-/// function has no effect, and GCC drops its calls.
+/// For functions that only prefetch. They are inlined early, because GCC drops calls of functions
+/// without effect.
 #define THRONG_PREFETCH [[gnu::always_inline]] inline
 
 namespace throng {
 
-/// In bytes, of most processors that there are.
+/// Bytes, on most processors.
 inline constexpr size_t kCacheLine = 64;
 
-/// Growing forgets the contents unless asked to keep them; growth is counted.
+/// Growing discards the contents unless asked to keep them; growth is counted.
 template <typename T>
 class GrowBuffer {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -37,11 +37,11 @@ class GrowBuffer {
   }
   ~GrowBuffer() { release(); }
 
-  /// Room for `count` elements, contents undefined.
+  /// Capacity for `count` elements, contents undefined.
   void resize(size_t count) { reserve(count, 0); }
-  /// Room for `count` elements, the first `kept` of them kept.
+  /// Capacity for `count` elements; keeps the first `kept`.
   void grow(size_t count, size_t kept) { reserve(count, kept); }
-  /// As much room as another buffer has, contents undefined.
+  /// The capacity of another buffer, contents undefined.
   void match(const GrowBuffer& other) {
     if (other.capacity_ > capacity_) allocate(other.capacity_, 0);
   }
@@ -55,8 +55,8 @@ class GrowBuffer {
 
  private:
   static constexpr size_t kAlignment = kCacheLine;  // also the widest register
-  /// From here on in pages of its own, which move when it grows: nothing is copied, and only new
-  /// pages cost a fault. Below it, and under the address sanitizer, the allocator's.
+  /// From this size on the buffer has its own pages, which mremap moves without copying; only new
+  /// pages cost a fault. Smaller buffers, and all under the address sanitizer, use the allocator.
 #ifdef __SANITIZE_ADDRESS__
   static constexpr size_t kMinMappedBytes = std::numeric_limits<size_t>::max();
 #else
@@ -65,7 +65,7 @@ class GrowBuffer {
 
   void reserve(size_t count, size_t kept) {
     if (count <= capacity_) return;
-    // A quarter in reserve: crowds get denser a little at a time.
+    // A quarter in reserve: crowds get denser gradually.
     allocate(count + count / 4 + 16, kept);
   }
   bool is_mapped() const { return capacity_ * sizeof(T) >= kMinMappedBytes; }

@@ -8,9 +8,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Of a ratio from 0 to 1.
+/// Arc tangent of a ratio from 0 to 1.
 double arc_tan(double ratio) {
-  // Half the angle, twice: what is left is at most tan(pi/16), where twelve terms leave 1e-18.
+  // Halves the angle twice: for at most tan(pi/16) twelve terms leave 1e-18.
   for (int halving = 0; halving < 2; ++halving) ratio /= 1 + std::sqrt(1 + ratio * ratio);
   const double square = ratio * ratio;
   double sum = 0;

@@ -1,6 +1,6 @@
-// Elementary functions that are the same to the bit on every machine.
-// One rule: only +, -, *, / and the square root, which IEEE 754 rounds alike everywhere; the C
-// library's own versions pick another code path on another processor.
+// Elementary functions that are bitwise equal on every machine.
+// Invariant: only +, -, *, / and the square root, which IEEE 754 rounds alike everywhere. The C
+// library picks different code paths on different processors.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,12 +11,11 @@
 
 namespace throng {
 
-/// In radians.
+/// A full turn in radians.
 inline constexpr double kTurn = 2 * std::numbers::pi;
 inline constexpr double kDegree = std::numbers::pi / 180;
 
-/// Of so many cycles the share of the last one, in [0, 1), which rounding never makes 1; NaN stays
-/// NaN.
+/// Fraction of the last of `cycles` cycles, in [0, 1), never rounded to 1; NaN stays NaN.
 inline float phase_of(double cycles) {
   const auto phase = static_cast<float>(cycles - std::floor(cycles));
   return phase >= 1 ? 0 : phase;
@@ -30,7 +29,7 @@ struct SinCos {
 
 /// |angle_rad| up to a few turns; absolute error below 1e-15 times the number of turns.
 SinCos sin_cos(double angle_rad);
-/// Whoever has a float says which is meant: this one in double, or float_sin_cos().
+/// A float caller chooses: sin_cos() in double, or float_sin_cos().
 SinCos sin_cos(float angle_rad) = delete;
 
 struct FloatSinCos {
@@ -38,9 +37,10 @@ struct FloatSinCos {
   float cos = 1;
 };
 
-/// Of float_sin_cos(): the angle is reduced by the nearest multiple n of pi, r = q - n pi in
-/// [-pi/2, pi/2]; then sin q = (-1)^n sin r and cos q = (-1)^n cos r. Polynomials are minimax in
-/// absolute error (Remez): 4.7e-9 for the sine, 2.5e-10 for the cosine; the rest is rounding.
+/// Constants of float_sin_cos(). The angle q is reduced by the nearest multiple n of pi:
+/// r = q - n pi in [-pi/2, pi/2], sin q = (-1)^n sin r, cos q = (-1)^n cos r. The polynomials are
+/// minimax in absolute error (Remez): 4.7e-9 for the sine, 2.5e-10 for the cosine; the rest is
+/// rounding.
 struct FloatSinCosConstants {
   static constexpr float kOneOverPi = 0.31830987334251404f;
   /// Adding 1.5 * 2^23 rounds to the nearest integer and leaves its parity in the lowest bit.
@@ -54,8 +54,8 @@ struct FloatSinCosConstants {
                                     2.476180816302076e-05f, -2.6075662162838853e-07f};
 };
 
-/// Of float_arc_tan2(): t P(t^2) on [0, 1], minimax for the arc tangent, off by less than 2e-6;
-/// then which of x and y is the longer, and their signs.
+/// Constants of float_arc_tan2(): t P(t^2) on [0, 1], minimax for the arc tangent, error below
+/// 2e-6; the longer coordinate and the signs choose the octant.
 struct FloatArcTanConstants {
   static constexpr float kP[6] = {0.99997726f,  -0.33262347f, 0.19354346f,
                                   -0.11643287f, 0.05265332f,  -0.01172120f};
@@ -63,7 +63,7 @@ struct FloatArcTanConstants {
   static constexpr float kPi = 3.14159265f;
 };
 
-/// In [-pi, pi], off by less than 4e-6; 0 for the origin. angles_of() in base/simd/angles-inl.h
+/// Angle in [-pi, pi], error below 4e-6; 0 for the origin. angles_of() in base/simd/angles-inl.h
 /// does the same to lanes.
 inline float float_arc_tan2(float y, float x) {
   using K = FloatArcTanConstants;
@@ -78,8 +78,8 @@ inline float float_arc_tan2(float y, float x) {
   return y < 0 ? -angle : angle;
 }
 
-/// Off by less than 2e-7 for |angle_rad| <= 100; finite and useless far beyond 10^4. The function
-/// of that name in base/simd/lanes-inl.h does the same to each lane, operation for operation.
+/// Error below 2e-7 for |angle_rad| <= 100; finite but useless far beyond 10^4. float_sin_cos() in
+/// base/simd/lanes-inl.h does the same to each lane, operation for operation.
 inline FloatSinCos float_sin_cos(float angle_rad) {
   using K = FloatSinCosConstants;
   const float rounded = angle_rad * K::kOneOverPi + K::kRound;
@@ -102,8 +102,8 @@ inline FloatSinCos float_sin_cos(float angle_rad) {
           std::bit_cast<float>(std::bit_cast<uint32_t>(c) ^ sign)};
 }
 
-/// Where between half a step before and half a step after a least value the parabola through it and
-/// its neighbours is lowest, in steps; 0 where it does not bend by more than `min_bend`.
+/// Position of the minimum of the parabola through three equidistant values, the middle one least,
+/// in steps within [-1/2, 1/2]; 0 if the second difference is at most `min_bend`.
 inline float parabola_minimum(float before, float here, float after, float min_bend = 0) {
   const float bend = before - 2 * here + after;
   if (!(bend > min_bend)) return 0;
@@ -111,21 +111,21 @@ inline float parabola_minimum(float before, float here, float after, float min_b
   return step < -0.5f ? -0.5f : (step > 0.5f ? 0.5f : step);
 }
 
-/// The angle of (x, y) in (-pi, pi], absolute error below 1e-15; 0 for the origin.
+/// Angle of (x, y) in (-pi, pi], absolute error below 1e-15; 0 for the origin.
 double arc_tan2(double y, double x);
-/// Of values in [-1, 1].
+/// For values in [-1, 1].
 double arc_sin(double value);
 double arc_cos(double value);
 
-/// The length of (x, y), for coordinates whose squares neither overflow nor vanish.
+/// Length of (x, y), for coordinates whose squares neither overflow nor vanish.
 double length_of(double x, double y);
 
-/// Of a normal number above 0, relative error below 1e-15 but next to 1, where it is absolute.
+/// For normal numbers above 0; relative error below 1e-15, next to 1 absolute error.
 double natural_log(double value);
-/// Of a normal number above 0, relative error below 1e-15.
+/// For normal numbers above 0; relative error below 1e-15.
 double cube_root(double value);
 
-/// Turns by angle_rad about a unit axis (Rodrigues).
+/// Rotation by angle_rad about a unit axis (Rodrigues).
 Eigen::Matrix3d turn_about(const Eigen::Vector3d& axis, double angle_rad);
 
 }  // namespace throng

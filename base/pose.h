@@ -1,27 +1,28 @@
-// How the pose of a body part is stored between kinematics, culling and publishing.
-// One rule: translations are relative to the avatar's root position, in world axes, so that float
-// precision does not depend on how far from the world's origin the crowd walks.
+// PartPose is the pose of a body part in kinematics, culling and messages; RootPose is the pose of
+// an avatar.
+// Invariant: translations are relative to the avatar's root position, in world axes. Float
+// precision therefore does not depend on the distance from the world's origin.
 #pragma once
 
 #include <Eigen/Geometry>
 
 namespace throng {
 
-/// world_from_part with the root position taken off: the rows of [R | t], t in metres.
-/// A point p of a part scaled by s lies at root_position + R * (s * p) + t.
+/// world_from_part without the root position: rows of [R | t], t in metres.
+/// Point p of a part scaled by s lies at root_position + R * (s * p) + t.
 struct alignas(16) PartPose {
   float rows[3][4];
 };
 static_assert(sizeof(PartPose) == 48);
 
-/// Where an avatar stands. The root is the URDF's root link: for people the point on the ground
+/// Pose of an avatar's root. The root is the URDF's root link; for people the point on the ground
 /// between the feet, x forward, z up.
 struct RootPose {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaternionf world_from_root = Eigen::Quaternionf::Identity();
 };
 
-/// A box in a body's root frame, metres, its scale included; unknown unless filled in.
+/// Box in a body's root frame, in metres, with its scale applied; unknown by default.
 struct RootBox {
   float min_m[3] = {1, 1, 1};
   float max_m[3] = {-1, -1, -1};

@@ -1,12 +1,12 @@
-// Counter-based random numbers: the value depends on (seed, id, step, purpose) and on nothing else.
-// One rule: no state, so the answer is the same for any thread count, order or split of the work.
+// Counter-based random numbers: a value depends only on (seed, id, step, purpose).
+// Invariant: no state, so results do not depend on the number of threads or the order of work.
 #pragma once
 
 #include <cstdint>
 
 namespace throng {
 
-/// What a number is drawn for; keeps two uses of the same (id, step) independent.
+/// What a number is drawn for; makes draws with the same (id, step) independent.
 /// Append only: a changed value changes every published hash.
 enum class Purpose : uint32_t {
   kSpawnPosition = 1,
@@ -32,15 +32,15 @@ enum class Purpose : uint32_t {
   kStandingPosture = 21,
 };
 
-/// The names of one stream of numbers.
 struct RandomKey {
   uint64_t seed = 0;
-  uint64_t id = 0;    ///< whose number it is
-  uint64_t step = 0;  ///< when, or which retry
+  uint64_t id = 0;    ///< id of the avatar or object
+  uint64_t step = 0;  ///< step or retry
   Purpose purpose = Purpose::kSpawnPosition;
 };
 
-/// 64 random bits for the `index`-th draw under a key (SplitMix64 finaliser, Steele et al. 2014).
+/// Returns 64 random bits for the `index`-th draw under a key (SplitMix64 finaliser, Steele et al.
+/// 2014).
 uint64_t random_bits(const RandomKey& key, uint32_t index = 0);
 
 /// Uniform in [0, 1), 53 bits.

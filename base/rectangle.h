@@ -1,5 +1,4 @@
-// An area of the ground with edges along x and y.
-// One rule: metres; min below max.
+// Rectangle is an area of the ground with edges along x and y, in metres; min below max.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,11 +15,11 @@ struct Rectangle {
   bool contains(const Eigen::Vector2d& point) const {
     return (point.array() >= min_m.array()).all() && (point.array() <= max_m.array()).all();
   }
-  /// The point of the rectangle that is nearest to another.
+  /// Nearest point of the rectangle.
   Eigen::Vector2d nearest_m(const Eigen::Vector2d& point) const {
     return point.cwiseMax(min_m).cwiseMin(max_m);
   }
-  /// Wider by a margin on every side.
+  /// The rectangle with a margin on every side.
   Rectangle grown(double margin_m) const {
     const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
     return {min_m - margin, max_m + margin};

@@ -20,7 +20,7 @@ constexpr std::array<std::pair<SimdTarget, std::string_view>, 5> kNames{{
 }};
 
 bool machine_runs(SimdTarget target) {
-  // Asked once: Highway executes CPUID each time, which traps in a virtual machine (16 us).
+  // Cached: Highway executes CPUID each time, which traps in a virtual machine (16 us).
   static const int64_t supported = hwy::SupportedTargets();
   switch (target) {
     case SimdTarget::kBest:

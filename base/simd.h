@@ -1,5 +1,5 @@
-// Which vector instructions a fast path uses, chosen at run time.
-// One rule: the choice changes speed and nothing else; every target gives the same bits.
+// SimdTarget selects the vector instructions of a fast path at run time.
+// Invariant: every target computes the same bits.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,7 @@
 
 namespace throng {
 
-/// kScalar is the plain loop that the others are tested against. kBest stands for the best target
-/// that this machine has.
+/// kScalar is the scalar reference, kBest the best target of this machine.
 enum class SimdTarget { kBest, kScalar, kSse4, kAvx2, kAvx512 };
 
 /// "best", "scalar", "sse4", "avx2", "avx512".
@@ -18,11 +17,11 @@ std::string_view name_of(SimdTarget target);
 std::optional<SimdTarget> simd_target_of(std::string_view name);
 std::vector<std::string> simd_target_names();
 
-/// What this machine can run, from kScalar upwards, kBest left out.
+/// Targets that this machine can run, from kScalar upwards, without kBest.
 std::vector<SimdTarget> simd_targets_of_this_machine();
 
-/// Never kBest: the best target of this machine for kBest, otherwise `target` itself. Throws
-/// EnvironmentError if this machine cannot run it.
+/// Returns the best target of this machine for kBest, otherwise `target`. Throws EnvironmentError
+/// if this machine cannot run it.
 SimdTarget resolved(SimdTarget target);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Elapsed time of a stage, in nanoseconds; never for a decision that changes a result.
+// Stopwatch measures the time of a stage in nanoseconds; results never depend on it.
 #pragma once
 
 #include <chrono>
@@ -7,9 +7,9 @@ namespace throng {
 
 class Stopwatch {
  public:
-  /// Since construction or the last lap.
+  /// Time since construction or the last lap.
   double ns() const { return between(start_, Clock::now()); }
-  /// The same, and begins a lap.
+  /// As ns(), and begins a lap.
   double lap_ns() {
     const auto now = Clock::now();
     const double ns = between(start_, now);

@@ -15,7 +15,7 @@
 namespace throng {
 namespace {
 
-/// Code point and bytes of the character that the text begins with; 0 bytes: no UTF-8.
+/// Code point and byte count of the first character of a text; 0 bytes: not UTF-8.
 struct Character {
   uint32_t code = 0;
   size_t bytes = 0;
@@ -39,7 +39,7 @@ Character first_of(std::string_view text) {
 
 bool is_control(uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-/// The whole text as a number of type T, or nothing.
+/// Parses the whole text as a number of type T.
 template <typename T>
 std::optional<T> number_of(const std::string& text) {
   T value{};
@@ -125,7 +125,7 @@ std::string display_name(std::string_view name) {
   const auto is_lower = [&](size_t i) { return name[i] >= 'a' && name[i] <= 'z'; };
   const auto is_upper = [&](size_t i) { return name[i] >= 'A' && name[i] <= 'Z'; };
   const auto is_digit = [&](size_t i) { return name[i] >= '0' && name[i] <= '9'; };
-  // A capital begins a word behind a small letter or a digit, and as the last of several
+  // A capital begins a word after a small letter or a digit, and as the last of several capitals
   // ("URDFLink").
   const auto begins_word = [&](size_t i) {
     return i > 0 && is_upper(i) &&

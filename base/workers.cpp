@@ -15,8 +15,8 @@
 namespace throng {
 namespace {
 
-/// What one thread did before pass_on() is done for whoever takes it over. oneTBB sees to that;
-/// this only tells the thread sanitizer, which cannot see into a library that it did not compile.
+/// Orders work before pass_on() before work after its take-over, for the thread sanitizer only:
+/// oneTBB guarantees it, but the sanitizer cannot see into a library that it did not compile.
 class Handover {
  public:
 #ifdef THRONG_TELLS_TSAN
@@ -35,8 +35,8 @@ class Handover {
 
 struct Workers::Arena {
   explicit Arena(int threads)
-      // oneTBB starts no more threads than cores unless told; a determinism test wants eight on
-      // two.
+      // oneTBB starts no more threads than cores by default; a determinism test needs eight on two
+      // cores.
       : limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)),
         arena(threads) {}
   tbb::global_control limit;

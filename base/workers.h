@@ -1,5 +1,5 @@
-// A fixed number of worker threads that share the blocks of a loop.
-// One rule: what a block computes may not depend on which worker runs it, nor on their number.
+// Workers runs the blocks of a loop on a fixed number of threads.
+// Invariant: results of a block must not depend on the worker that runs it or their number.
 #pragma once
 
 #include <functional>
@@ -17,8 +17,8 @@ class Workers {
 
   int threads() const { return threads_; }
 
-  /// Calls body(block, worker) for every block in [0, blocks), worker in [0, threads()); returns
-  /// when all are done. Blocks are handed out one by one: make each worth some ten microseconds.
+  /// Calls body(block, worker) for every block in [0, blocks), worker in [0, threads()). Returns
+  /// when all are done. Blocks are handed out one by one: make each worth about ten microseconds.
   template <typename Body>
   void for_blocks(int blocks, const Body& body) {
     if (threads_ == 1 || blocks <= 1) {

@@ -30,13 +30,12 @@ TimeStats time_stats_of(std::vector<double> values) {
 
 namespace {
 
-// The bench crowd with steering: the people of the bundled scene `plaza`, who avoid each other.
-// They walk as `throng run plaza` lets them walk; obstacles are left out, because the
-// other engines are given people only.
+// The bench crowd with steering: the people of the bundled scene `plaza`, who avoid each other and
+// walk as in `throng run plaza`. Obstacles are omitted, because the other engines get people only.
 
 class PlazaCrowd : public Crowd {
  public:
-  /// `avatars` people, the square enlarged as --avatars does; fewer if not all find a place.
+  /// Creates `avatars` people on a square enlarged as by --avatars; fewer if not all find a place.
   PlazaCrowd(int avatars, uint64_t seed, int threads);
 
   void advance() override;
@@ -70,7 +69,7 @@ PlazaCrowd::PlazaCrowd(std::unique_ptr<Simulation> simulation)
             {.avatars = simulation->info().avatar_count(), .seed = simulation->scene().seed}),
       simulation_(std::move(simulation)) {
   if (simulation_->info().models.size() != 1)
-    throw InputError("plaza", "one model for everybody", "several");
+    throw InputError("plaza", "one model for all people", "several");
   scales_ = simulation_->info().scale_of_avatar;
   per_m2_ = count() / simulation_->scene().ground.area_m2();
   take(simulation_->step());
@@ -98,7 +97,6 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Times of one stage, frame by frame, with the counts of the last frame.
 struct StageSeries {
   StageRow row;
   std::vector<double> ms;
@@ -114,7 +112,7 @@ class StageTable {
     put("part boxes", c.part_box, c.part_box.update_ns + c.part_box.test_ns);
     put("part volumes", c.part_volume, c.part_volume.test_ns);
     put("sort and events", {"", 0, 0, c.part_volume.passed, 0, 0}, c.events_ns);
-    double stages_ns = 0;  // the parts' update is kinematics
+    double stages_ns = 0;  // the update of the parts is part of kinematics
     for (const StageCounters* stage : culling_stages(c))
       stages_ns += stage->update_ns + stage->test_ns;
     if (threads == 1) put("rest", {}, std::max(0.0, c.wall_ns - c.events_ns - stages_ns));
@@ -151,7 +149,7 @@ std::vector<Contender> contenders(const BenchOptions& options, std::vector<Skipp
   for (const EngineKind& kind : engine_kinds()) {
     const std::string name(kind.name);
     if (std::find(options.engines.begin(), options.engines.end(), name) == options.engines.end()) {
-      skipped.push_back({name, kind.make ? "not asked for" : std::string(kind.missing)});
+      skipped.push_back({name, kind.make ? "not requested" : std::string(kind.missing)});
     } else if (kind.make == nullptr) {
       skipped.push_back({name, std::string(kind.missing)});
     } else {
@@ -166,7 +164,7 @@ std::vector<Contender> contenders(const BenchOptions& options, std::vector<Skipp
   return out;
 }
 
-/// One timed frame of one engine; its pairs are judged outside of its time.
+/// Times one frame of one engine; its pairs are compared outside of that time.
 double run_frame(Contender& contender, const BoxList& boxes, bool first,
                  const std::vector<BoxPair>& reference, std::vector<BoxPair>& found) {
   const Clock::time_point start = Clock::now();
@@ -251,7 +249,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
     const std::vector<BoxPair> reference = reference_pairs(boxes);
     out.reference_pairs = reference.size();
     for (size_t i = 0; i < rivals.size(); ++i) {
-      // Nobody always runs with the caches that the same neighbour left.
+      // Rotates the order: no engine always runs with the caches that the same other engine left.
       Contender& rival =
           rivals[(i + static_cast<size_t>(frame + options.warm_up_frames)) % rivals.size()];
       const double rival_ms =

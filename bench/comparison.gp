@@ -1,4 +1,4 @@
-# The figure of bench/run.sh: ms a frame over people, one thread, one panel a density.
+# The figure of bench/run.sh: ms per frame over people, one thread, one panel per density.
 # gnuplot -e "results='results.csv'; figure='comparison.svg'; cpu='name'" bench/comparison.gp
 set terminal svg size 1000,560 font "sans,12" background "white"
 set output figure
@@ -8,7 +8,7 @@ set grid
 set key below horizontal maxcols 3
 set xrange [400:125000]
 set xlabel "people"
-set ylabel "ms a frame (median)"
+set ylabel "ms per frame (median)"
 set format y "%g"
 engines = "throng throng_boxes embree fcl cgal bullet ode"
 titles = "'throng: or-DOP 26 pairs' 'throng: boxes only' 'Embree' 'FCL' 'CGAL' 'Bullet' 'ODE'"

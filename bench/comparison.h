@@ -1,4 +1,4 @@
-// Throng and the other engines on the same frames; and on frames to which they have aged.
+// Comparison of Throng with other engines on the same frames, fresh and aged.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,21 @@
 
 namespace throng::bench {
 
-/// What is reported of repeated times: the least, the middle and the nearly worst.
-/// No mean; a machine's noise is one-sided.
+/// Statistics of repeated times. No mean, because the noise of a machine is one-sided.
 struct TimeStats {
   double min = 0, median = 0, p95 = 0;
 };
 
-/// All zero for no values.
+/// Returns all zeros without values.
 TimeStats time_stats_of(std::vector<double> values);
 
-// Throng and the other engines on the same frames.
-// An engine whose pairs differ from the reference's in any frame gets agrees = false.
+// Invariant: an engine whose pairs differ from the reference in any frame gets agrees = false.
 
 enum class CrowdKind { kSquare, kPlaza };
 
 struct BenchOptions {
   CrowdKind crowd = CrowdKind::kSquare;
-  int avatars = 20'000;  ///< of the plaza those who found a place, once it was made
+  int avatars = 20'000;  ///< for the plaza: the number that found a place, set by make_crowd()
   double per_m2 = 1;
   int frames = 20;
   int warm_up_frames = 3;
@@ -36,11 +34,11 @@ struct BenchOptions {
   uint64_t seed = 1;
   SimdTarget simd = SimdTarget::kBest;
   PairSearch pair_search = PairSearch::kGrid;
-  std::string model{};                 ///< a URDF instead of the bundled adult's
-  std::vector<std::string> engines{};  ///< names of engine_kinds(); empty: ours alone
+  std::string model{};                 ///< URDF file; empty: the bundled adult
+  std::vector<std::string> engines{};  ///< names of engine_kinds(); empty: Throng alone
 };
 
-/// What a stage of our pass counted and took, medians over the frames.
+/// Counts and time of a stage of Throng's pass, medians over the frames.
 struct StageRow {
   std::string stage, volume;
   uint64_t updates = 0, tests = 0, passed = 0;
@@ -48,22 +46,22 @@ struct StageRow {
 };
 
 struct ThrongResult {
-  TimeStats ms;        ///< the whole pass: spheres placed to or-DOP 26 pairs and begin/end events
-  TimeStats boxes_ms;  ///< the same less or-DOP tests and events: comparable with boxes only
-  uint64_t pairs = 0;  ///< or-DOP pairs of the last frame
-  uint64_t box_pairs = 0;  ///< pairs of our own part boxes in the last frame
+  TimeStats ms;            ///< the whole pass, from spheres to or-DOP 26 pairs and events
+  TimeStats boxes_ms;      ///< without or-DOP tests and events, for comparison with boxes only
+  uint64_t pairs = 0;      ///< or-DOP pairs of the last frame
+  uint64_t box_pairs = 0;  ///< pairs of Throng's part boxes in the last frame
   uint64_t hash = 0;
   std::string simd;
   std::vector<StageRow> stages;
 };
 
-/// A quarter of the frames. People start in a jittered square and mix as they walk on, so pairs and
-/// everybody's times grow before they settle: a median over all says only half of it.
+/// A quarter of the frames. People start in a jittered square and mix while walking: pairs and all
+/// times grow before they settle, which one median would hide.
 struct Quarter {
   int first = 0, last = 0;       ///< frames, from 1
-  uint64_t pairs = 0;            ///< or-DOP pairs of its last frame
-  double ms = 0;                 ///< median of our whole pass
-  std::vector<double> ratios{};  ///< median of each engine's, in the order of the engines
+  uint64_t pairs = 0;            ///< or-DOP pairs of the last frame of the quarter
+  double ms = 0;                 ///< median of Throng's whole pass
+  std::vector<double> ratios{};  ///< median ratio of each engine, in engine order
 };
 
 struct EngineResult {
@@ -71,7 +69,7 @@ struct EngineResult {
   TimeStats ms;
   uint64_t pairs = 0;  ///< box pairs of the last frame
   bool agrees = true;
-  /// Median over frames of its time divided by ours in the same frame.
+  /// Median over frames of the engine's time divided by Throng's time in the same frame.
   double ratio = 0, ratio_boxes = 0;
 };
 
@@ -84,25 +82,24 @@ struct BenchResult {
   ThrongResult throng;
   std::vector<EngineResult> engines;
   std::vector<Skipped> skipped;
-  std::vector<Quarter> quarters;  ///< none for fewer than four frames
-  uint64_t reference_pairs = 0;   ///< box pairs of the last frame, by the slow reference
+  std::vector<Quarter> quarters;  ///< empty for fewer than four frames
+  uint64_t reference_pairs = 0;   ///< box pairs of the last frame by the reference
 
-  /// Ratio to the engine with the least median that agrees, and to FCL; 0 without one.
+  /// Returns the ratio of the fastest agreeing engine, and that of FCL; 0 without one.
   double ratio_fastest() const;
   double ratio_fcl() const;
 };
 
-/// The crowd that the options ask for; sets avatars and per_m2 to what the plaza has.
+/// Creates the crowd of the options; sets avatars and per_m2 to those of the plaza.
 std::unique_ptr<Crowd> make_crowd(BenchOptions& options);
 
-/// In each frame ours runs, then each engine, so that noise hits all of them alike. Ends after a
-/// frame if `stop` says so (empty: never); options.frames of the result are those that were
-/// measured.
+/// Runs Throng and then each engine in every frame: noise affects all alike. Ends after a frame if
+/// `stop` returns true (empty: never). options.frames of the result counts the measured frames.
 BenchResult compare(const BenchOptions& options, const Progress& progress,
                     const std::function<bool()>& stop = {});
 
-/// Whether a structure that followed a walking crowd is as good as a fresh one.
-/// Aged and fresh are compared on the same frames, ours by counted work as well.
+/// Compares structures that followed a walking crowd with fresh ones, on the same frames.
+/// For Throng, the counted work is compared, too.
 struct AgedEngine {
   std::string name, version;
   double fresh_ms = 0, aged_ms = 0;  ///< medians over options.frames frames
@@ -111,12 +108,12 @@ struct AgedEngine {
 
 struct AgeingResult {
   int walked_frames = 0;
-  uint64_t fresh_work = 0, aged_work = 0;  ///< our updates and tests of every stage, all frames
+  uint64_t fresh_work = 0, aged_work = 0;  ///< Throng's updates and tests of all stages and frames
   double fresh_ms = 0, aged_ms = 0;
   std::vector<AgedEngine> engines;
 };
 
-/// Everybody walks `walked_frames` frames; then options.frames frames are measured.
+/// Lets the crowd walk for `walked_frames` frames, then measures options.frames frames.
 AgeingResult age(BenchOptions options, int walked_frames, const Progress& progress);
 
 }  // namespace throng::bench

@@ -99,7 +99,7 @@ struct Cell {
   auto operator<=>(const Cell&) const = default;
 };
 
-/// The boxes around each avatar's boxes.
+/// Returns the box around each avatar's part boxes.
 std::vector<Box> avatar_boxes(const BoxList& frame) {
   std::vector<Box> out(frame.boxes.size() / frame.parts);
   for (size_t i = 0; i < out.size(); ++i) {

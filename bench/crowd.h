@@ -1,4 +1,4 @@
-// The bench crowd, and the boxes of its parts with the pairs that every engine has to list.
+// Crowd moves the bench crowd; CrowdBoxes computes its boxes, and reference_pairs() their pairs.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@
 
 namespace throng::bench {
 
-/// The bench crowd: people on a jittered square who walk straight on, whatever is in their way.
-/// No steering, so that every engine is given the same frames and overlaps grow as in the
-/// paper; the same numbers give the same crowd.
+/// The bench crowd: people on a jittered square who walk straight on, through each other.
+/// Without steering, every engine gets the same frames and overlaps grow as in the paper.
+/// Invariant: equal shapes give equal crowds.
 struct CrowdShape {
   int avatars = 20'000;
   double per_m2 = 1;
@@ -28,11 +28,10 @@ class Crowd : public PoseSource {
   Crowd(std::shared_ptr<const Model> model, const CrowdShape& shape);
   static constexpr size_t kMaxColumns = 64;
 
-  /// Everybody walks on for one step.
   virtual void advance();
 
   BodiesView view() const { return {ids_, types_, scales_, roots_}; }
-  /// The one body type, fitted to the model; a fresh one at each call.
+  /// Returns the body type, newly fitted to the model at each call.
   std::shared_ptr<const BodyType> body_type() const;
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
@@ -53,19 +52,18 @@ class Crowd : public PoseSource {
   std::vector<Eigen::Vector2d> velocities_mps_;
 };
 
-// The boxes that every engine is given, and the pairs that every engine has to list.
-// Computed outside of anybody's time, by loops simple enough to trust.
+// Boxes and reference pairs are computed outside of all measured times.
 
-/// The tight boxes of all parts of a crowd: the boxes of their placed vertices.
+/// CrowdBoxes computes tight boxes around the placed vertices of all parts.
 class CrowdBoxes {
  public:
   CrowdBoxes(const Crowd& crowd, std::shared_ptr<const BodyType> type)
       : crowd_(crowd), type_(std::move(type)) {}
 
-  /// The boxes of the crowd as it stands now; valid until the next call.
+  /// Returns the boxes of the crowd's present state; valid until the next call.
   BoxList compute();
 
-  /// Poses of all parts, avatar-major, as of the last compute().
+  /// Poses of all parts, avatar-major, from the last compute().
   const std::vector<PartPose>& poses() const { return poses_; }
 
  private:
@@ -75,8 +73,8 @@ class CrowdBoxes {
   std::vector<Box> boxes_;
 };
 
-/// All overlapping pairs of boxes of different avatars, sorted: avatars by a grid as wide as the
-/// widest of them, then every part against every part.
+/// Returns all overlapping pairs of boxes of different avatars, sorted. A grid with cells as wide
+/// as the widest avatar selects avatars, then all their parts are tested.
 std::vector<BoxPair> reference_pairs(const BoxList& frame);
 
 }  // namespace throng::bench

@@ -1,7 +1,7 @@
-// near_bench [AVATARS [NEAR_M [FRAMES]]]: distances of a crowd beside FCL's on the same frames,
-// both on one thread: its tree over boxes grown by the margin, then fcl::distance on each pair. One
-// rule: FCL's pairs within the margin are ours, and its distances lie within our intervals, or exit
-// code 1.
+// distance_bench [AVATARS [MARGIN_M [FRAMES]]] measures distances of a crowd and compares them with
+// FCL on the same frames, both on one thread. FCL uses its tree over boxes grown by the margin and
+// then fcl::distance() for each pair.
+// Exit code 1: FCL's pairs within the margin differ, or a distance lies outside of Throng's bounds.
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
 #include <fcl/geometry/bvh/BVH_model.h>
@@ -31,7 +31,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A part where it is, and the box around it that FCL's tree sees, grown by half the margin.
+/// FclDistances holds placed parts, with their boxes grown by half the margin in FCL's tree.
 class FclDistances {
  public:
   FclDistances(const Crowd& crowd, double margin_m) : proximity_m_(margin_m) {
@@ -58,7 +58,7 @@ class FclDistances {
     tree_.setup();
   }
 
-  /// Where everybody is; not timed: ours poses by itself.
+  /// Sets the poses of all bodies; not timed, because Throng poses within its time.
   void place(const Crowd& crowd) {
     std::vector<PartPose> poses(parts_);
     for (uint32_t body = 0; body < static_cast<uint32_t>(crowd.count()); ++body) {
@@ -76,7 +76,7 @@ class FclDistances {
     double distance_m;
     bool operator<(const Row& other) const { return pair < other.pair; }
   };
-  /// Those within the margin.
+  /// Returns the pairs within the margin.
   std::vector<Row> rows() {
     for (fcl::CollisionObjectd& object : objects_) {
       object.computeAABB();
@@ -125,8 +125,8 @@ class FclDistances {
   fcl::DynamicAABBTreeCollisionManagerd tree_;
 };
 
-/// What one has and the other has not. Where a solid holds the other FCL says how far the surfaces
-/// are from each other, and ours 0: such rows count as equal.
+/// Counts the rows that only one of the two has. For one solid inside another FCL returns the
+/// distance of the surfaces and Throng 0: such rows count as equal.
 uint64_t differing(const ProximityRows& throng_rows, std::span<const FclDistances::Row> fcl_rows,
                    double margin_m) {
   constexpr double kRounding_m = 1e-5;
@@ -176,7 +176,7 @@ int compare(int avatars, float margin_m, int frames) {
     const std::vector<FclDistances::Row> fcl_rows = fcl.rows();
     const double other = ms_since(begin);
     wrong += differing(with_distances.proximity_pairs(), fcl_rows, static_cast<double>(margin_m));
-    if (frame == 0) continue;  // memory is made
+    if (frame == 0) continue;  // allocates memory
     without_ms.push_back(none);
     throng_ms.push_back(proximity_ms);
     fcl_ms.push_back(other);
@@ -186,17 +186,17 @@ int compare(int avatars, float margin_m, int frames) {
   const double each = static_cast<double>(rows) / frames;
   const CullingCounters& counters = touching.counters();
   fmt::print("{} people, {} m, {} frames, one thread each\n", avatars, margin_m, frames);
-  fmt::print("rows a frame            {:.0f}\n", each);
-  fmt::print("contacts alone, exact   {:.2f} ms, {:.2f} us a pair tested by triangles\n",
+  fmt::print("rows per frame          {:.0f}\n", each);
+  fmt::print("contacts only, exact    {:.2f} ms, {:.2f} us per pair tested by triangles\n",
              median(without_ms),
              counters.triangles.tests == 0 ? 0
                                            : 1e-3 * counters.triangles.test_ns /
                                                  static_cast<double>(counters.triangles.tests));
   const double more_us = 1e3 * frames * (median(throng_ms) - median(without_ms));
-  fmt::print("with distances          {:.2f} ms, {:.2f} us a row more, {:.2f} a pair asked\n",
+  fmt::print("with distances          {:.2f} ms, {:.2f} us more per row, {:.2f} per pair tested\n",
              median(throng_ms), more_us / static_cast<double>(rows),
              more_us / static_cast<double>(tested));
-  fmt::print("fcl {}               {:.2f} ms, {:.1f} times ours\n", FCL_VERSION, median(fcl_ms),
+  fmt::print("fcl {}               {:.2f} ms, {:.1f} times Throng\n", FCL_VERSION, median(fcl_ms),
              median(fcl_ms) / median(throng_ms));
   fmt::print("rows that differ        {}\n", wrong);
   return wrong == 0 ? 0 : 1;

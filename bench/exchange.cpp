@@ -42,10 +42,9 @@ pairs.csv     frame,a,b: every pair of overlapping boxes of different avatars, a
 touching.csv  frame,part_a,part_b: of these, the parts whose triangles touch or of which one lies
               inside the other.
 
-Write the pairs that another program finds into a file of this folder, with the header of pairs.csv
-or of touching.csv, in any order, and `throng bench --check FILE` judges them: boxes have to be
-exactly those of pairs.csv; of parts none of touching.csv may be missing, and none may have boxes
-that are apart.
+Write the pairs of another program into a file of this folder, with the header of pairs.csv or of
+touching.csv, in any order. `throng bench --check FILE` compares them. Boxes must be exactly those
+of pairs.csv. Parts must include all of touching.csv and none whose boxes are apart.
 )";
 
 struct FramePair {
@@ -54,7 +53,6 @@ struct FramePair {
   auto operator<=>(const FramePair&) const = default;
 };
 
-/// Row by row as text.
 struct Tables {
   std::string boxes = "frame,box,avatar,part,min_x_m,min_y_m,min_z_m,max_x_m,max_y_m,max_z_m\n";
   std::string poses = "frame,box,scale,r00,r01,r02,r10,r11,r12,r20,r21,r22,x_m,y_m,z_m\n";
@@ -96,12 +94,11 @@ void write_shapes(const Model& model, const fs::path& folder) {
   write(folder / "parts.csv", parts);
 }
 
-/// Reads "header" and lines of three whole numbers.
+/// PairFile reads a header and lines of three whole numbers.
 class PairFile {
  public:
   explicit PairFile(const fs::path& file) : name_(file.string()), in_(file) {
-    if (!in_ || fs::is_directory(file))
-      throw InputError(name_, "a file of pairs that can be read", "none");
+    if (!in_ || fs::is_directory(file)) throw InputError(name_, "a readable file of pairs", "none");
     std::getline(in_, header_);
     strip(header_);
     if (header_ != kBoxHeader && header_ != kPartHeader)
@@ -110,7 +107,6 @@ class PairFile {
   }
   bool are_boxes() const { return header_ == kBoxHeader; }
 
-  /// All of them, sorted, the lower number first.
   std::vector<FramePair> read() {
     std::vector<FramePair> out;
     std::string line;
@@ -146,7 +142,7 @@ class PairFile {
   std::ifstream in_;
 };
 
-/// Names of numbers, for people.
+/// PartNames translates numbers of parts into names.
 class PartNames {
  public:
   explicit PartNames(const fs::path& folder) {
@@ -231,7 +227,7 @@ PairCheck check_pairs(const fs::path& file) {
   for (const char* name : {"pairs.csv", "touching.csv"})
     if (!fs::exists(folder / name))
       throw InputError(file.string(), "a file in a folder of `throng bench --export`",
-                       fmt::format("no {} beside it", name));
+                       fmt::format("no {} next to it", name));
   PairCheck out;
   out.are_boxes = found_file.are_boxes();
   std::vector<FramePair> found = found_file.read();
@@ -252,7 +248,7 @@ PairCheck check_pairs(const fs::path& file) {
                                unexpected = without(found, boxes);
   if (!missing.empty()) note("missing", missing.front());
   if (!unexpected.empty())
-    note(out.are_boxes ? "not a pair" : "apart by their boxes", unexpected.front());
+    note(out.are_boxes ? "unexpected" : "apart by their boxes", unexpected.front());
   out.missing = missing.size();
   out.unexpected = unexpected.size();
   out.false_positives = out.are_boxes ? 0 : without(found, touching).size();
@@ -261,25 +257,24 @@ PairCheck check_pairs(const fs::path& file) {
 
 std::string to_text(const ExportedFrames& exported, const fs::path& folder) {
   return fmt::format(
-      "{}: {} frames of {} people with {} parts; {} pairs of boxes overlap, of {} the parts "
+      "{}: {} frames of {} people with {} parts; {} pairs of boxes overlap, the parts of {} "
       "touch\n",
       folder.string(), exported.frames, exported.avatars, exported.parts, exported.box_pairs,
       exported.touching);
 }
 
-std::string to_text(const PairCheck& judged) {
+std::string to_text(const PairCheck& check) {
   std::string text =
-      judged.are_boxes
-          ? fmt::format(
-                "{} pairs of boxes found, {} in the reference: {} missing, {} that are none",
-                judged.found, judged.reference, judged.missing, judged.unexpected)
+      check.are_boxes
+          ? fmt::format("{} pairs of boxes found, {} in the reference: {} missing, {} unexpected",
+                        check.found, check.reference, check.missing, check.unexpected)
           : fmt::format(
                 "{} pairs of parts found, {} touch: {} of these missing, {} found do not touch, {} "
                 "have boxes that are apart",
-                judged.found, judged.reference, judged.missing, judged.false_positives,
-                judged.unexpected);
-  if (judged.duplicates > 0) text += fmt::format(", {} twice", judged.duplicates);
-  text += judged.agrees() ? "\nthey agree\n" : fmt::format("\nfirst {}\n", judged.first);
+                check.found, check.reference, check.missing, check.false_positives,
+                check.unexpected);
+  if (check.duplicates > 0) text += fmt::format(", {} twice", check.duplicates);
+  text += check.agrees() ? "\nthey agree\n" : fmt::format("\nfirst {}\n", check.first);
   return text;
 }
 

@@ -30,13 +30,13 @@ void put_engine(std::string& out, const EngineResult& engine) {
            engine.name + " " + engine.version, engine.ms.min, engine.ms.median, engine.ms.p95,
            engine.pairs, engine.ratio, engine.ratio_boxes, engine.what);
   else
-    append(out, "  {:<22}no time: its {} pairs are not the reference's\n",
+    append(out, "  {:<22}no time: its {} pairs differ from the reference\n",
            engine.name + " " + engine.version, engine.pairs);
 }
 
 void put_quarters(std::string& out, const BenchResult& r) {
   if (r.quarters.empty()) return;
-  append(out, "\n  {:<22}{:>9}{:>11}", "as the crowd mixes", "ours ms", "pairs");
+  append(out, "\n  {:<22}{:>9}{:>11}", "as the crowd mixes", "throng ms", "pairs");
   for (const EngineResult& engine : r.engines) append(out, "{:>9}", engine.name);
   for (const Quarter& quarter : r.quarters) {
     append(out, "\n  {:<22}{:>9.3f}{:>11}",
@@ -71,26 +71,26 @@ std::string to_text(const BenchResult& r, const MachineLine& machine) {
          r.options.frames, r.options.threads, r.options.threads == 1 ? "" : "s", r.throng.simd,
          machine.cpu);
   append(out, "  {:<22}{:>9}{:>9}{:>9}{:>11}{:>9}{:>9}\n", "", "min ms", "median", "p95", "pairs",
-         "/ ours", "/ boxes");
+         "/ throng", "/ boxes");
   const ThrongResult& t = r.throng;
   const std::string name = "throng ordop26";
   append(out, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", name, t.ms.min, t.ms.median,
          t.ms.p95, t.pairs, "1", "", "kinematics, boxes, or-DOP 26, sorted pairs, begin/end");
   append(out, "  {:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>11}{:>9}{:>9}  {}\n", "throng boxes",
          t.boxes_ms.min, t.boxes_ms.median, t.boxes_ms.p95, t.box_pairs, "", "1",
-         "the same less or-DOP tests, sorting and events");
+         "without or-DOP tests, sorting and events");
   for (const EngineResult& engine : r.engines) put_engine(out, engine);
   for (const Skipped& skipped : r.skipped)
     append(out, "  {:<22}skipped: {}\n", skipped.name, skipped.reason);
   put_quarters(out, r);
-  append(out, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "our stages", "volume", "updates",
+  append(out, "\n  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10}\n", "throng stages", "volume", "updates",
          "tests", "passed", "ms");
   for (const StageRow& stage : t.stages)
     append(out, "  {:<22}{:<10}{:>11}{:>12}{:>11}{:>10.3f}\n", stage.stage, stage.volume,
            stage.updates, stage.tests, stage.passed, stage.ms);
-  append(out, "\n  {:.2f} kB of memory an avatar, whole process{}; hash {:016x}\n",
+  append(out, "\n  {:.2f} kB of memory per avatar, whole process{}; hash {:016x}\n",
          static_cast<double>(machine.peak_rss_bytes) / 1e3 / r.options.avatars,
-         r.engines.empty() ? "" : " with the engines", t.hash);
+         r.engines.empty() ? "" : " including the engines", t.hash);
   return out;
 }
 
@@ -164,8 +164,8 @@ std::string to_csv(const BenchResult& r) {
 
 std::string to_text(const AgeingResult& r) {
   std::string out;
-  append(out, "After {} frames of walking, ms a frame\n\n  {:<22}{:>12}{:>12}{:>9}{:>12}\n",
-         r.walked_frames, "", "fresh", "aged", "ratio", "aged / ours");
+  append(out, "After {} frames of walking, ms per frame\n\n  {:<22}{:>12}{:>12}{:>9}{:>12}\n",
+         r.walked_frames, "", "fresh", "aged", "ratio", "/ throng");
   append(out, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12}  updates and tests: {} fresh, {} aged\n",
          "throng ordop26", r.fresh_ms, r.aged_ms, ratio(r.aged_ms, r.fresh_ms), 1, r.fresh_work,
          r.aged_work);
@@ -175,7 +175,7 @@ std::string to_text(const AgeingResult& r) {
       append(out, "  {:<22}{:>12.3f}{:>12.3f}{:>9.2f}{:>12.1f}\n", name, e.fresh_ms, e.aged_ms,
              ratio(e.aged_ms, e.fresh_ms), ratio(e.aged_ms, r.aged_ms));
     else
-      append(out, "  {:<22}no time: its pairs are not the reference's\n", name);
+      append(out, "  {:<22}no time: its pairs differ from the reference\n", name);
   }
   return out;
 }

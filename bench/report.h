@@ -1,5 +1,5 @@
-// What was measured, as text for people and as JSON for machines.
-// One rule: nothing is computed here but ratios of what the tables show.
+// to_text(), to_json() and to_csv() format measurements. They compute nothing but ratios of table
+// values.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,6 @@
 
 namespace throng::bench {
 
-/// What a result says about where it was measured.
 struct MachineLine {
   std::string cpu;
   uint64_t peak_rss_bytes = 0;
@@ -19,7 +18,7 @@ struct MachineLine {
 std::string to_text(const BenchResult& result, const MachineLine& machine);
 std::string to_json(const BenchResult& result, const MachineLine& machine);
 
-/// One row an engine that agrees, and two of ours; the header names the units.
+/// One row per agreeing engine and two for Throng; units are in the header.
 std::string csv_header();
 std::string to_csv(const BenchResult& result);
 
@@ -27,7 +26,7 @@ std::string to_text(const AgeingResult& result);
 std::string to_json(const AgeingResult& result, const BenchOptions& options,
                     const MachineLine& machine);
 
-/// The volumes side by side, then the matrix of one of them.
+/// Formats the volumes and then the matrix of one of them.
 std::string to_text(const FalsePositives& result);
 std::string to_json(const FalsePositives& result, const BenchOptions& options);
 

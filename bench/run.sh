@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Measures this machine: bench/run.sh [SIZE...] (default 500 5000 20000 100000) at 1 and 4 people
-# per m2, on one thread and on all, and the steering crowd of `plaza` on one, into
-# bench/results/<cpu>/: results.csv, plaza.csv, comparison.svg, the ageing and the micro-benchmarks. Takes an hour on a quiet machine; times of a busy one are noise.
-# FRAMES (default 20) are measured a size. Engines that need many seconds a frame for 100 000 people
-# (bullet, ode) are left out there; SLOW=1 keeps them.
+# per m2, on one thread and on all, and the steering crowd of `plaza` on one thread.
+# Writes results.csv, plaza.csv, comparison.svg, ageing and micro-benchmarks into
+# bench/results/<cpu>/. Takes an hour; on a busy machine the times are noise.
+# FRAMES (default 20) frames are measured per size. Engines that take many seconds per frame for
+# 100 000 people (bullet, ode) are omitted there; SLOW=1 includes them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -21,17 +21,17 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kWarmUp_s = 2;
 constexpr int kDecisions = 2'000'000;
-/// As long as a decision holds, so that each step is one decision and one move.
+/// Equals the decision period: each step is one decision and one move.
 constexpr double kStep_s = 0.1;
-/// Of a run: a third of the people decide in a frame, and all of them move.
+/// Step of a run: a third of the people decide in a frame, and all move.
 constexpr double kFrame_s = 1.0 / 30;
 
 struct Reference {
   int people;
   double ms;
 };
-/// RVO2 with its k-d tree and ten neighbours, one core: ms a step. Measured elsewhere and before
-/// this benchmark was written; Debian has no package of RVO2, so it does not run beside ours.
+/// RVO2 with its k-d tree and ten neighbours, one core: ms per step. Measured on another machine:
+/// Debian has no package of RVO2, so it cannot run here.
 constexpr Reference kRvo2[] = {{100, 0.061}, {1'000, 1.08}, {10'000, 12.8}, {100'000, 142}};
 constexpr const char* kSource =
     "RVO2's published code, k-d tree, 10 neighbours, one core of another machine";
@@ -42,7 +42,7 @@ std::optional<double> rvo2_ms(int people) {
   return std::nullopt;
 }
 
-/// Everybody starts anywhere on the square and walks from side to side of it.
+/// People start at random positions on the square and cross it from side to side.
 Scene square(int people, double per_m2, uint64_t seed) {
   const double edge_m = std::sqrt(people / per_m2);
   const double rim_m = 0.05 * edge_m + 0.6;
@@ -66,8 +66,8 @@ Scene square(int people, double per_m2, uint64_t seed) {
 }
 
 struct Walk {
-  int people = 0;  ///< who found a place
-  TimeStats ms;    ///< of a step
+  int people = 0;  ///< number that found a place
+  TimeStats ms;    ///< time per step
   double sweeps = 0;
 };
 
@@ -101,7 +101,7 @@ SteeringRow measure(SteeringKind model, int people, const SteeringBenchOptions& 
   row.ms = decisions.ms;
   row.sweeps = decisions.sweeps;
   row.frame_ms = walk(model, navigation, spawned, kFrame_s, options, workers).ms;
-  // The known figure is one core's.
+  // The reference time is that of one core.
   if (options.threads == 1) row.rvo2_ms = rvo2_ms(row.people);
   return row;
 }
@@ -125,15 +125,15 @@ std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOpt
   std::string out;
   append(out,
          "steering: four groups cross a square, {:.4g} per m2, {} thread{}, {} on {}\n"
-         "a step: everybody decides and moves; a frame: a 30th of a second, in which a third of "
-         "them decide and all move\n\n",
+         "step: all people decide and move; frame: 1/30 s, in which a third of the people decide "
+         "and all move\n\n",
          options.per_m2, options.threads, options.threads == 1 ? "" : "s",
          name_of(resolved(options.simd)), cpu);
-  append(out, "  {:<10}{:>8}{:>10}{:>8}{:>8}{:>11}{:>8}{:>10}{:>8}{:>10}{:>8}\n", "model", "people",
+  append(out, "  {:<21}{:>8}{:>10}{:>8}{:>8}{:>11}{:>8}{:>10}{:>8}{:>10}{:>8}\n", "model", "people",
          "step: min", "median", "p95", "us/person", "sweeps", "frame ms", "p95", "RVO2 step",
-         "/ ours");
+         "ratio");
   for (const SteeringRow& row : rows) {
-    append(out, "  {:<10}{:>8}{:>10.3f}{:>8.3f}{:>8.3f}{:>11.3f}{:>8.1f}{:>10.3f}{:>8.3f}",
+    append(out, "  {:<21}{:>8}{:>10.3f}{:>8.3f}{:>8.3f}{:>11.3f}{:>8.1f}{:>10.3f}{:>8.3f}",
            name_of(row.model), row.people, row.ms.min, row.ms.median, row.ms.p95,
            1e3 * row.ms.median / std::max(row.people, 1), row.sweeps, row.frame_ms.median,
            row.frame_ms.p95);
@@ -143,8 +143,8 @@ std::string to_text(const std::vector<SteeringRow>& rows, const SteeringBenchOpt
       append(out, "{:>10}{:>8}\n", "-", "-");
   }
   append(out,
-         "\n  RVO2: {}. It did not run here:\n  read the ratio as an order of size. "
-         "docs/benchmarks.md says what is unfair.\n",
+         "\n  RVO2: {}. RVO2 did not run here:\n  read the ratio as an order of magnitude; "
+         "docs/performance.md states the bias.\n",
          kSource);
   return out;
 }

@@ -1,6 +1,6 @@
-// What a step of steering costs, beside the reference cost of RVO2's published code.
-// One rule: a step decides for everybody and moves everybody, as RVO2's doStep() does, and nothing
-// else is in the time. In a frame of a run people take turns in deciding.
+// measure_steering() times steps of steering, next to published times of RVO2.
+// In a step all people decide and move, as in RVO2's doStep(). In a frame of a run a third of the
+// people decide.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace throng::bench {
 struct SteeringBenchOptions {
   std::vector<int> counts = {1'000, 10'000, 100'000};
   double per_m2 = 1;
-  std::optional<int> steps;  ///< to measure; otherwise two million decisions, 9 to 201 steps
+  std::optional<int> steps;  ///< measured; default: two million decisions, 9 to 201 steps
   int threads = 1;
   uint64_t seed = 1;
   SimdTarget simd = SimdTarget::kBest;
@@ -24,14 +24,14 @@ struct SteeringBenchOptions {
 
 struct SteeringRow {
   SteeringKind model = SteeringKind::kOrca;
-  int people = 0;                 ///< who found a place
-  TimeStats ms;                   ///< of a step
-  double sweeps = 0;              ///< of relaxation in a step, mean
-  TimeStats frame_ms;             ///< of a 30th of a second, in which a third of them decide
-  std::optional<double> rvo2_ms;  ///< RVO2's for so many, where known
+  int people = 0;                 ///< number that found a place
+  TimeStats ms;                   ///< time per step
+  double sweeps = 0;              ///< relaxation sweeps per step, mean
+  TimeStats frame_ms;             ///< time per frame of 1/30 s, in which a third decide
+  std::optional<double> rvo2_ms;  ///< RVO2's time for this number, if known
 };
 
-/// Four groups cross a square without obstacles, from side to side; the first 2 s are warm-up.
+/// Four groups cross a square without obstacles from side to side; the first 2 s are warm-up.
 std::vector<SteeringRow> measure_steering(const SteeringBenchOptions& options,
                                           const Progress& progress);
 

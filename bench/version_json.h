@@ -1,5 +1,5 @@
-// Which Throng wrote a result for machines.
-// One rule: every JSON of the command has it, under the key "throng".
+// version_json() states which Throng wrote a result.
+// Invariant: every JSON of the command has it under the key "throng".
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace throng {
 
-/// {"version": "0.1.0", "commit": "1234567890ab"}
+/// Returns {"version": "0.9.0", "commit": "1234567890ab"}.
 inline nlohmann::ordered_json version_json() {
   return {{"version", std::string(version())}, {"commit", std::string(commit())}};
 }

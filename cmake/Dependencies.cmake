@@ -1,6 +1,6 @@
-# Every library that Throng uses, in one place; only what is switched on is looked for. All are Debian
-# packages; scripts/setup.sh installs them.
-set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # whoever adds Throng to a project links with them, too
+# All libraries that Throng uses; only those of enabled options are looked for. All are Debian packages,
+# which scripts/setup.sh installs.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # projects that add Throng link with them as well
 find_package(PkgConfig REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
@@ -16,13 +16,13 @@ if(THRONG_SCENES)
   pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET GLOBAL assimp)
   find_package(yaml-cpp REQUIRED)
   find_package(SQLite3 REQUIRED)  # trajectories
-  find_package(ZLIB REQUIRED)     # recordings that are packed
+  find_package(ZLIB REQUIRED)     # compressed recordings
   pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings
   if(THRONG_MPI)
     set(MPI_CXX_SKIP_MPICXX ON)
     find_package(MPI COMPONENTS CXX)  # optional: ranks of a study
   endif()
-  find_package(Boost REQUIRED)    # headers: the area that people can walk on, as polygons
+  find_package(Boost REQUIRED)    # headers: polygons of the walkable area
   list(APPEND CMAKE_MODULE_PATH ${PROJECT_SOURCE_DIR}/cmake/package)
   find_package(Recast REQUIRED)   # navigation meshes
   list(POP_BACK CMAKE_MODULE_PATH)
@@ -30,7 +30,7 @@ endif()
 
 if(THRONG_LCM)
   pkg_check_modules(LCM REQUIRED IMPORTED_TARGET GLOBAL lcm)
-  pkg_check_modules(ZSTD IMPORTED_TARGET GLOBAL libzstd)  # optional: MCAP files a tenth as large
+  pkg_check_modules(ZSTD IMPORTED_TARGET GLOBAL libzstd)  # optional: compressed MCAP files
   find_program(LCM_GEN lcm-gen REQUIRED)
 endif()
 
@@ -43,7 +43,7 @@ if(THRONG_VIEWER)
   find_program(NPM npm REQUIRED)
 endif()
 
-# The module for Python, where Debian's Python has what it takes: PYTHON_EXECUTABLE names another one.
+# The Python module, for Debian's Python; PYTHON_EXECUTABLE selects another one.
 if(THRONG_VIEWER)
   find_program(PYTHON_EXECUTABLE python3 PATHS /usr/bin NO_DEFAULT_PATH)
   set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
@@ -53,10 +53,10 @@ if(THRONG_VIEWER)
   if(Python3_FOUND AND pybind11_FOUND)
     set(has_python ON)
   endif()
-  option(THRONG_PYTHON "the module `throng` for Python" ${has_python})
+  option(THRONG_PYTHON "Build the Python module `throng`" ${has_python})
   if(THRONG_PYTHON AND NOT has_python)
-    message(FATAL_ERROR "THRONG_PYTHON: expected pybind11 2.10, and Python 3.9 with numpy and its headers "
-                        "(pybind11-dev, python3-dev, python3-numpy), found not all of them")
+    message(FATAL_ERROR "THRONG_PYTHON: expected pybind11 2.10, and Python 3.9 with numpy and its headers, found "
+                        "them incomplete; install pybind11-dev, python3-dev and python3-numpy")
   endif()
 endif()
 
@@ -69,5 +69,5 @@ if(THRONG_TESTS)
 endif()
 
 if(THRONG_TESTS OR THRONG_BENCH)
-  find_package(fcl REQUIRED)  # an oracle, and a rival
+  find_package(fcl REQUIRED)  # test oracle and benchmark
 endif()

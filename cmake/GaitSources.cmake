@@ -1,4 +1,4 @@
-# Writes OUT, which defines gait_sources: one hash of FILES, all that a tabulated gait depends on.
+# Writes OUT, which defines gait_sources: a hash of FILES, the inputs of a tabulated gait.
 set(all)
 foreach(file IN LISTS FILES)
   file(SHA256 ${file} hash)

@@ -1,18 +1,18 @@
 # `cmake --install`: the command and its data (component `throng`), the libraries for find_package(throng)
-# and pkg-config (`dev`), and the Python module (`python`). What is installed may
-# be moved: nothing in it names a folder of the machine it was built on, or the prefix.
+# and pkg-config (`dev`), and the Python module (`python`). Installed files can be moved: none names the
+# build folder or the prefix.
 include(CMakePackageConfigHelpers)
 set(THRONG_DATADIR ${CMAKE_INSTALL_DATADIR}/throng)
 set(THRONG_CMAKEDIR ${CMAKE_INSTALL_LIBDIR}/cmake/throng)
-# Where Python modules go; that of Debian's packages.
-set(THRONG_INSTALL_PYTHONDIR lib/python3/dist-packages CACHE STRING "for the Python module, below the prefix")
+# Folder of Python modules, as in Debian's packages.
+set(THRONG_INSTALL_PYTHONDIR lib/python3/dist-packages CACHE STRING "Folder of the Python module, below the prefix")
 set(package ${PROJECT_SOURCE_DIR}/cmake/package)
 set(made ${PROJECT_BINARY_DIR}/package)
 
-# The command, and what it and every program on the libraries finds in share/throng.
+# The command, and the data in share/throng for it and for every program on the libraries.
 if(THRONG_APPS)
   install(TARGETS throng RUNTIME COMPONENT throng)
-  # Its manual, where help2man is there to make it of `throng --help`.
+  # Its manual, if help2man is installed.
   install(CODE "execute_process(COMMAND bash ${PROJECT_SOURCE_DIR}/scripts/manual.sh
       $<TARGET_FILE:throng> ${made}/man COMMAND_ERROR_IS_FATAL ANY)
     if(EXISTS ${made}/man/throng.1.gz)
@@ -39,8 +39,8 @@ if(TARGET throng_core)
 endif()
 
 # throng_install(NAME [HEADERS FILE...] [REQUIRES MODULE...] [LIBS FLAG...]): throng::NAME with its public
-# headers, as a component of find_package(throng) and as throng-NAME of pkg-config. REQUIRES and LIBS are
-# what pkg-config has to be told; CMake knows by itself.
+# headers, as a component of find_package(throng) and as throng-NAME of pkg-config. REQUIRES and LIBS are for
+# pkg-config; CMake derives them.
 set(THRONG_COMPONENTS)
 function(throng_install name)
   cmake_parse_arguments(I "" "" "HEADERS;REQUIRES;LIBS" ${ARGN})
@@ -115,7 +115,7 @@ list(JOIN THRONG_COMPONENTS ", " THRONG_COMPONENTS_TEXT)
 list(JOIN THRONG_COMPONENTS " " THRONG_COMPONENTS)
 configure_package_config_file(${package}/throng-config.cmake.in ${made}/throng-config.cmake
   INSTALL_DESTINATION ${THRONG_CMAKEDIR} PATH_VARS THRONG_DATADIR)
-# Before 1.0 a minor version may change what is not promised in docs/library.md.
+# Before 1.0 a minor version may change interfaces, see docs/stability.md.
 write_basic_package_version_file(${made}/throng-config-version.cmake COMPATIBILITY SameMinorVersion)
 set(config_files ${made}/throng-config.cmake ${made}/throng-config-version.cmake ${package}/data_place.cpp.in)
 if(THRONG_SCENES)

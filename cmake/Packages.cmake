@@ -1,5 +1,5 @@
-# `cpack`: packages for Debian 12 - throng (the command), libthrong-dev, and python3-throng where the Python
-# module is built. scripts/package.sh makes these and the archive for other systems.
+# `cpack`: packages for Debian 12 - throng (the command), libthrong-dev, and python3-throng if the Python module
+# is built. scripts/package.sh makes these and an archive for other systems.
 set(documents ${CMAKE_INSTALL_DATADIR}/doc)
 install(FILES ${package}/copyright DESTINATION ${documents}/throng COMPONENT throng)
 install(CODE "execute_process(COMMAND gzip -9n -c ${PROJECT_SOURCE_DIR}/CHANGELOG.md
@@ -33,18 +33,18 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 
-# The first line of every package's description is that of the project.
-set(about "Throng assembles people from URDFs and triangle meshes, lets them walk
-through a scene, and tells every frame which body parts touch. It never
-misses a contact. Contacts go out over LCM and into a log.")
+# The first line of every description is the project's.
+set(about "Throng simulates crowds of people and robots, made of URDFs and triangle
+meshes, and detects every contact between their body parts. It never misses a
+contact. Contacts are published over LCM and written to a log.")
 set(CPACK_DEBIAN_THRONG_PACKAGE_NAME throng)
 set(CPACK_DEBIAN_THRONG_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_THRONG_DESCRIPTION "${about}")
 set(CPACK_DEBIAN_THRONG_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_THRONG_PACKAGE_SUGGESTS gnuplot-nox)
 
-# culling needs what is under Depends; the libraries above it, what is recommended. find_package(throng) and
-# pkg-config say what is missing.
+# culling needs the packages under Depends; other libraries need those under Recommends. find_package(throng)
+# and pkg-config name missing ones.
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libthrong-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "${about}

@@ -1,39 +1,37 @@
-# How a library or a program of Throng is made. throng_options: what whoever links with us needs, too;
-# throng_warnings: for our own sources alone.
+# Functions that define libraries and programs. throng_options: options for all users of the libraries;
+# throng_warnings: for Throng's own sources only.
 add_library(throng_options INTERFACE)
 target_include_directories(throng_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 if(THRONG_INSTALL)
   target_include_directories(throng_options INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/throng>)
 endif()
 target_compile_features(throng_options INTERFACE cxx_std_20)
-# Same answer on every target: no contraction into fused multiply-add, no fast-math.
+# Equal results on every target: no contraction into fused multiply-add, no fast-math.
 target_compile_options(throng_options INTERFACE -ffp-contract=off -pthread)
-# Nobody reads errno or the traps of arithmetic: a root is one instruction. The values are the same.
+# No code reads errno or traps of arithmetic, so a square root is one instruction with the same value.
 target_compile_options(throng_options INTERFACE $<BUILD_INTERFACE:-fno-math-errno -fno-trapping-math>)
 
 add_library(throng_warnings INTERFACE)
 target_compile_options(throng_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion
   $<$<BOOL:${THRONG_WERROR}>:-Werror>
-  # g++ 12 finds its own std::string out of bounds once it comes from a precompiled header.
+  # g++ 12 reports std::string as out of bounds if it comes from a precompiled header.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${THRONG_PCH}>>:-Wno-array-bounds>)
 
-# Libraries go into the command and into the Python module alike. What a file defines it may still take for
-# the one definition there is, so that it inlines as without -fPIC: the command pays nothing. Not where
-# definitions are compared to the byte (preset lto): under -fPIC a class's own file refers to its vtable in
-# fewer bytes than others do.
+# Libraries are linked into the command and the Python module. These options allow inlining as without -fPIC, at
+# no cost for the command. The preset lto compares definitions byte by byte and leaves them out: with -fPIC the
+# file of a class refers to its vtable in fewer bytes than other files.
 if(NOT CMAKE_CXX_FLAGS MATCHES "-flto")
   add_compile_options(-fPIC -fvisibility=hidden -ftls-model=initial-exec)
 endif()
 
-# What a frame does not wait for is compiled without the optimisations that take longest: two thirds of the
-# time, and the same results.
+# Cold sources, which no frame waits for, skip the slowest optimisations: two thirds of the time, equal results.
 if(CMAKE_BUILD_TYPE STREQUAL Release OR CMAKE_CXX_FLAGS MATCHES "-O2")
   set(THRONG_COLD -O1)
 endif()
 
-# throng_precompiled(NAME HEADER OPTION...): a header of cmake/, compiled once for each optimisation: g++
-# takes that of the precompiled header, whatever a file asks for.
+# throng_precompiled(NAME HEADER OPTION...): a header of cmake/, compiled once per optimisation level: g++ uses
+# the level of the precompiled header for all files.
 function(throng_precompiled name header)
   add_library(${name} STATIC EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
   target_link_libraries(${name} PRIVATE throng_options throng_warnings Eigen3::Eigen fmt::fmt)
@@ -45,8 +43,8 @@ if(THRONG_PCH)
   throng_precompiled(throng_precompiled_cold precompiled.h ${THRONG_COLD})
 endif()
 
-# throng_sources_for_several(TARGET VARIABLE): those that are compiled once for each SIMD target, by
-# including themselves.
+# throng_sources_for_several(TARGET VARIABLE): sources that are compiled once per SIMD target, by including
+# themselves.
 function(throng_sources_for_several target variable)
   set(found)
   get_target_property(sources ${target} SOURCES)
@@ -61,13 +59,12 @@ function(throng_sources_for_several target variable)
   set(${variable} "${found}" PARENT_SCOPE)
 endfunction()
 
-# throng_unite(TARGET [MOST]): reading headers takes longer than compiling what most files say themselves, so
-# up to eight of a folder are read at once: half of the time. What stands in unnamed namespaces has a name of
-# its own within a folder.
+# throng_unite(TARGET [MAX]): compiles up to eight sources of a folder together, in half of the time, because
+# headers take longer than most sources. Names in unnamed namespaces must be unique within a folder.
 function(throng_unite target)
-  set(most 8)
+  set(max_batch 8)
   if(ARGC GREATER 1)
-    set(most ${ARGV1})
+    set(max_batch ${ARGV1})
   endif()
   if(NOT THRONG_UNITY)
     return()
@@ -80,7 +77,7 @@ function(throng_unite target)
       if(NOT DEFINED of_${folder})
         set(of_${folder} 0)
       endif()
-      math(EXPR batch "${of_${folder}} / ${most}")
+      math(EXPR batch "${of_${folder}} / ${max_batch}")
       math(EXPR of_${folder} "${of_${folder}} + 1")
       string(MAKE_C_IDENTIFIER "${folder}_${batch}" group)
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
@@ -91,22 +88,22 @@ endfunction()
 
 function(throng_precompile target precompiled)
   if(THRONG_PCH)
-    # The first so that ccache can tell what a file depends on. The second, 512 MB, because g++ goes through
-    # all that is precompiled whenever it collects garbage: a tenth of its time.
+    # The first option lets ccache see a file's dependencies. The second (512 MB) avoids garbage collections, each
+    # of which scans the precompiled headers: a tenth of g++'s time.
     target_compile_options(${target} PRIVATE
       $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess> $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
     target_precompile_headers(${target} REUSE_FROM ${precompiled})
-    # Behind a precompiled header g++ 12 takes __OPTIMIZE__ for defined, without optimisation too, and the
-    # compiler's headers of SIMD instructions then rest on inlining that does not happen. And a precompiled
-    # header is for the options that it was compiled with, see throng_copy_by_vectors.
+    # After a precompiled header g++ 12 considers __OPTIMIZE__ defined even without optimisation, and headers of
+    # SIMD instructions then rely on missing inlining. A precompiled header also requires equal options, see
+    # throng_copy_by_vectors.
     throng_sources_for_several(${target} alone)
     set_source_files_properties(${alone} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   endif()
 endfunction()
 
-# throng_copy_by_vectors(TARGET): sources for several SIMD targets copy and clear with vector instructions.
-# g++ 12 prefers `rep movs` for some hundred bytes, which takes longer than the kernel around it;
-# tests/structure/simd_copies_test.sh reads the objects, whose paths are collected here.
+# throng_copy_by_vectors(TARGET): makes sources for several SIMD targets copy and clear memory with vector
+# instructions. g++ 12 prefers `rep movs` for some hundred bytes, which takes longer than the kernel around it.
+# tests/structure/simd_copies_test.sh checks the objects, whose paths are collected here.
 function(throng_copy_by_vectors target)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL GNU OR NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     return()
@@ -121,7 +118,7 @@ function(throng_copy_by_vectors target)
 endfunction()
 
 # throng_library(NAME [COLD] SOURCES FILE... [PUBLIC TARGET...] [PRIVATE TARGET...]): throng::NAME. COLD: no
-# frame waits for any of it.
+# frame waits for its code.
 function(throng_library name)
   cmake_parse_arguments(L "COLD" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(throng_${name} STATIC ${L_SOURCES})
@@ -137,7 +134,7 @@ function(throng_library name)
   throng_unite(throng_${name})
 endfunction()
 
-# throng_program(NAME SOURCES FILE... LIBS TARGET...), on a library of ours.
+# throng_program(NAME SOURCES FILE... LIBS TARGET...): a program on Throng's libraries.
 function(throng_program name)
   cmake_parse_arguments(P "" "" "SOURCES;LIBS" ${ARGN})
   add_executable(${name} ${P_SOURCES})
@@ -145,7 +142,7 @@ function(throng_program name)
   throng_precompile(${name} throng_precompiled)
 endfunction()
 
-# throng_cold(TARGET FILE...): more files of a target, for which no frame waits.
+# throng_cold(TARGET FILE...): more sources of a target, for which no frame waits.
 function(throng_cold target)
   add_library(${target}_cold OBJECT ${ARGN})
   get_target_property(libraries ${target} LINK_LIBRARIES)

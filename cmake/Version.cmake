@@ -1,9 +1,9 @@
 # Writes base/version.cpp of the build folder: cmake -DOUT=... -DSOURCE=... -DTHRONG_VERSION=... -P.
-# It runs with every build, and leaves a file alone that says the same already: nothing is compiled then.
+# Runs at every build and keeps an unchanged file, so that nothing is compiled again.
 set(THRONG_COMMIT unknown)
 find_program(GIT git)
 if(GIT)
-  # Sources unpacked from an archive inside somebody else's checkout are not of that one's commit.
+  # An unpacked archive inside another project's checkout does not have that project's commit.
   cmake_path(GET SOURCE PARENT_PATH above)
   set(ENV{GIT_CEILING_DIRECTORIES} "${above}")
   set(ENV{GIT_OPTIONAL_LOCKS} 0)

@@ -1,1 +1,1 @@
-// Nothing: a header is precompiled with it.
+// Empty: only its precompiled header matters.

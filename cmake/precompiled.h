@@ -1,6 +1,7 @@
-// What nearly every file includes, and what it makes of that: reading Eigen, fmt and the standard
-// library takes longer than most files of ours, and making vectors out of their templates is the
-// next. One rule: nothing of ours, so that no change compiles everything anew.
+// Headers that nearly every file includes, and common instantiations of their templates. Reading
+// Eigen, fmt and the standard library takes longer than most sources, instantiating their templates
+// is next.
+// Invariant: no header of Throng, so that no change compiles everything again.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,14 +23,14 @@
 #include <vector>
 
 namespace throng::precompiled {
-
+/// A class template is instantiated when its size is needed.
 /// A class is made out of its template where its size is asked for.
 template <typename... Types>
 inline constexpr size_t kSize = (sizeof(Types) + ...);
 
 template <typename V>
 const V& a();
-
+/// Expressions of vector arithmetic.
 /// What arithmetic on vectors is made of.
 template <typename V>
 inline constexpr size_t kExpressions =
@@ -40,7 +41,7 @@ inline constexpr size_t kExpressions =
           decltype(a<V>().cwiseMax(a<V>())), decltype(a<V>().template head<2>()),
           decltype(a<V>().template cast<double>()), decltype(a<V>().transpose()),
           decltype(a<V>()(0)), typename V::ConstantReturnType, typename V::BasisReturnType>;
-
+/// Expressions of poses.
 /// And what poses are made of.
 template <typename T>
 inline constexpr size_t kPose =

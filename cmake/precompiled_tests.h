@@ -1,4 +1,4 @@
-// What every test includes, besides what every file does.
+// Headers that every test includes, in addition to precompiled.h.
 #pragma once
 
 #include <gmock/gmock.h>

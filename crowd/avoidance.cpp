@@ -43,7 +43,7 @@ void Avoidance::choose() {
   });
 }
 
-/// Before anybody chooses, as models look at what others want.
+/// A separate pass, because models read the preferred velocities of neighbours.
 void Avoidance::limit(SteeringState::Slots slots, Walls& walls) {
   if (!by_density_) {
     for (const uint32_t slot : slots) limit_to_gap(slot);
@@ -53,8 +53,8 @@ void Avoidance::limit(SteeringState::Slots slots, Walls& walls) {
   for (size_t i = 0; i < slots.size(); ++i) limit_to_density(people, i, slots[i]);
 }
 
-/// Behind others of the same way people keep a gap in time, as long as nobody comes towards them.
-/// Of two who are ahead of one another, the one that has the other more ahead keeps it.
+/// Agents of the same direction keep a time gap, unless oncoming agents are in reach. Of two such
+/// agents, the one that has the other more directly ahead keeps the gap.
 void Avoidance::limit_to_gap(size_t slot) {
   const std::span<NeighbourState> published = state_.agents.published;
   float& preferred_x = published[slot].preferred_x_mps;
@@ -63,7 +63,7 @@ void Avoidance::limit_to_gap(size_t slot) {
   const float preferred = preferred_x * direction_x + preferred_y * direction_y;
   const auto gap_s = static_cast<float>(tuning::kTimeGap_s);
   const SteeringState::Slots near = state_.neighbours(slot);
-  const auto same_way = [&](uint32_t other) {
+  const auto direction_cosine = [&](uint32_t other) {
     return direction_x * published[other].direction_x + direction_y * published[other].direction_y;
   };
   const float reach_m = published[slot].radius_m + state_.max_radius_m + preferred * gap_s;
@@ -72,31 +72,30 @@ void Avoidance::limit_to_gap(size_t slot) {
     const float dx = published[other].x_m - published[slot].x_m;
     const float dy = published[other].y_m - published[slot].y_m;
     const float square = dx * dx + dy * dy;
-    if (square > reach_m * reach_m) break;  // they come nearest first
+    if (square > reach_m * reach_m) break;  // neighbours are sorted by distance
     const float ahead = dx * direction_x + dy * direction_y;
     const float aside = dx * direction_y - dy * direction_x;
     const float radius_m = published[slot].radius_m + published[other].radius_m;
     const float ahead_of_other =
         -(dx * published[other].direction_x + dy * published[other].direction_y);
     if (ahead <= 0 || ahead <= ahead_of_other || aside * aside >= radius_m * radius_m ||
-        same_way(other) < static_cast<float>(tuning::kSameDirection))
+        direction_cosine(other) < static_cast<float>(tuning::kSameDirection))
       continue;
     speed = std::min(speed, (std::sqrt(square) - radius_m) / gap_s);
   }
   if (!(speed < preferred)) return;
   for (const uint32_t other : near)
-    if (same_way(other) < -static_cast<float>(tuning::kSameDirection) &&
+    if (direction_cosine(other) < -static_cast<float>(tuning::kSameDirection) &&
         (published[other].x_m - published[slot].x_m) * direction_x +
                 (published[other].y_m - published[slot].y_m) * direction_y >
             0)
       return;
-  // As with density, the wish keeps its direction.
   speed = std::max(speed, static_cast<float>(2 * tuning::kMinPreferred_mps));
   preferred_x *= speed / preferred;
   preferred_y *= speed / preferred;
 }
 
-/// Slows the wish; never so far that it has no direction.
+/// Limits the preferred speed, but keeps enough of it for a direction.
 void Avoidance::limit_to_density(const SteeringView& people, size_t i, uint32_t slot) {
   float& x = state_.agents.published[slot].preferred_x_mps;
   float& y = state_.agents.published[slot].preferred_y_mps;
@@ -121,8 +120,8 @@ void Avoidance::choose(SteeringState::Slots slots, Walls& walls) {
       decisions_.next_x_mps[slot] = decisions_.next_y_mps[slot] = 0;
     const float x = decisions_.next_x_mps[slot], y = decisions_.next_y_mps[slot];
     state_.agents[slot].next_mps = {static_cast<double>(x), static_cast<double>(y)};
-    // By the velocity that people have, not by the one they show: they would be pushed apart in
-    // places where they never are.
+    // Starts from the actual velocity, not the published one: otherwise relaxation would act at
+    // places that agents never reach.
     const Eigen::Vector2f old = state_.agents[slot].old_mps.cast<float>();
     decisions_.expected_x_m[slot] = decisions_.chosen_x_m[slot] =
         people.published[slot].x_m + half_period_s * (old.x() + x);
@@ -131,8 +130,7 @@ void Avoidance::choose(SteeringState::Slots slots, Walls& walls) {
   }
 }
 
-/// Making way for those behind is no reason to walk faster than the people ahead allow, and a
-/// little to pass.
+/// Agents behind may only speed an agent up to what those ahead allow, plus a little for passing.
 void Avoidance::limit_forward(size_t slot) {
   const NeighbourState& published = state_.agents.published[slot];
   const float direction_x = published.direction_x, direction_y = published.direction_y;
@@ -147,8 +145,8 @@ void Avoidance::limit_forward(size_t slot) {
   decisions_.next_y_mps[slot] -= excess * direction_y;
 }
 
-/// A crowd that stands stays as close as it is, however much room a model of steering would give
-/// it. When somebody goes by, its people make way like others.
+/// A standing crowd keeps its spacing even if the steering model asks for more. Near moving agents,
+/// its members make room as usual.
 bool Avoidance::stands_in_standing_crowd(size_t slot) const {
   constexpr double kStill_mps = 0.2;
   if (!state_.stands(slot) || state_.agents[slot].old_mps.squaredNorm() > kStill_mps * kStill_mps)

@@ -1,5 +1,5 @@
-// Avoidance chooses the velocities of those who decide: it limits what they prefer by gaps or by
-// density, shows the walls around to the steering model, and takes the model's choice.
+// Avoidance chooses the velocities of the agents that decide in this step. It limits preferred
+// speeds by gap or density, passes nearby walls to the steering model and stores its choice.
 #pragma once
 
 #include <cstddef>
@@ -13,38 +13,36 @@
 namespace throng {
 namespace tuning {
 
-/// How far ahead collisions with people are avoided. Longer makes crowds timid, shorter makes them
-/// bump.
+/// Look-ahead for collisions with agents. Longer makes crowds timid, shorter lets agents bump.
 inline constexpr double kHorizon_s = 2.0;
-/// The horizon of somebody stuck: one who looks less far ahead takes gaps that others leave.
+/// Look-ahead of a stuck agent: shorter, because it then takes gaps that others leave.
 inline constexpr double kStuckHorizon_s = 0.5;
-/// How far ahead walls slow a person down: at 0.5 s one can walk along a wall at arm's length.
+/// Look-ahead for walls: at 0.5 s agents can walk along a wall at arm's length.
 inline constexpr double kWallHorizon_s = 0.5;
-/// People of the same way keep a gap of so long: a door of 1 m then lets through 1.3 people a
-/// second (Weidmann 1993: 1.2). Halved, a second door after it jams; doubled, doors carry too
-/// little.
+/// Time gap between agents of the same direction. A door of 1 m then passes 1.3 people per second
+/// (Weidmann 1993: 1.2). Half of it jams at a second door; double makes door flow too low.
 inline constexpr double kTimeGap_s = 0.2;
-/// Ways count as the same up to 60 degrees, and as opposite from 120 on: the cosine.
+/// Cosine of the angle up to which directions are the same (60 degrees); opposite from 120 degrees.
 inline constexpr double kSameDirection = 0.5;
 
 }  // namespace tuning
 
 class Avoidance {
  public:
-  /// Keeps references to all. By density, the speed that people prefer is limited by how many are
-  /// ahead; otherwise by the gap, unless the model itself keeps one.
+  /// Keeps references to all arguments. `by_density`: the density ahead limits preferred speeds.
+  /// Otherwise the time gap does, unless the model itself keeps one.
   Avoidance(SteeringState& state, const SteeringModel& model, const Walkable& walkable,
             bool by_density);
 
-  /// Decides how fast an agent may be and how far ahead it avoids others, before any chooses.
+  /// Sets the maximum speed and the look-ahead of an agent. To be called before any agent chooses.
   void prepare(size_t slot);
 
-  /// Chooses the next velocities of those who decide now, all of whom have a preferred one, and
-  /// from these where they will be after a period. Allocates nothing.
+  /// Chooses the next velocities of all agents that decide, and from these their places after one
+  /// period. Requires their preferred velocities. Allocates nothing.
   void choose();
 
  private:
-  /// The walls of one block, one a worker.
+  /// Walls near one block of agents; one per worker.
   struct Walls {
     std::vector<float> x, y, clearance_m;
     std::vector<uint32_t> starts;
@@ -64,7 +62,7 @@ class Avoidance {
   const SteeringModel& model_;
   const Walkable& walkable_;
   bool by_density_;
-  bool limits_;  ///< density keeps people apart, and so do models that keep a gap
+  bool limits_;  ///< whether the density or the gap limits speeds
   std::vector<Walls> walls_;
 };
 

@@ -37,7 +37,7 @@ Crowd::Crowd(NavigationMap& map, std::span<const AgentSpec> people, const CrowdO
   rebuild_slots();
 }
 
-/// Everybody takes a slot with all that is known of them; who has just entered starts walking.
+/// Assigns slots in the order of cells and moves each agent's state along.
 void Crowd::rebuild_slots() {
   state_.grid.rebuild(state_.positions_m, population_.present());
   assign_slots();
@@ -66,10 +66,9 @@ void Crowd::assign_slots() {
   state_.list_deciders([this](uint32_t id) { return social_groups_.first_member(id); });
 }
 
-/// How fast a person enters: as told, or as fast as those ahead let it.
+/// Speed at which an agent enters: that of its source, or what agents ahead allow.
 double Crowd::entering_mps(size_t slot) {
-  // In single file people are 0.36 m and 1.06 s of their speed behind the one ahead (Seyfried,
-  // Steffen, Klingsch & Boltes, 2005).
+  // Single file: 0.36 m plus 1.06 s of speed (Seyfried, Steffen, Klingsch & Boltes, 2005).
   constexpr double kSpacing_m = 0.36, kHeadway_s = 1.06, kReach_m = 2.5;
   const uint32_t id = state_.id(slot), of[] = {static_cast<uint32_t>(slot)};
   if (enters_mps_[id] >= 0) return static_cast<double>(enters_mps_[id]);
@@ -78,7 +77,7 @@ double Crowd::entering_mps(size_t slot) {
   double max_mps = state_.desired_speeds_mps[id];
   for (const uint32_t near : state_.neighbours(slot)) {
     const uint32_t other = state_.id(near);
-    if (state_.slot_of[other] == SteeringState::kNowhere) continue;  // enters, too
+    if (state_.slot_of[other] == SteeringState::kNowhere) continue;  // also enters now
     const Eigen::Vector2d& direction = state_.headings[id];
     const Eigen::Vector2d offset = state_.positions_m[other] - state_.positions_m[id];
     const double ahead_m = offset.dot(direction);
@@ -90,7 +89,7 @@ double Crowd::entering_mps(size_t slot) {
   return std::max(max_mps, 0.0);
 }
 
-/// People on their way already walk, but for those who stand too close together for that.
+/// Agents that enter already walk, unless they stand too close together.
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = state_.id(slot);
   const bool walks = journeys_.state(id) == JourneyState::kWalking && radius_scales_[id] == 1;
@@ -165,7 +164,6 @@ void Crowd::decide() {
   for (int phase = 0; phase < state_.steps_per_period; ++phase) decide(phase);
 }
 
-/// What is for everybody at once.
 void Crowd::begin_period() {
   update_population();
   rebuild_slots();
@@ -175,7 +173,7 @@ void Crowd::update_detours() {
   detours_.update(
       state_.periods(), state_.grid.order().size(),
       [this](size_t slot) {
-        constexpr double kMinSpeed_mps = 0.1;  // of those who are led
+        constexpr double kMinSpeed_mps = 0.1;  // of externally controlled agents
         return Detours::AgentSample{
             state_.agents[slot].position_m,
             state_.agents[slot].velocity_mps /
@@ -184,10 +182,9 @@ void Crowd::update_detours() {
       state_.workers);
 }
 
-/// Those of a phase look around, find what they prefer, choose and are kept out of each other.
 void Crowd::decide(int phase) {
   state_.phase = static_cast<size_t>(phase);
-  // Not in the frame that begins a period: that takes the most time as it is.
+  // Not in the step that begins a period, which is the most expensive one.
   if (phase == state_.steps_per_period / 2) update_detours();
   if (social_groups_.any()) {
     state_.for_deciders([this](Slots slots, size_t, int) { find_neighbours(slots); });
@@ -208,10 +205,9 @@ void Crowd::decide(int phase) {
   counters_.decisions += state_.deciders().size();
 }
 
-/// Goals are reached, and people come and go, before anybody looks around.
+/// Updates journeys and the population before agents look for neighbours.
 void Crowd::update_population() {
   const double now_s = state_.now_s();
-  // By id, as what journeys know is.
   for_blocks_of(state_.workers, size(), [&](size_t begin, size_t end, int) {
     for (size_t id = begin; id < end; ++id) {
       const uint32_t slot = state_.slot_of[id];
@@ -251,7 +247,7 @@ void Crowd::find_neighbours(Slots slots) {
   if (social_groups_.any()) social_groups_.find_neighbours(state_, slots);
 }
 
-/// Everything that is decided of one agent after the other. Returns the longest stall (s).
+/// Runs the decision passes that treat agents independently. Returns the longest stall (s).
 double Crowd::update_preferred_velocities(Slots slots) {
   if (!social_groups_.any()) find_neighbours(slots);
   double longest_s = 0;
@@ -287,7 +283,7 @@ void Crowd::override_motion(uint32_t id, const Eigen::Vector2d& position_m,
   state_.grid.move(slot, position_m);
   state_.grid.add_slack_m(displacement_m);
   state_.publish_state(slot);
-  // A driven avatar is not stuck, however long it stands.
+  // An externally controlled agent is never stuck.
   w.anchor_m = position_m;
   w.anchor_step = state_.steps;
 }
@@ -297,7 +293,7 @@ void Crowd::set_present(uint32_t id, bool is_there) {
   journeys_.set_present(id, is_there);
 }
 
-/// Returns how far. The velocity goes over to the one chosen within a period of one's own.
+/// Returns the displacement (m). The velocity reaches the chosen one within the agent's period.
 double Crowd::move(size_t slot) {
   AgentState& w = state_.agents[slot];
   const size_t steps = static_cast<size_t>(state_.steps_per_period);
@@ -309,7 +305,7 @@ double Crowd::move(size_t slot) {
   w.velocity_mps = w.old_mps + (part + 1) / state_.steps_per_period * change;
   const Eigen::Vector2d from = w.position_m;
   Eigen::Vector2d to = from + state_.step_s * midway;
-  // Far from any wall at the decision, nobody reaches one before the next.
+  // An agent this far from walls at its decision reaches none before the next.
   const double reach_m =
       state_.period_s * (2 * tuning::kMaxSpeedFactor * w.desired_speed_mps + tuning::kMaxDrift_mps);
   if (w.clearance_m < reach_m + tuning::kWallGap_m)

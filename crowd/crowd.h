@@ -1,16 +1,16 @@
-// Crowd moves people: a steering model decides ten times a second, and motion is smooth at every
-// step in between.
-// Invariant: each pass reads the old state and writes the new, so that the same crowd walks the
-// same way for any number of threads.
+// Crowd moves agents (pedestrians and robots): a steering model decides ten times per second, and
+// motion is smooth at every step in between.
+// Invariant: each pass reads the old state and writes the new one; results do not depend on the
+// number of threads.
 //
-// A period is the time between two decisions of an agent. The step of the period in which it
-// decides is fixed by id, so that no step takes much longer than another. State lies by slot, the
-// order of cells at the beginning of the period (see NeighbourGrid), and is carried along to a new
-// one: agents near each other in space are near in memory.
+// A period is the time between two decisions of an agent. The id fixes the step of the period in
+// which an agent decides, so steps cost about the same. State is stored by slot, the order of grid
+// cells at the beginning of the period (see NeighbourGrid), and moves along to each new order.
+// Agents near each other in space are therefore near in memory.
 //
-// A decision: Progress sees who is stuck, PreferredVelocity where each wants to go, Turning what it
-// faces; Avoidance chooses velocities, OverlapRelaxation keeps discs apart. They know
-// SteeringState, not each other.
+// Passes of a decision, in order: Progress detects stuck agents, PreferredVelocity and Turning
+// compute direction and facing, Avoidance chooses velocities, OverlapRelaxation keeps discs apart.
+// The passes share SteeringState and do not know each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -54,40 +54,40 @@ struct CrowdOptions {
 
 class Crowd {
  public:
-  /// Keeps references to `map`, whose doors it opens and closes, and `workers`.
+  /// Keeps references to `map`, whose doors it opens and closes, and to `workers`.
   Crowd(NavigationMap& map, std::span<const AgentSpec> people, const CrowdOptions& options,
         Workers& workers);
 
   /// Advances by step_s. Allocates nothing.
   void step();
-  /// Puts somebody where something outside wants them, after the step that steering took; others
-  /// keep clear of the disc as of any other, reckoning with its velocity.
+  /// Overrides position, heading and velocity of an externally controlled agent after a step.
+  /// Others avoid its disc like any other and take its velocity into account.
   void override_motion(uint32_t id, const Eigen::Vector2d& position_m,
                        const Eigen::Vector2d& heading, const Eigen::Vector2d& velocity_mps);
 
-  /// Somebody of AgentSpec::is_external is there, or is not: others see that at their next
-  /// decision.
+  /// Sets whether an externally controlled agent (AgentSpec::is_external) is in the scene. Others
+  /// react from their next decision on.
   void set_present(uint32_t id, bool is_there);
 
-  /// Everything that the next step depends on and that the constructor does not know.
+  /// Saves or restores all state that the next step depends on and the constructor does not set.
   void archive(Archive& a);
 
-  /// One decision of everybody, without moving: what the steps of a period do.
+  /// Runs one decision of all agents without moving them, as the steps of one period do.
   void decide();
 
-  /// Everybody there may ever be; who is in the scene now says traffic().present().
+  /// Maximum number of agents; population() counts those that are in the scene now.
   size_t size() const { return state_.size(); }
   const Journeys& journeys() const { return journeys_; }
   const Population& population() const { return population_; }
   const Queues& queues() const { return queues_; }
   std::span<const Eigen::Vector2d> positions_m() const { return state_.positions_m; }
-  /// Unit vectors: the way the body faces.
+  /// Unit vectors: where the bodies face.
   std::span<const Eigen::Vector2d> headings() const { return state_.headings; }
   std::span<const Eigen::Vector2d> velocities_mps() const { return state_.velocities_mps; }
-  /// How far each head is turned away from the heading, to the left: towards where its owner wants
-  /// to go, which the body follows later. At most Gait::kMaxHeadYaw_rad. Keeps its place in memory.
+  /// Angle of each head to the heading (rad, positive to the left), at most Gait::kMaxHeadYaw_rad.
+  /// It leads towards the preferred direction, and the body follows later. The span stays valid.
   std::span<const float> head_yaws_rad() const { return state_.head_yaws_rad; }
-  /// The way of the latest step.
+  /// Displacements in the latest step.
   std::span<const double> displacements_m() const { return state_.displacements_m; }
   const SteeringCounters& counters() const { return counters_; }
 
@@ -111,9 +111,9 @@ class Crowd {
   std::unique_ptr<const SteeringModel> model_;
   SteeringState state_;
 
-  // What never changes, by person.
-  std::vector<float> enters_mps_;     ///< below 0: as those ahead let it
-  std::vector<float> radius_scales_;  ///< at the start, see crowd_fields.h
+  // Constant properties, by id.
+  std::vector<float> enters_mps_;     ///< below 0: as agents ahead allow
+  std::vector<float> radius_scales_;  ///< initial values, see crowd_fields.h
 
   Detours detours_;
   Journeys journeys_;
@@ -130,8 +130,8 @@ class Crowd {
   OverlapRelaxation relaxation_;
   Turning turning_;
 
-  AgentStates carried_;  ///< the slots before, while people take their new ones
-  std::vector<double> block_displacements_m_;  ///< one a block, reduced in order
+  AgentStates carried_;                        ///< previous slots while agents take new ones
+  std::vector<double> block_displacements_m_;  ///< one per block, reduced in order
   SteeringCounters counters_;
 };
 

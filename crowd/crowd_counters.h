@@ -1,5 +1,5 @@
-// What a run says of its crowd: how steering went, who came and went, who cannot get anywhere.
-// One rule: plain numbers, all zero where nobody steers, so that any world of a run can answer.
+// Crowd counters report steering effort, population and stranded agents.
+// Invariant: plain numbers, all zero without steering; every motion source can report them.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,21 +9,20 @@
 
 namespace throng {
 
-/// What steering went through.
 struct SteeringCounters {
-  // Of those who decided in the latest step.
-  int sweeps = 0;              ///< of disc relaxation
-  double max_overlap_m = 0;    ///< of two discs, where people stand now
-  double longest_stall_s = 0;  ///< how long the most stuck walker has not moved kStall_m, the
-                               ///< time of queuing taken off
-  uint64_t queuing = 0;        ///< of all: held up by others ahead who go the same way
-  // So far.
-  uint64_t rounds = 0;     ///< times that some decided
-  uint64_t decisions = 0;  ///< of all people together
+  // Agents that decided in the latest step.
+  int sweeps = 0;            ///< sweeps of overlap relaxation
+  double max_overlap_m = 0;  ///< largest overlap of two discs
+  /// Longest time without a displacement of kStall_m, not counting time in queues.
+  double longest_stall_s = 0;
+  uint64_t queuing = 0;  ///< agents held up by others ahead in the same direction
+  // Totals since the start.
+  uint64_t rounds = 0;     ///< steps in which agents decided
+  uint64_t decisions = 0;  ///< sum over agents
   uint64_t all_sweeps = 0;
   int max_sweeps = 0;
-  double turned_rad = 0;  ///< of all headings, to either side
-  double walked_s = 0;    ///< of all people together
+  double turned_rad = 0;  ///< sum over headings, both directions
+  double walked_s = 0;    ///< sum over agents
 
   double mean_sweeps() const {
     return rounds == 0 ? 0 : static_cast<double>(all_sweeps) / static_cast<double>(rounds);
@@ -36,24 +35,24 @@ struct SteeringCounters {
   }
 };
 
-/// Where the people of a run are: entered = present + left, and all = entered + waiting + to come.
+/// entered = present + left; all agents = entered + waiting_to_enter + scheduled.
 struct PopulationCounters {
-  uint64_t entered = 0;  ///< those of the start included
+  uint64_t entered = 0;  ///< includes agents of the start
   uint64_t present = 0;
   uint64_t left = 0;
-  uint64_t waiting_to_enter = 0;  ///< outside, due, without room to enter
-  uint64_t scheduled = 0;         ///< not due yet
+  uint64_t waiting_to_enter = 0;  ///< due, but without room to enter
+  uint64_t scheduled = 0;         ///< not yet due
 
   void archive(Archive& a) { a(entered, present, left, waiting_to_enter, scheduled); }
 };
 
-/// People of one group who cannot reach one of their goals.
+/// Agents of one group that cannot reach one of their goals.
 struct Stranding {
   uint32_t group = 0;
   uint32_t stop = 0;  ///< index into the route
   int people = 0;
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< where one of them stands
-  Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< as near as that one could get
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< position of one of them
+  Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< nearest point that this one could reach
 };
 
 }  // namespace throng

@@ -1,6 +1,6 @@
-// What a crowd knows of everybody in it, by slot: each field stands once, here.
-// One rule: members, room, being carried to a new order of cells and checkpoints follow from these
-// lists, so that a field cannot be forgotten in one of them.
+// Crowd fields lists the state of agents by slot, each field once.
+// Invariant: members, sizes, slot changes and checkpoints follow from these lists; no field can be
+// missing in one of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,35 +15,34 @@
 
 namespace throng {
 
-/// How a field of a walker comes back from a checkpoint.
+/// Range check of an agent's field when a checkpoint is loaded.
 enum class FieldCheck : uint8_t {
-  kDerived,  ///< from what is known by person
+  kDerived,  ///< not saved: set from data stored by id
   kUnchecked,
-  kSpeed,           ///< refused if nobody is that fast
-  kHeadYaw,         ///< refused if no head turns that far
-  kHeadYawRate,     ///< refused if no head turns that fast
-  kTurnRate,        ///< refused if nobody turns that fast
-  kShare,           ///< refused if it is not above 0 and at most 1
-  kUnitInterval,    ///< refused if it is not from 0 to 1
-  kSpeedComponent,  ///< of an axis: refused if nobody is that fast
+  kSpeed,           ///< rejected above the maximum speed
+  kHeadYaw,         ///< rejected beyond the largest head yaw
+  kHeadYawRate,     ///< rejected above the highest head yaw rate
+  kTurnRate,        ///< rejected above the highest turn rate
+  kShare,           ///< rejected outside (0, 1]
+  kUnitInterval,    ///< rejected outside [0, 1]
+  kSpeedComponent,  ///< component of a vector: rejected above the maximum speed
 };
 
-// FIELD(type, name, saved), in the order of checkpoints: a new order needs a new
-// kCheckpointVersion. First what each step needs, then what decisions do.
-//   old_mps       the velocity goes from this ...
-//   next_mps      ... to this within the period of a decision
-//   drift_mps     what disc relaxation adds
-//   smooth_mps    the velocity that the heading follows
-//   turn_radps    of the heading, to the left; 0: whoever stands does not turn
-//   target_head_yaw_rad   where the head turns
-//   head_yaw_radps    how fast it does
-//   squeeze       of the disc's radius: what is left of it where bodies stand closer than discs do
-//   held          1: stands before a closed door, or behind somebody who does
-//   facing        what somebody who stands turns to: a unit vector, or zero
-//   lateral_offset_m    how far to the left of the shortest way somebody walks
-//   queued_steps  since the anchor
-//   smoothed_preferred_mps    the wanted velocity, smoothed
-//   anchor_m      where progress was last made, and the step of it
+// FIELD(type, name, check), in the order of checkpoints: a new order needs a new
+// kCheckpointVersion. Fields that each step needs come first, those of decisions follow.
+//  - old_mps: velocity at the latest decision
+//  - next_mps: chosen velocity, reached within one period
+//  - drift_mps: velocity added by overlap relaxation
+//  - smooth_mps: velocity that the heading follows
+//  - turn_radps: turn rate to the left; 0 while standing
+//  - target_head_yaw_rad: head yaw to reach
+//  - radius_scale: current over nominal disc radius; below 1 in dense placements
+//  - waits_at_door: 1: stopped by a closed door, directly or behind another waiting agent
+//  - facing: unit vector that a standing agent turns to, or zero
+//  - lateral_offset_m: constant deviation from the shortest path, to the left
+//  - queued_steps: steps in queues since the anchor
+//  - smoothed_preferred_mps: preferred velocity, smoothed
+//  - anchor_m, anchor_step: place and step of the latest progress
 #define THRONG_AGENT_FIELDS(FIELD)                       \
   FIELD(Eigen::Vector2d, position_m, kDerived)           \
   FIELD(Eigen::Vector2d, velocity_mps, kDerived)         \
@@ -67,8 +66,8 @@ enum class FieldCheck : uint8_t {
   FIELD(Eigen::Vector2d, anchor_m, kUnchecked)           \
   FIELD(int64_t, anchor_step, kUnchecked)
 
-// FIELD(name, saved): what others see of somebody's latest decision (see NeighbourState); the rest
-// of it follows from the walker.
+// FIELD(name, check): what neighbours see of an agent's latest decision (see NeighbourState). Its
+// other fields follow from AgentState.
 #define THRONG_PUBLISHED_FIELDS(FIELD)    \
   FIELD(preferred_x_mps, kSpeedComponent) \
   FIELD(preferred_y_mps, kSpeedComponent) \
@@ -77,14 +76,14 @@ enum class FieldCheck : uint8_t {
   FIELD(impatience, kUnitInterval)        \
   FIELD(catch_up, kUnitInterval)
 
-// FIELD(type, name), one value a slot: what follows from a walker, and what a decision works out.
-//   phase            the step of a period in which somebody decides
-//   next_held        what `held` of a walker becomes
-//   close_counts     of the neighbours, who may overlap; they come first
-//   crowded          of a block, from its first place on: slots with some
-//   chosen_x_m...    where those who decide mean to be after a period, from the ground's middle
-//   expected_x_m...  the same as far as discs have been pushed apart
-//   swept_x_m...     what a sweep makes of it
+// FIELD(type, name), one value per slot: intermediate results of a decision.
+//  - phase: step of the period in which the agent decides
+//  - next_waits_at_door: new value of AgentState::waits_at_door
+//  - close_counts: number of neighbours that may overlap; they come first
+//  - crowded: slots of a block with such neighbours, from the block's first place on
+//  - chosen_x_m...: chosen position after one period, relative to the ground's middle
+//  - expected_x_m...: the same after the overlap relaxation so far
+//  - swept_x_m...: result of the current sweep
 #define THRONG_DECISION_FIELDS(FIELD) \
   FIELD(uint8_t, phase)               \
   FIELD(float, next_x_mps)            \
@@ -102,7 +101,6 @@ enum class FieldCheck : uint8_t {
   FIELD(uint8_t, touched)             \
   FIELD(uint8_t, swept_touched)
 
-/// Zero of a number or of a vector.
 template <typename Value>
 Value zero_of() {
   if constexpr (std::is_arithmetic_v<Value>)
@@ -111,23 +109,22 @@ Value zero_of() {
     return Value::Zero();
 }
 
-/// Who moves. A step reads and writes nearly all of it, a decision that of one in so many slots:
-/// each in a few lines of the cache of their own.
+/// State of one agent. A step uses nearly all of it and a decision that of one in several slots, so
+/// each agent has its own cache lines.
 struct alignas(kCacheLine) AgentState {
 #define THRONG_MEMBER(type, name, check) type name = zero_of<type>();
   THRONG_AGENT_FIELDS(THRONG_MEMBER)
 #undef THRONG_MEMBER
 };
 
-/// By slot.
 struct AgentStates {
   std::vector<AgentState> all;
   std::vector<NeighbourState> published;
-  /// 1: held up by others ahead who go the same way. Apart, as it is counted at every step.
+  /// 1: held up by others ahead in the same direction. Separate, because each step counts it.
   std::vector<uint8_t> queuing;
   std::vector<uint8_t> stall_cause;  ///< a StallCause
 
-  /// Asks for what lies before `until` in an AgentState, and for what others see of them.
+  /// Prefetches the first `until` bytes of an AgentState, and its NeighbourState.
   THRONG_PREFETCH void prefetch(size_t slot, size_t until) const {
     const auto* agent = reinterpret_cast<const std::byte*>(&all[slot]);
     for (size_t at = 0; at < until; at += kCacheLine) __builtin_prefetch(agent + at, 1);
@@ -137,7 +134,7 @@ struct AgentStates {
   const AgentState& operator[](size_t slot) const { return all[slot]; }
   AgentState& operator[](size_t slot) { return all[slot]; }
 
-  /// Calls visit(values, field, saved) for each field.
+  /// Calls visit(values, field, check) for each field.
   template <typename Visit>
   void for_each_field(const Visit& visit) {
 #define THRONG_VISIT(type, name, check) visit(all, &AgentState::name, FieldCheck::check);
@@ -155,7 +152,7 @@ struct AgentStates {
     stall_cause.assign(count, 0);
   }
 
-  /// The slots from `first` on take over all that is known of who had these slots before.
+  /// Copies the state of `from_slots` to the slots from `first` on.
   void carry(const AgentStates& from, std::span<const uint32_t> from_slots, size_t first) {
     for (size_t i = 0; i < from_slots.size(); ++i) {
       all[first + i] = from.all[from_slots[i]];
@@ -166,19 +163,18 @@ struct AgentStates {
   }
 };
 
-/// What a decision works out, by slot.
 struct Decisions {
 #define THRONG_MEMBER(type, name) std::vector<type> name;
   THRONG_DECISION_FIELDS(THRONG_MEMBER)
 #undef THRONG_MEMBER
-  std::vector<uint32_t> neighbours;      ///< `most` a slot
-  std::vector<uint32_t> crowded_counts;  ///< by block
+  std::vector<uint32_t> neighbours;      ///< max_neighbours per slot
+  std::vector<uint32_t> crowded_counts;  ///< per block
 
-  void resize(size_t count, size_t max_radps, size_t blocks) {
+  void resize(size_t count, size_t max_neighbours, size_t blocks) {
 #define THRONG_RESIZE(type, name) name.resize(count);
     THRONG_DECISION_FIELDS(THRONG_RESIZE)
 #undef THRONG_RESIZE
-    neighbours.resize(count * max_radps);
+    neighbours.resize(count * max_neighbours);
     crowded_counts.resize(blocks);
   }
 };

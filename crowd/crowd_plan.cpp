@@ -37,7 +37,7 @@ double tallest_m(const Group& group) {
 double tallest_m(const CrowdPlan& plan) {
   double max_m = plan.tallest_m;
   for (const Group& group : plan.groups)
-    // How many a density makes is known last of all.
+    // A density gives the number of agents only after this.
     if (group.total() > 0 || group.density_per_m2 > 0) max_m = std::max(max_m, tallest_m(group));
   return max_m > 0 ? max_m : kMaxPerson_m;
 }

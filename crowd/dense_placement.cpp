@@ -10,26 +10,22 @@
 namespace throng {
 namespace {
 
-/// Of the ground, covered by bodies with some room around them. Heaps of ellipses jam from some
-/// 0.85 on.
+/// Share of the ground covered by enlarged bodies. Heaps of ellipses jam from about 0.85 on.
 constexpr double kCoverage = 0.62;
-/// Such bodies are larger by these factors: enough to be clear of each other, and no more than
-/// people keep.
+/// Enlargement of bodies: enough to be clear of each other, no more room than people keep.
 constexpr double kMinBodyScale = 1.03, kMaxBodyScale = 2.2;
 constexpr int kSweeps = 600;
-/// Headings follow places, and lists of neighbours, so often.
+/// Sweeps per update of headings and neighbour lists.
 constexpr int kSweepsPerList = 5;
 constexpr double kClear_m = 1e-3;
-/// Deeper than this in another, somebody has found no room: less than clothes give.
+/// Overlap above which a body counts as not placed; less than the thickness of clothes.
 constexpr double kMaxDepth_m = 0.01;
-/// Of the mean distance, how far places are shaken: sequences of low discrepancy look like
-/// lattices.
+/// Random displacement in mean distances: low-discrepancy sequences look like lattices.
 constexpr double kJitter = 0.35;
 constexpr uint32_t kTriesEach = 400;
 constexpr uint32_t kEnd = UINT32_MAX;
 
-/// The n-th point of a sequence that fills the unit square evenly (Roberts 2018: powers of the
-/// plastic number).
+/// Returns the n-th point of an even sequence (Roberts 2018: powers of the plastic number).
 Eigen::Vector2d even_point(uint64_t n, const Eigen::Vector2d& start) {
   constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
   const auto part = [n](double start_of, double step) {
@@ -39,7 +35,7 @@ Eigen::Vector2d even_point(uint64_t n, const Eigen::Vector2d& start) {
   return {part(start.x(), kFirst), part(start.y(), kSecond)};
 }
 
-/// Bodies in lists by cell, each as wide as two bodies with their room.
+/// Bodies in lists by cell; a cell is as wide as two enlarged bodies.
 class CellLists {
  public:
   CellLists(const Rectangle& area, double cell_m) : origin_m_(area.min_m), cell_m_(cell_m) {
@@ -57,7 +53,7 @@ class CellLists {
     }
   }
 
-  /// Calls visit(other) for those who come later than `i` and may be near.
+  /// Calls visit(other) for bodies of higher index that may be near.
   template <typename Visit>
   void for_later_neighbours(std::span<const StandingBody> bodies, size_t i,
                             const Visit& visit) const {
@@ -84,8 +80,8 @@ class CellLists {
   double cell_m_;
   int columns_ = 1;
   int rows_ = 1;
-  std::vector<uint32_t> first_;  ///< by cell
-  std::vector<uint32_t> next_;   ///< by body
+  std::vector<uint32_t> first_;  ///< per cell
+  std::vector<uint32_t> next_;   ///< per body
 };
 
 class DensePlacement {
@@ -119,7 +115,7 @@ class DensePlacement {
   }
 
  private:
-  /// Up to `slack_m` too near to something counts as clear of it.
+  /// A distance to obstacles that is short by up to `slack_m` still counts as clear.
   bool is_ground(const Eigen::Vector2d& point, double slack_m = 0) const {
     if (!where_.area.contains(point) ||
         where_.walkable.clearance_m(point) < where_.wall_gap_m - slack_m)
@@ -165,7 +161,7 @@ class DensePlacement {
       bodies_[i].heading = where_.facing(i, bodies_[i].place_m);
   }
 
-  /// Returns how deep the deepest were in the room of another.
+  /// Returns the largest overlap of enlarged bodies.
   double push_apart(const CellLists& lists) {
     double deepest_m = 0;
     for (size_t i = 0; i < bodies_.size(); ++i) {
@@ -191,7 +187,7 @@ class DensePlacement {
     return deepest_m;
   }
 
-  /// On free ground, off those who were there before.
+  /// Moves a body to free ground, clear of the discs that are already there.
   void keep_on_ground(StandingBody& body) const {
     Eigen::Vector2d& place = body.place_m;
     for (const StandingDisc& other : where_.others) {
@@ -202,7 +198,7 @@ class DensePlacement {
         place += (apart_m - distance_m) / distance_m * offset;
     }
     place = where_.area.nearest_m(place);
-    // On the face of a wall, rounding tells on which side: nobody comes out of it from there.
+    // On the face of a wall, rounding would choose the side: move inwards first.
     const Eigen::Vector2d within = place + kClear_m * (where_.area.middle_m() - place).normalized();
     place = where_.walkable.slide(within, place, where_.wall_gap_m);
     place = where_.area.nearest_m(place);
@@ -211,7 +207,7 @@ class DensePlacement {
   void reject_overlapping(const CellLists& lists) {
     for (size_t i = 0; i < bodies_.size(); ++i) {
       if (is_placed_[i] == 0) continue;
-      // Whoever was moved off a wall stands at its border, give or take rounding.
+      // A body moved off a wall is at its border, up to rounding.
       if (!is_ground(bodies_[i].place_m, kClear_m)) is_placed_[i] = 0;
       lists.for_later_neighbours(bodies_, i, [&](uint32_t k) {
         if (is_placed_[i] != 0 && is_placed_[k] != 0 &&
@@ -225,8 +221,8 @@ class DensePlacement {
   uint64_t seed_;
   std::span<StandingBody> bodies_;
   std::vector<uint8_t> is_placed_;
-  double free_area_m2_ = 0;  ///< free ground
-  double body_scale_ = 1;    ///< bodies are made larger by this
+  double free_area_m2_ = 0;
+  double body_scale_ = 1;  ///< enlargement of bodies
 };
 
 }  // namespace

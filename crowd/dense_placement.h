@@ -1,6 +1,6 @@
-// Bodies that stand close together: where each finds room, as ellipses seen from above.
-// One rule: bodies, not discs, keep clear of each other; the same seed gives the same places, and
-// no pattern of a grid.
+// Dense placement puts standing bodies close together, as ellipses seen from above.
+// Invariant: bodies, not discs, are disjoint; equal seeds give equal places, without a visible
+// grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,46 +15,45 @@
 
 namespace throng {
 
-/// Somebody who stands, seen from above.
+/// A standing body seen from above.
 struct StandingBody {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit: the way of the short axis
+  Eigen::Vector2d heading = Eigen::Vector2d::UnitX();  ///< unit vector along the short axis
   double size = 1;                                     ///< height / 1.70 m
 
-  // Of a person of 1.70 m: half the shoulders, and half the chest with the arms beside it.
+  // Half axes for a height of 1.70 m: half the shoulders, half the chest with the arms.
   static constexpr double kHalfWidth_m = 0.26;
   static constexpr double kHalfDepth_m = 0.15;
 
-  /// From the middle to the rim, towards a unit vector.
+  /// Returns the distance from the middle to the rim along a unit vector.
   double radius_m(const Eigen::Vector2d& towards) const;
 };
 
-/// How far two bodies reach into each other, along the line of their middles: exact for bodies that
-/// face the same way. Negative where they are apart.
+/// Returns the overlap of two bodies along the line of their middles (m); negative if apart. Exact
+/// for bodies that face the same direction.
 double overlap_m(const StandingBody& a, const StandingBody& b);
 
-/// Of any two of them; minus infinity of fewer than two.
+/// Returns the largest overlap of any two bodies; minus infinity for fewer than two.
 double max_overlap_m(std::span<const StandingBody> bodies);
 
-/// Somebody else who stands there already.
+/// An agent that is already there.
 struct StandingDisc {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
   double radius_m = 0;
 };
 
-/// Where bodies are to stand.
 struct StandingArea {
   const Walkable& walkable;
   Rectangle area;
-  double wall_gap_m = 0;  ///< middles keep so far off obstacles
+  double wall_gap_m = 0;  ///< minimum distance of middles to obstacles
   std::span<const StandingDisc> others = {};
-  /// The way that a body faces at a place.
+  /// Returns the unit vector that a body at a place faces.
   std::function<Eigen::Vector2d(size_t body, const Eigen::Vector2d& place_m)> facing;
 };
 
-/// Gives each of the bodies, whose sizes are known, a place and a heading: spread evenly over the
-/// ground, shaken, then pushed apart until bodies and, where there is room, some room around them
-/// are clear. Returns 1 for each body that found room, 0 for one that did not.
+/// Sets place and heading of each body; the sizes are given. Places are spread evenly over the
+/// ground, randomised, then pushed apart until bodies are clear, with extra room if there is any.
+/// Returns 1 for each placed body, 0 for one without room.
 std::vector<uint8_t> place_standing(const StandingArea& where, uint64_t seed,
                                     std::span<StandingBody> bodies);
 

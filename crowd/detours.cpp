@@ -12,18 +12,18 @@ namespace throng {
 namespace {
 
 constexpr double kMinCell_m = 2;
-/// A way of that many cells takes two milliseconds.
+/// A field of this many cells takes two milliseconds.
 constexpr int kMaxCells = 1 << 14;
 constexpr float kNoPath_m = std::numeric_limits<float>::infinity();
-/// Cells of a flow field whose distances differ by more have a closed door between them.
+/// Flow field cells whose distances differ by more have a closed door between them.
 constexpr float kJump_m = static_cast<float>(FlowField::kClosed_m) / 2;
-/// A way that is bent keeps at least this share of its own direction.
+/// A detoured direction keeps at least this share of the original one.
 constexpr double kMinForwardShare = 0.15;
 
-/// Slower than this share of the free speed a person stands.
+/// Below this share of the desired speed an agent counts as standing.
 constexpr float kMinRelativeSpeed = 0.15f;
 
-/// Of Present: the eighth of the circle that somebody walks into, or the last.
+/// Index into CellDensity: the eighth of the circle that an agent walks into, or last if it stands.
 size_t bin_of(const Eigen::Vector2f& relative_velocity) {
   if (relative_velocity.squaredNorm() < kMinRelativeSpeed * kMinRelativeSpeed) return 8;
   const bool is_steep = std::abs(relative_velocity.y()) > std::abs(relative_velocity.x());
@@ -31,12 +31,11 @@ size_t bin_of(const Eigen::Vector2f& relative_velocity) {
          (is_steep ? 1u : 0u);
 }
 
-/// What grows between two densities: 0 up to `from`, 1 from `to` on.
 float density_ramp(double from, double to, float per_m2) {
   return static_cast<float>(tuning::ramp(from, to, static_cast<double>(per_m2)));
 }
 
-/// As FlowField's: the upwind scheme's quadratic.
+/// As in FlowField: the quadratic of the upwind scheme.
 float eikonal(float x, float y, float step_m) {
   const float low = std::min(x, y), gap = std::max(x, y) - low;
   if (gap >= step_m) return low + step_m;
@@ -86,16 +85,16 @@ void Detours::archive(Archive& a) {
   }
   if (!a.is_reading()) return;
   find_dense();
-  // Written so that NaN is refused, too.
+  // Negated to reject NaN as well.
   for (const CellDensity& present : present_)
     for (const DirectionBin& bin : present) {
       if (!(bin.people >= 0 && bin.people < kNoPath_m))
-        a.refuse("so many people in a cell", "others");
-      if (!(bin.velocity_sum.norm() < kNoPath_m)) a.refuse("how fast people get on", "another");
+        a.refuse("a number of agents per cell", "another value");
+      if (!(bin.velocity_sum.norm() < kNoPath_m)) a.refuse("a sum of velocities", "another value");
     }
   for (const DetourField& detour : fields_)
     for (const Eigen::Vector2f& slope : detour.slopes)
-      if (!(slope.norm() < kNoPath_m)) a.refuse("the slope of a delay", "another");
+      if (!(slope.norm() < kNoPath_m)) a.refuse("a slope of the delay", "another value");
 }
 
 void Detours::clear_counts() { std::fill(counted_.begin(), counted_.end(), CellDensity{}); }
@@ -104,7 +103,7 @@ CellPatch Detours::patch_at(const Eigen::Vector2d& place_m) const {
   return {cells_per_m_ * (place_m - map_.grid().origin_m()), columns_, rows_};
 }
 
-/// Shared out among the four cells around, of which those with room take part.
+/// Distributes an agent over the four cells around; only cells with free area take part.
 void Detours::count(const AgentSample& agent) {
   const CellPatch p = patch_at(agent.place_m);
   const size_t cells[] = {p.cell, p.cell + p.right, p.cell + p.above, p.cell + p.above + p.right};
@@ -143,10 +142,10 @@ void Detours::find_dense() {
   }
 }
 
-/// The share of the free speed at which those get on along a way who walk it or stand; 0 where all
-/// come towards one. Where some walk it, those who come do not count: two streams in one corridor
-/// would each seem to stand to the other, and ways would bend into the walls. But the denser it is,
-/// the less is there a way through them, and they count as those who stand.
+/// Returns the speed, as a share of the desired one, at which agents make progress along
+/// `direction` in a cell; 0 if all come the other way.
+/// Standing agents count, oncoming ones only in dense crowds, where they leave no room. Otherwise
+/// two streams in a corridor would turn into the walls.
 float Detours::relative_speed_along(const Eigen::Vector2f& direction, size_t cell) const {
   const float blocks =
       density_ramp(tuning::kBlockedFrom_per_m2, tuning::kBlockedTo_per_m2, per_m2_[cell]);
@@ -161,7 +160,7 @@ float Detours::relative_speed_along(const Eigen::Vector2f& direction, size_t cel
   return people > 0 ? relative_velocity / people : 0;
 }
 
-/// How much longer than in the open a metre of a way takes.
+/// Time to walk a metre relative to an empty scene.
 float Detours::slowness(const DetourField& detour, size_t cell) const {
   if (dense_[cell] == 0) return 1;
   const float relative_velocity = relative_speed_along(detour.along[cell], cell);
@@ -178,7 +177,7 @@ void Detours::update_fields(uint64_t turn, Workers& workers) {
   });
 }
 
-/// Anew once doors have opened or closed.
+/// Called again after doors have opened or closed.
 void Detours::find_cells(Workers& workers) {
   revision_ = map_.revision();
   workers.for_blocks(static_cast<int>(fields_.size()), [&](int block, int worker) {
@@ -196,14 +195,14 @@ void Detours::find_cells(Workers& workers) {
   });
 }
 
-/// The cell of ours that one of the flow field lies in.
+/// Index of the coarse cell that contains a flow field cell.
 size_t Detours::coarse_of(size_t cell) const {
   const auto columns = static_cast<size_t>(map_.grid().columns());
   const auto merged = static_cast<size_t>(merge_factor_);
   return cell / columns / merged * static_cast<size_t>(columns_) + cell % columns / merged;
 }
 
-/// True if a way leads from a cell of a flow field to the next, through no closed door.
+/// Returns whether a path leads from a flow field cell to the next without crossing a closed door.
 bool Detours::is_linked(const FlowField& field, size_t from, ptrdiff_t to) {
   if (to < 0) return false;
   const float here_m = field.cell_distance_m(from);
@@ -211,11 +210,11 @@ bool Detours::is_linked(const FlowField& field, size_t from, ptrdiff_t to) {
   return here_m < kNoPath_m && there_m < kNoPath_m && std::abs(here_m - there_m) < kJump_m;
 }
 
-/// By cell of the flow field, whether a cell of ours stands for it. A wall may divide one of ours:
-/// then that stands for the larger part, so that no way leads through the wall.
+/// Returns for each flow field cell whether its coarse cell represents it. A coarse cell divided by
+/// a wall represents its larger part: no path then leads through the wall.
 std::vector<uint8_t> Detours::parts_of(const FlowField& field) const {
   const FlowGrid& grid = map_.grid();
-  std::vector<uint32_t> part_of(grid.cell_count());  // numbered from 1 on; 0: none
+  std::vector<uint32_t> part_of(grid.cell_count());  // numbered from 1; 0: none
   struct LargestPart {
     uint32_t part = 0;
     size_t cells = 0;
@@ -244,7 +243,7 @@ std::vector<uint8_t> Detours::parts_of(const FlowField& field) const {
   return is_part;
 }
 
-/// Which cells a way leads between, and where it ends.
+/// Finds the links between coarse cells, and the cells of the goal.
 void Detours::link(const FlowField& field, DetourField& detour) const {
   const FlowGrid& grid = map_.grid();
   const std::vector<uint8_t> is_part = parts_of(field);
@@ -269,7 +268,7 @@ void Detours::link(const FlowField& field, DetourField& detour) const {
   detour.ends.erase(std::unique(detour.ends.begin(), detour.ends.end()), detour.ends.end());
 }
 
-/// By fast marching.
+/// Computes travel distances by fast marching (Sethian 1996).
 void Detours::march(const DetourField& detour, bool is_empty, MarchBuffers& march) const {
   auto& queue = march.queue;
   std::vector<float>& distance_m = march.distance_m;
@@ -283,11 +282,12 @@ void Detours::march(const DetourField& detour, bool is_empty, MarchBuffers& marc
   for (const uint32_t cell : detour.ends) push(0, cell);
   const std::array<ptrdiff_t, 4> steps = {-1, 1, -static_cast<ptrdiff_t>(columns_),
                                           static_cast<ptrdiff_t>(columns_)};
-  const auto beside = [&](size_t cell, unsigned side) {
+  const auto neighbour_of = [&](size_t cell, unsigned side) {
     return static_cast<size_t>(static_cast<ptrdiff_t>(cell) + steps[side]);
   };
   const auto value = [&](size_t cell, unsigned side) {
-    return (detour.links[cell] >> side & 1u) != 0 ? distance_m[beside(cell, side)] : kNoPath_m;
+    return (detour.links[cell] >> side & 1u) != 0 ? distance_m[neighbour_of(cell, side)]
+                                                  : kNoPath_m;
   };
   while (!queue.empty()) {
     const auto [reached_m, cell] = queue.front();
@@ -296,7 +296,7 @@ void Detours::march(const DetourField& detour, bool is_empty, MarchBuffers& marc
     if (reached_m > distance_m[cell]) continue;
     for (unsigned side = 0; side < 4; ++side) {
       if ((detour.links[cell] >> side & 1u) == 0) continue;
-      const size_t next = beside(cell, side);
+      const size_t next = neighbour_of(cell, side);
       const float step_m = static_cast<float>(cell_m_) * (is_empty ? 1 : slowness(detour, next));
       const float found_m = eikonal(std::min(value(next, 0), value(next, 1)),
                                     std::min(value(next, 2), value(next, 3)), step_m);
@@ -305,7 +305,7 @@ void Detours::march(const DetourField& detour, bool is_empty, MarchBuffers& marc
   }
 }
 
-/// Of the delay: how much longer the way is than as if nobody were there.
+/// Slope of the delay: the travel distance minus that of an empty scene.
 void Detours::find_slopes(size_t index, MarchBuffers& march) {
   DetourField& detour = fields_[index];
   if (!is_dense_) {
@@ -323,7 +323,7 @@ void Detours::find_slopes(size_t index, MarchBuffers& march) {
     detour.slopes[cell] = (1 - dense_[cell]) * slope(detour, delay_m, cell);
 }
 
-/// Between the cells on both sides that a way leads to, or from the cell to one of them.
+/// Central difference between linked cells on both sides, or one-sided.
 Eigen::Vector2f Detours::slope(const DetourField& detour, std::span<const float> height_m,
                                size_t cell) const {
   const auto along = [&](unsigned low_side, size_t step) {

@@ -1,7 +1,7 @@
-// How ways bend round where a crowd is slow. On cells of two metres or more: how densely people
-// stand and where to they get on, and with that by how much longer each way takes than through an
-// empty scene. People follow the way of the flow field less the slope of that delay.
-// One rule: a bent way never leads away from the goal, so that nobody goes to and fro.
+// Detours turns directions of flow fields away from slow crowds. On cells of 2 m or more it
+// measures density and velocity, and computes the delay of each path compared with an empty scene.
+// Agents follow the flow field's direction minus the slope of that delay.
+// Invariant: a detoured direction never leads away from the goal; agents do not oscillate.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,14 +18,13 @@
 namespace throng {
 namespace tuning {
 
-/// Ways bend round where a crowd is slow: where it is denser than the first, and all the more up to
-/// the second, a metre counts longer by the share of the free speed at which people get on along
-/// the way, but none is taken for slower than the third. Who stands in such a crowd bends less and
-/// less: at full density people follow the way as it is, or they would swing before a door and mix
-/// two streams. What is seen once a second counts by so much, the rest is what was seen before.
-/// People mind the delay by a factor of their own between the last two. Only where there is room
-/// beside somebody does a way bend: all of it where walls are as far as the second of these,
-/// nothing nearer than the first, or people would walk along the walls.
+/// Congestion cost. Cells denser than kSlowFrom count, fully from kSlowTo on. A metre there costs
+/// more by the agents' relative speed along it, which is at least kMinRelativeSpeed. An agent
+/// inside such a crowd deviates less. At full density it follows the plain path, or it would swing
+/// before a door and mix two streams. kDensityUpdateShare smooths densities, once per second.
+///
+/// Agents weight the delay by an individual factor between the two weights. The detour is full at
+/// the second clearance to walls and none at the first, or agents would walk along walls.
 inline constexpr double kSlowFrom_per_m2 = 0.7;
 inline constexpr double kSlowTo_per_m2 = 1.5;
 inline constexpr double kMinRelativeSpeed = 0.15;
@@ -33,8 +32,7 @@ inline constexpr double kDensityUpdateShare = 0.3;
 inline constexpr double kMinDelayWeight = 0.5;
 inline constexpr double kMaxDelayWeight = 1.5;
 inline constexpr double kDetourClearanceFrom_m = 0.5, kDetourClearanceTo_m = 1.2;
-/// Among people of two ways those who come towards one are passed up to the first density, and in
-/// the way like those who stand from the second on.
+/// Oncoming agents in mixed streams do not block up to the first density, fully from the second on.
 inline constexpr double kBlockedFrom_per_m2 = 1.3, kBlockedTo_per_m2 = 2.0;
 
 }  // namespace tuning
@@ -44,17 +42,14 @@ class Detours {
   /// Keeps a reference to `map`.
   Detours(const NavigationMap& map, Workers& workers);
 
-  /// Everything that update() may have changed.
   void archive(Archive& a);
 
-  /// Somebody who is there.
   struct AgentSample {
     Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
-    Eigen::Vector2d relative_velocity =
-        Eigen::Vector2d::Zero();  ///< velocity as a share of the free speed
+    Eigen::Vector2d relative_velocity = Eigen::Vector2d::Zero();  ///< velocity over desired speed
   };
-  /// Once a decision of everybody: the crowd is looked at at the first of kRound of them, and each
-  /// way at one of them. Allocates nothing, unless doors have moved.
+  /// To be called once per period: measures the crowd in the first of kRound calls and updates each
+  /// field in one of them. Allocates only after doors have moved.
   template <typename WalkerAt>
   void update(uint64_t period, size_t agents, const WalkerAt& agent_at, Workers& workers) {
     if (period % kRound == 0) {
@@ -66,34 +61,33 @@ class Detours {
   }
   static constexpr uint64_t kRound = 10;
 
-  /// The unit direction `along` a way (of NavigationMap::field()) as somebody takes it from a place
-  /// who minds delays so much: 1 for whoever minds a second here as much as a second there.
+  /// Returns the unit direction of an agent at `place_m` whose field (NavigationMap::field()) leads
+  /// `along`. With delay_weight 1 a second of delay costs a second of walking.
   Eigen::Vector2d detoured_direction(size_t number, const Eigen::Vector2d& place_m,
                                      const Eigen::Vector2d& along, double delay_weight) const;
-  /// bend() of the same is asked for soon.
+  /// Prefetches what detoured_direction() of the same arguments reads.
   void prefetch(size_t number, const Eigen::Vector2d& place_m) const;
-  /// False where a way is as in an empty scene.
+  /// Returns false where the field is as in an empty scene.
   bool is_detoured(size_t number) const { return fields_[number].is_detoured; }
 
  private:
-  /// The cells that a way leads through, and what it leads round.
+  /// A flow field on coarse cells with congestion cost.
   struct DetourField {
-    std::vector<uint8_t> links;  ///< by cell, a bit for each of left, right, below and above
+    std::vector<uint8_t> links;  ///< per cell, a bit for each of left, right, below and above
     std::vector<uint32_t> ends;  ///< cells of the goal
-    std::vector<float> free_m;   ///< to the goal, as if nobody were there; negative: no way
-    std::vector<Eigen::Vector2f> along;   ///< unit vectors: where it leads, or zero
-    std::vector<Eigen::Vector2f> slopes;  ///< of the delay
+    std::vector<float> free_m;   ///< distance to the goal in an empty scene; negative: no path
+    std::vector<Eigen::Vector2f> along;   ///< unit directions of the paths, or zero
+    std::vector<Eigen::Vector2f> slopes;  ///< slopes of the delay
     bool is_detoured = false;
   };
-  /// People near a cell: those who walk, by an eighth of the circle, and last those who stand.
+  /// Agents near a cell: walking ones by eighth of the circle, standing ones last.
   struct DirectionBin {
     float people = 0;
-    Eigen::Vector2f velocity_sum = Eigen::Vector2f::Zero();  ///< their sum
+    Eigen::Vector2f velocity_sum = Eigen::Vector2f::Zero();  ///< sum of relative velocities
 
     void archive(Archive& a) { a(people, velocity_sum); }
   };
   using CellDensity = std::array<DirectionBin, 9>;
-  /// What a worker marches with.
   struct MarchBuffers {
     std::vector<float> distance_m;
     std::vector<std::pair<float, uint32_t>> queue;
@@ -119,18 +113,18 @@ class Detours {
                         size_t cell) const;
 
   const NavigationMap& map_;
-  int merge_factor_ = 1;  ///< cells of the flow fields along a side of one of ours
+  int merge_factor_ = 1;  ///< flow field cells along a side of a coarse cell
   int columns_ = 0, rows_ = 0;
   double cell_m_ = 1, cells_per_m_ = 1;
-  uint64_t revision_ = 0;            ///< of the ways, when cells were found
-  std::vector<float> free_area_m2_;  ///< by cell, where people can be
+  uint64_t revision_ = 0;            ///< map revision when cells were found
+  std::vector<float> free_area_m2_;  ///< per cell, where agents can be
   std::vector<DetourField> fields_;
-  std::vector<MarchBuffers> marches_;  ///< by worker
-  // By cell: as counted now, and smoothed over time.
+  std::vector<MarchBuffers> marches_;  ///< per worker
+  // By cell: current counts, and counts smoothed over time.
   std::vector<CellDensity> counted_, present_;
   std::vector<float> per_m2_;
   std::vector<float> dense_;  ///< 0 to 1
-  bool is_dense_ = false;     ///< somewhere
+  bool is_dense_ = false;     ///< any cell is dense
 };
 
 }  // namespace throng

@@ -6,12 +6,12 @@
 namespace throng {
 namespace {
 
-constexpr double kBefore = -1;  // of all moments
-/// Doors farther off stop nobody yet.
+constexpr double kBefore = -1;  // before all times
+/// Doors farther off are ignored.
 constexpr double kReach_m = 3;
-/// People stand so far from a closed leaf.
+/// Distance that agents keep from a closed leaf.
 constexpr double kGap_m = 0.15;
-/// Whoever would pass beside the leaf by more than this does not go through it.
+/// An agent that would pass beside the leaf by more than this does not go through it.
 constexpr double kBesideDoor_m = 0.2;
 
 }  // namespace
@@ -28,9 +28,9 @@ void DoorController::archive(Archive& a) {
   a(states_, last_changes_s_);
   if (!a.is_reading()) return;
   for (const DoorState state : states_)
-    if (state > DoorState::kShut) a.refuse("a door open, closing or shut", "another");
+    if (state > DoorState::kShut) a.refuse("a door open, closing or shut", "another value");
   for (const double last_change_s : last_changes_s_)
-    if (!(last_change_s >= kBefore)) a.refuse("a moment of a door", "another");
+    if (!(last_change_s >= kBefore)) a.refuse("the time of a door's last change", "another value");
   map_.set_doors(states_, workers_);
 }
 
@@ -41,7 +41,7 @@ void DoorController::follow(const Triggers& triggers, std::span<const uint8_t> p
     const auto apply = [&](const std::vector<uint32_t>& times, bool opens) {
       for (const uint32_t trigger : times) {
         const double time_s = triggers.time_s(trigger);
-        // Of an opening and a closing at the same moment, the closing counts: it comes second.
+        // Closing wins over opening at the same time: it comes second.
         if (time_s > now_s || time_s < last_change_s || (opens && time_s == last_change_s))
           continue;
         last_change_s = time_s;

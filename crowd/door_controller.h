@@ -1,5 +1,5 @@
-// Doors while a scene runs: they open and close at their times, and people wait before closed ones.
-// One rule: a door shuts when nobody stands in it, so that it shuts on nobody.
+// DoorController opens and closes doors on their triggers and stops agents at closed ones.
+// Invariant: a closing door shuts only after the last agent has left its leaf.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,21 +16,21 @@ namespace throng {
 
 class DoorController {
  public:
-  /// Keeps references to `map` and `workers`. Radii are those of steering discs, by person.
+  /// Keeps references to `map` and `workers`. `radii_m` of steering discs, by id.
   DoorController(NavigationMap& map, std::span<const double> radii_m, Workers& workers);
 
-  /// True if there are doors: otherwise all of this costs nothing.
+  /// Returns false without doors: no other call is then needed.
   bool has_doors() const { return !states_.empty(); }
 
-  /// Everything that follow() may have changed; the ways are then as it was.
+  /// Saves or restores all state that follow() may change, and updates the map to it.
   void archive(Archive& a);
 
-  /// Once a decision: opens, closes, shuts.
+  /// Opens, closes and shuts doors. To be called once per period.
   void follow(const Triggers& triggers, std::span<const uint8_t> present,
               std::span<const Eigen::Vector2d> positions_m, double now_s);
 
-  /// How far somebody may go on from here before a closed door stops them: infinite where none is
-  /// on this way (a unit vector) within some metres, or where they stand in it and go on.
+  /// Returns the free distance along `direction` (unit) before a closed door. Infinite without a
+  /// closed door within some metres, or if the agent already stands in its leaf.
   double free_path_m(const Eigen::Vector2d& position_m, const Eigen::Vector2d& direction,
                      double radius_m) const;
 
@@ -43,7 +43,7 @@ class DoorController {
   std::vector<double> radii_m_;
   // By door.
   std::vector<DoorState> states_;
-  std::vector<double> last_changes_s_;  ///< the moment that it last obeyed
+  std::vector<double> last_changes_s_;  ///< trigger time last applied
 };
 
 }  // namespace throng

@@ -10,10 +10,9 @@ namespace throng {
 namespace {
 
 constexpr float kUnreachable_m = std::numeric_limits<float>::infinity();
-/// So many look at once; a block of them for a worker takes some ten microseconds.
+/// Agents per batch; a block takes about ten microseconds.
 constexpr size_t kMaxChoosers = 4096;
 constexpr size_t kChoosersPerBlock = 64;
-/// More a second come through no exit.
 constexpr double kMaxFlow_per_s = 1e6;
 
 }  // namespace
@@ -61,15 +60,16 @@ Exits::Exits(const NavigationMap& map, std::span<const AgentSpec> people, uint64
 void Exits::archive(Archive& a) {
   a(last_exits_, distances_m_, states_);
   if (!a.is_reading()) return;
-  // Written so that NaN is refused, too.
+  // Negated to reject NaN as well.
   for (const State& state : states_)
     if (!(state.flow_per_s >= tuning::kMinFlow_per_s && state.flow_per_s <= kMaxFlow_per_s))
-      a.refuse("a flow through an exit", "another");
+      a.refuse("a flow through an exit", "another value");
   for (const float distance_m : distances_m_)
     if (!(distance_m >= 0 && distance_m < kUnreachable_m))
-      a.refuse("the length of a way", "another");
+      a.refuse("a path length", "another value");
   for (const uint32_t exit : last_exits_)
-    if (exit < Journeys::kOpen && exit >= states_.size()) a.refuse("an exit", "another");
+    if (exit < Journeys::kOpen && exit >= states_.size())
+      a.refuse("an index of an exit", "another value");
 }
 
 void Exits::choose(uint64_t decision, std::span<const Eigen::Vector2d> positions_m,
@@ -104,7 +104,7 @@ void Exits::choose(uint64_t decision, std::span<const Eigen::Vector2d> positions
   }
 }
 
-/// Where everybody heads for; who does not any more has arrived.
+/// Counts agents by the exit they walk to; those that have left it since have arrived.
 void Exits::count(const Journeys& journeys) {
   for (DistanceHistogram& histogram : histograms_) histogram.clear();
   for (uint32_t id = 0; id < last_exits_.size(); ++id) {
@@ -118,8 +118,7 @@ void Exits::count(const Journeys& journeys) {
   }
 }
 
-/// Once a second: an exit with a queue shows what it lets through. Without one it lets through more
-/// than comes.
+/// Updates the flow estimates once per second. Only an exit with a queue shows its capacity.
 void Exits::watch(const Journeys& journeys, std::span<const uint32_t> order,
                   std::span<const uint8_t> queuing) {
   for (State& state : states_) state.queuing = 0;
@@ -139,8 +138,7 @@ void Exits::watch(const Journeys& journeys, std::span<const uint32_t> order,
   }
 }
 
-/// When somebody of this way expects to be through: not before being there, and not before those
-/// who are nearer.
+/// Expected time until an agent is through, at least its walking time and that of nearer agents.
 double Exits::expected_s(uint32_t exit, uint32_t id, float distance_m) const {
   const double walks_s =
       static_cast<double>(distance_m) / static_cast<double>(desired_speeds_mps_[id]);
@@ -159,7 +157,7 @@ void Exits::assign(uint32_t id, uint32_t exit, float distance_m, Journeys& journ
   histograms_[exit].add(distance_m, 1);
 }
 
-/// Whoever stands too near a wall for the fields to know sees no way and goes on as before.
+/// An agent too close to a wall for the fields finds no path and keeps its exit.
 void Exits::choose_exit(uint32_t id, std::span<const float> distances_m,
                         std::span<const Eigen::Vector2d> positions_m, Journeys& journeys) {
   const Stop& stop = journeys.stop(id);

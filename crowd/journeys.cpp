@@ -15,16 +15,16 @@ namespace throng {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-/// Whoever stays at a goal stops this near to the chosen place.
+/// An agent that stays at a goal stops this close to its place.
 constexpr double kStop_m = 0.25;
-/// Away from the rim, so that arriving means having entered; a narrow goal has only its middle.
+/// Distance of places to the rim: arriving implies having entered.
 constexpr double kRim_m = 0.3;
-/// Companions take places so far from each other.
+/// Distance between the places of members of a social group.
 constexpr double kPlacesApart_m = 0.7;
 constexpr uint32_t kPlaceTries = 16;
-/// Beyond any coordinate of a scene file.
-constexpr double kLargestCoordinate_m = 1e6;
-/// What is this near to the end of a way is what ends it.
+/// Upper bound of coordinates in scene files.
+constexpr double kMaxTarget_m = 1e6;
+/// An obstacle this close to the end of a path is reported as its cause.
 constexpr double kObstructing_m = 1;
 
 }  // namespace
@@ -63,31 +63,31 @@ void Journeys::archive(Archive& a) {
   a(journeys_, until_s_, visits_, targets_m_, areas_, guides_, departures_s_);
   if (!a.is_reading()) return;
   for (const double time_s : departures_s_)
-    if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
+    if (!(time_s >= 0)) a.refuse("a time from the start on", "another value");
   for (uint32_t id = 0; id < journeys_.size(); ++id) {
     if (journeys_[id].state > JourneyState::kGone || journeys_[id].next > JourneyState::kGone)
-      a.refuse("something that people do", "something else");
-    // Those who are led have no route.
+      a.refuse("a state of a journey", "another value");
+    // Externally controlled agents have no route.
     if (journeys_[id].stop >= std::max<size_t>(1, map_.route(journeys_[id].group).size()))
-      a.refuse("a stop of the route", "another");
+      a.refuse("an index of a stop of the route", "another value");
     if (journeys_[id].exit != kNoExit &&
         (journeys_[id].state != JourneyState::kWalking || stop(id).exits == 0))
-      a.refuse("nobody with an exit who does not walk to one", "somebody");
+      a.refuse("an exit only of agents that walk to one", "an exit of another agent");
     if (journeys_[id].exit < kOpen && journeys_[id].exit - stop(id).first_exit >= stop(id).exits)
-      a.refuse("an exit of the goal", "another");
+      a.refuse("an exit of the goal", "another exit");
     if (journeys_[id].state == JourneyState::kQueuing && (areas_.empty() || !stop(id).queue))
-      a.refuse("somebody in a queue where there is one", "somebody elsewhere");
+      a.refuse("queuing agents only at goals with a queue", "one at another goal");
     if (is_admitted(id) && (journeys_[id].state != JourneyState::kWalking || !stop(id).queue ||
                             areas_[id] >= stop(id).goal.areas.size()))
-      a.refuse("an area of a goal with a queue", "another");
-    // Written so that NaN is refused, too.
+      a.refuse("an area of a goal with a queue", "another area");
+    // Negated to reject NaN as well.
     if (!guides_.empty() && stop(id).queue &&
         (!(guides_[id].path_direction.norm() <= 1.001) ||
          (guides_[id].corner != kNoCorner &&
           guides_[id].corner >= map_.queues()[*stop(id).queue].to_corners.size())))
-      a.refuse("the way to a queue", "another");
-    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kLargestCoordinate_m))
-      a.refuse("a place", "one out of the world");
+      a.refuse("a direction to a queue of length up to 1", "another vector");
+    if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kMaxTarget_m))
+      a.refuse("a target in the scene", "one beyond the largest coordinate");
   }
 }
 
@@ -117,7 +117,7 @@ void Journeys::admit(uint32_t id, uint32_t area, const Eigen::Vector2d& position
   choose_target(id, position_m);
 }
 
-/// Those that an agent may go into now.
+/// Areas that the agent may enter now.
 std::span<const Rectangle> Journeys::areas_of_goal(uint32_t id) const {
   const Stop& to = stop(id);
   const std::span<const Rectangle> all(to.goal.areas);
@@ -173,21 +173,21 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
     if (to.field->reaches(targets_m_[id])) break;
   }
   if (id == first) return;
-  // Companions stand in a square, which lies within the area where that is large enough.
+  // Members stand in a square, which lies within the area if that is large enough.
   const Eigen::Vector2d inwards = area->middle_m() - targets_m_[id];
   const Eigen::Vector2d step(std::copysign(kPlacesApart_m, inwards.x()),
                              std::copysign(kPlacesApart_m, inwards.y()));
   const uint32_t corner = id - first;
-  const Eigen::Vector2d beside =
+  const Eigen::Vector2d neighbour_place =
       (targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0))
           .cwiseMax(area->min_m + rim)
           .cwiseMin(area->max_m - rim);
-  if (to.field->reaches(beside)) targets_m_[id] = beside;
+  if (to.field->reaches(neighbour_place)) targets_m_[id] = neighbour_place;
 }
 
 void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now_s,
                       StallCause stall_cause) {
-  // Of those who wait, only the ones whose group has not been let go do not know how long.
+  // Agents of a group that may not depart yet wait without an end time.
   if (journeys_[id].state == JourneyState::kWaiting && until_s_[id] == kNever)
     until_s_[id] = std::max(now_s, departures_s_[journeys_[id].group]) + delays_s_[id];
   if (journeys_[id].state == JourneyState::kWaiting && now_s >= until_s_[id]) {
@@ -197,7 +197,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   }
   if (journeys_[id].state != JourneyState::kWalking) return;
   const Stop& to = stop(id);
-  // Agents that stay before a goal which nobody can enter are as good as its rim.
+  // At a goal that no agent can enter, agents that stay in front of it stand for its rim.
   const bool is_at = is_at_goal(id, position_m) ||
                      (stall_cause == StallCause::kBehindStaying && walks_to_stay(id));
   const bool gets_no_nearer = stall_cause == StallCause::kStuck && is_beside_goal(id, position_m);
@@ -206,7 +206,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   const OnArrival after = map_.on_arrival(journeys_[id].group);
   const bool leaves = is_last && after == OnArrival::kLeave;
   if (until_s_[id] == kNever) {
-    // Inside for the first time: with several areas, the place lies in the one that was reached.
+    // First time inside: with several areas, the target lies in the one that was reached.
     until_s_[id] = now_s + tuning::kPatience_s;
     if (to.goal.areas.size() > 1) choose_target(id, position_m);
   }
@@ -249,8 +249,8 @@ double Journeys::draw_wait_s(uint32_t id) const {
 
 namespace {
 
-/// The way from here, or from beside here. As long as it goes on as it went, one look-up will do:
-/// beside the latest way.
+/// Direction at the agent's place, or at the offset place. Without a change of direction one
+/// look-up suffices: at the place offset from the latest direction.
 Eigen::Vector2d direction_along(const FlowField& field, const Eigen::Vector2d& position_m,
                                 const LateralOffset& side) {
   constexpr double kSameDirection = 0.7;  // cosine
@@ -292,7 +292,7 @@ Eigen::Vector2d Journeys::direction(uint32_t id, const Eigen::Vector2d& position
   return length_m > 0 ? Eigen::Vector2d(path_direction / length_m) : Eigen::Vector2d::Zero();
 }
 
-/// The way to the goal, or to the exit that was chosen, if crowds bend it.
+/// Number of the field to the goal, or to the chosen exit, if crowds detour it.
 std::optional<size_t> Journeys::detour_number(uint32_t id) const {
   const Stop& to = stop(id);
   if (to.queue) return std::nullopt;
@@ -301,7 +301,7 @@ std::optional<size_t> Journeys::detour_number(uint32_t id) const {
   return detours_.is_detoured(number) ? std::optional(number) : std::nullopt;
 }
 
-/// Round where a crowd is slow, each as much as they mind.
+/// Direction around slow crowds, weighted by the agent's own delay weight.
 Eigen::Vector2d Journeys::detoured_direction(uint32_t id, const Eigen::Vector2d& position_m,
                                              const Eigen::Vector2d& along) const {
   const std::optional<size_t> number = detour_number(id);
@@ -320,7 +320,7 @@ void Journeys::prefetch(uint32_t id, const Eigen::Vector2d& position_m,
   const std::optional<size_t> number = detour_number(id);
   if (!number) return;
   detours_.prefetch(*number, position_m);
-  // A bent way often does not go on as the field here does: then way_along() asks for that, too.
+  // A detoured direction often differs from the field's: direction_along() then reads this cell.
   field.prefetch(position_m);
 }
 
@@ -353,7 +353,7 @@ std::string describe(const Stranding& stranding, const CrowdPlan& plan) {
   std::string obstacle;
   double nearest_m = kObstructing_m;
   for (const Footprint& each : footprints_of(plan)) {
-    // Of the ground only what is near: there may be thousands of obstacles.
+    // Only the nearby ground: a scene may have thousands of obstacles.
     const Eigen::Vector2d near = Eigen::Vector2d::Constant(kObstructing_m);
     const Walkable alone({stranding.end_m - near, stranding.end_m + near}, {each.corners});
     const double away_m = alone.nearest(0, stranding.end_m).distance_m;
@@ -362,7 +362,7 @@ std::string describe(const Stranding& stranding, const CrowdPlan& plan) {
     obstacle = fmt::format(" at '{}'", each.obstacle->name);
   }
   return fmt::format(
-      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the way ends at ({:.1f}, "
+      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the path ends at ({:.1f}, "
       "{:.1f}) m{}",
       plan.groups[stranding.group].name,
       stranding.people == 1 ? "1 person" : fmt::format("{} people", stranding.people),

@@ -8,7 +8,6 @@
 namespace throng {
 namespace {
 
-// What a sweep found of a person.
 constexpr uint8_t kMoved = 1;
 constexpr uint8_t kOverlapping = 2;
 
@@ -33,15 +32,15 @@ void OverlapRelaxation::relax(SteeringCounters& counters) {
   state_.for_deciders([this](SteeringState::Slots slots, size_t, int) { set_drift(slots); });
 }
 
-/// Where somebody will stand after a period, as far as is known by now.
+/// Expected position of an agent after one period.
 Eigen::Vector2f OverlapRelaxation::expected_m(size_t slot) const {
   if (decisions_.phase[slot] == state_.phase)
     return {decisions_.expected_x_m[slot], decisions_.expected_y_m[slot]};
   return {state_.agents.published[slot].ahead_x_m, state_.agents.published[slot].ahead_y_m};
 }
 
-/// Brings those neighbours to the front who may overlap at the end of the period. Returns the
-/// deepest overlap of those who stand now.
+/// Moves neighbours that may overlap at the end of the period to the front. Returns the deepest
+/// overlap of current positions.
 double OverlapRelaxation::find_overlap_candidates(SteeringState::Slots slots, size_t block) {
   float deepest_m = 0;
   const auto moved_m = static_cast<float>(2 * state_.period_s * tuning::kMaxSpeedFactor *
@@ -62,7 +61,7 @@ double OverlapRelaxation::find_overlap_candidates(SteeringState::Slots slots, si
       const float dx = state_.agents.published[other].x_m - own.x_m;
       const float dy = state_.agents.published[other].y_m - own.y_m;
       const float square = dx * dx + dy * dy;
-      if (square > reach_m * reach_m) break;  // they come nearest first
+      if (square > reach_m * reach_m) break;  // neighbours are sorted by distance
       const Eigen::Vector2f to = expected_m(other) - expected;
       const float radius_m = apart_m(slot, other);
       const float close_m = radius_m + margin_m;
@@ -73,7 +72,7 @@ double OverlapRelaxation::find_overlap_candidates(SteeringState::Slots slots, si
     decisions_.close_counts[slot] = static_cast<uint8_t>(close);
     decisions_.swept_x_m[slot] = expected.x();
     decisions_.swept_y_m[slot] = expected.y();
-    // The first sweep looks at all of them.
+    // The first sweep processes all of them.
     decisions_.touched[slot] = decisions_.swept_touched[slot] = close > 0 ? kMoved : 0;
     if (close > 0) decisions_.crowded[first + crowded++] = slot;
   }
@@ -94,8 +93,8 @@ double OverlapRelaxation::sweep(size_t block) {
   return deepest_m;
 }
 
-/// Overlapping nobody at the sweep before, and neither this one nor anybody near moved since: the
-/// sweep would change nothing. What it would write stands there from the sweep before.
+/// Without an overlap in the previous sweep, and without movement nearby since, a sweep changes
+/// nothing. The buffer still holds its earlier result.
 bool OverlapRelaxation::is_settled(size_t slot) const {
   if (decisions_.touched[slot] != 0) return false;
   const uint32_t* near = decisions_.neighbours.data() + SteeringState::kMaxNeighbours * slot;
@@ -145,8 +144,8 @@ double OverlapRelaxation::relax_disc(size_t slot) {
   return static_cast<double>(deepest_m);
 }
 
-/// Those behind push nobody forward, beyond where one's own step would have led: a person who is
-/// in the way of others walks no faster for it. Whoever wants nowhere makes room to any side.
+/// Agents behind push no agent beyond its own step: being in the way does not speed an agent up.
+/// Agents with a preferred speed of zero move to any side.
 void OverlapRelaxation::limit_forward_push(size_t slot, float& to_x, float& to_y) const {
   const float ahead_x = state_.agents.published[slot].direction_x,
               ahead_y = state_.agents.published[slot].direction_y;
@@ -161,7 +160,7 @@ void OverlapRelaxation::limit_forward_push(size_t slot, float& to_x, float& to_y
   to_y -= excess_m * ahead_y;
 }
 
-/// The correction is spread over the period, so that nobody jumps.
+/// The correction is spread over the period to avoid jumps.
 void OverlapRelaxation::set_drift(SteeringState::Slots slots) {
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
@@ -179,8 +178,8 @@ void OverlapRelaxation::set_drift(SteeringState::Slots slots) {
   }
 }
 
-/// Those who were placed closer together than discs are take more room: as long as they stand,
-/// where there is some, and as soon as they walk, little by little in any case.
+/// Grows the discs of agents that were placed closer than their discs. Standing agents grow where
+/// there is room, walking ones gradually in any case.
 void OverlapRelaxation::grow(size_t slot, bool walks) {
   float& radius_scale = state_.agents[slot].radius_scale;
   if (radius_scale == 1) return;

@@ -1,6 +1,5 @@
-// OverlapRelaxation pushes overlapping discs apart after those who decide have chosen their
-// velocities, sweep by sweep, until none overlaps deeper than kSlop_m. Others go on as they have
-// decided.
+// OverlapRelaxation pushes overlapping discs apart after agents have chosen their velocities, sweep
+// by sweep, until no overlap exceeds kSlop_m. Agents that do not decide now are not moved.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,18 +12,17 @@
 namespace throng {
 namespace tuning {
 
-/// Sweeps of disc relaxation a decision, at most, and the share of an overlap that each of two
-/// people gives way in one.
+/// Maximum number of sweeps per decision, and each agent's share of an overlap per sweep.
 inline constexpr int kSweeps = 40;
 inline constexpr double kSweepShare = 0.5;
-/// Overlaps below this are left alone.
+/// Smaller overlaps are ignored.
 inline constexpr double kSlop_m = 0.005;
-/// Sweeps look at those who are this near to touching: no push goes farther.
+/// Sweeps consider discs that are this close to touching: no push goes farther.
 inline constexpr double kSweepMargin_m = 0.12;
-/// The fastest that relaxation moves anybody: a push, not a jump.
+/// Upper bound of the drift velocity: a push, not a jump.
 inline constexpr double kMaxDrift_mps = 1.0;
-/// By so much of its radius a disc grows a decision where people stand closer than discs: they are
-/// apart again some three seconds after they have set out, pushed by a few centimetres a second.
+/// Growth per decision of discs placed closer than their radii, as a share of the radius. About
+/// three seconds after setting out they are apart, pushed by a few centimetres per second.
 inline constexpr double kRadiusGrowth = 0.01;
 
 }  // namespace tuning
@@ -35,11 +33,11 @@ class OverlapRelaxation {
   OverlapRelaxation(SteeringState& state, const Walkable& walkable)
       : state_(state), decisions_(state.decisions), walkable_(walkable) {}
 
-  /// Lets the disc of an agent that was placed closer to others than discs are take more room.
+  /// Grows the disc of an agent that was placed closer to others than its radius.
   void grow(size_t slot, bool walks);
 
-  /// Pushes apart the discs of those who decide now, which becomes the drift of their next period,
-  /// and counts sweeps and the deepest overlap. Brings close neighbours to the front.
+  /// Pushes apart the discs of agents that decide now; the result is their drift in the next
+  /// period. Counts sweeps and the deepest overlap. Moves close neighbours to the front.
   void relax(SteeringCounters& counters);
 
  private:
@@ -50,7 +48,7 @@ class OverlapRelaxation {
   void limit_forward_push(size_t slot, float& to_x, float& to_y) const;
   void set_drift(SteeringState::Slots slots);
   Eigen::Vector2f expected_m(size_t slot) const;
-  /// Discs whose centres are nearer are pushed apart.
+  /// Discs whose centres are closer are pushed apart.
   float apart_m(size_t slot, size_t other) const {
     return state_.traits.core_radius_scale *
            (state_.agents.published[slot].radius_m + state_.agents.published[other].radius_m);

@@ -6,8 +6,7 @@
 namespace throng {
 namespace {
 
-/// A draw that misses [min, max] a thousand times is a distribution almost outside it: take the
-/// mean.
+/// A thousand draws outside [min, max] mean that the distribution is almost outside: use the mean.
 constexpr uint64_t kDraws = 1000;
 
 constexpr Distribution inside(double min, double max) {
@@ -16,15 +15,15 @@ constexpr Distribution inside(double min, double max) {
 
 // Speeds: Weidmann (1993) for all adults; by age the ranges that RiMEA test 7 quotes from him. His
 // range below 30 years begins with small children: young adults have its upper half. Children walk
-// as fast as adults for the root of their size (equal Froude number), inside the same range.
+// at the same Froude number as adults, inside the same range.
 //
 // Heights: ANSUR II, men and women mixed. Children of 6 to 12 years after the WHO's growth
 // reference (2007), whose medians are 1.16 m and 1.50 m. The elderly are 4 cm shorter (Sorkin,
-// Muller & Andres 1999: 3 cm of men and 5 cm of women are lost from 30 to 70 years).
+// Muller & Andres 1999: men lose 3 cm and women 5 cm from 30 to 70 years).
 constexpr Distribution kAdultHeight_m{1.70, 0.09, 1.45, 2.00};
 constexpr Distribution kElderlyHeight_m{1.66, 0.09, 1.41, 1.96};
 //
-// Styles: no count of them is known to us; our own estimate. Order: plain, relaxed, brisk, stiff,
+// Styles: our own estimate, because no counts are published. Order: plain, relaxed, brisk, stiff,
 // pockets, short_steps.
 constexpr StyleShares kAdultStyles = {45, 20, 10, 7, 13, 5};
 constexpr StyleShares kElderlyStyles = {30, 10, 0, 10, 10, 40};
@@ -52,7 +51,7 @@ constexpr std::array<AgeGroup, kAgeCount> kAgeGroups = {{
 // Passers-by of a town: our own estimate.
 constexpr AgeShares kMixedAges = {0, 0.10, 0.25, 0.35, 0.25, 0.05};
 
-/// Index of a share, as often as it is large; `where` in [0, 1).
+/// Returns the index of a share, with a probability proportional to it; `where` in [0, 1).
 template <size_t kCount>
 size_t pick(const std::array<double, kCount>& shares, double where) {
   double left = where * std::accumulate(shares.begin(), shares.end(), 0.0);

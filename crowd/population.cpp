@@ -7,16 +7,16 @@
 namespace throng {
 namespace {
 
-/// Room between somebody who enters and everybody else: a hand's breadth.
+/// Gap between an entering agent and all others: a hand's breadth.
 constexpr double kEntryGap_m = 0.1;
-/// Places tried a decision for one person; then the next decision tries.
+/// Attempts per agent and decision; the next decision tries again.
 constexpr uint32_t kEntryTries = 24;
-/// Whoever comes with others takes a place so near to one of them, if there is room.
+/// Members of a social group enter within this distance of each other, if there is room.
 constexpr double kJoin_m = 1;
 
-/// True if a way leads to the stop from somewhere in an area. Where none does, people enter all the
-/// same and are reported as stranded.
-bool has_way(const Stop& stop, const Rectangle& area) {
+/// Returns whether a path leads to the stop from some part of an area. Without one, agents enter
+/// nevertheless and are reported as stranded.
+bool has_path(const Stop& stop, const Rectangle& area) {
   constexpr int kSamples = 24;
   for (int i = 0; i <= kSamples; ++i)
     for (int j = 0; j <= kSamples; ++j) {
@@ -50,11 +50,11 @@ Population::Population(const NavigationMap& map, std::span<const AgentSpec> peop
     Entrance& entrance = entrances_[person.entrance];
     if (entrance.end == 0) {
       entrance.next = id;
-      entrance.has_way = has_way(map.route(person.group).front(), entrance.area);
+      entrance.has_path = has_path(map.route(person.group).front(), entrance.area);
     }
     entrance.end = id + 1;
   }
-  // Every step may find everybody near an entrance, or let in all who are outside.
+  // Any step may find all agents near an entrance, or admit all that are outside.
   nearby_.reserve(is_open_ ? people.size() : 0);
   entered_.reserve(outside);
   counters_.entered = counters_.present = people.size() - outside - external;
@@ -64,10 +64,10 @@ Population::Population(const NavigationMap& map, std::span<const AgentSpec> peop
 void Population::archive(Archive& a) {
   a(present_, decisions_, counters_);
   for (Entrance& entrance : entrances_) {
-    const uint32_t first = entrance.next;  // the constructor's, when reading
+    const uint32_t first = entrance.next;  // set by the constructor when reading
     a(entrance.next);
     if (entrance.next < first || entrance.next > entrance.end)
-      a.refuse("somebody of the entrance", "somebody else");
+      a.refuse("an agent of the entrance", "another agent");
   }
 }
 
@@ -102,7 +102,7 @@ bool Population::find_place(const Entrance& entrance, std::span<Eigen::Vector2d>
   for (uint32_t attempt = 0; attempt < kEntryTries; ++attempt) {
     const RandomKey key{seed_, id, decision, Purpose::kEmission};
     Rectangle where = entrance.area;
-    // Of the tries two thirds.
+    // Two thirds of the attempts.
     if (follows_previous_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kEntryTries / 3) {
       const Eigen::Vector2d near = where.nearest_m(positions_m[id - 1]);
       where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kJoin_m));
@@ -116,7 +116,7 @@ bool Population::find_place(const Entrance& entrance, std::span<Eigen::Vector2d>
       return (positions_m[other] - point).squaredNorm() < apart_m * apart_m;
     });
     if (is_taken || map_.walkable().clearance_m(point) < wall_gaps_m_[id]) continue;
-    if (entrance.has_way && !goal.field->reaches(point)) continue;
+    if (entrance.has_path && !goal.field->reaches(point)) continue;
     positions_m[id] = point;
     return true;
   }

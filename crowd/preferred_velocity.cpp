@@ -9,7 +9,7 @@
 namespace throng {
 
 void PreferredVelocity::prepare(SteeringState::Slots slots) {
-  // The fields are too large for the caches: fetched now, they are there after the search.
+  // The fields exceed the caches: prefetched here, they arrive during the neighbour search.
   for (size_t i = 0; i < slots.size(); ++i) {
     const uint32_t slot = slots[i];
     const uint32_t later = state_.later_decider(slots, i);
@@ -33,7 +33,7 @@ Eigen::Vector2d PreferredVelocity::preferred_mps(size_t slot) {
   const uint32_t id = state_.id(slot);
   const bool is_in_group =
       social_groups_.has(id) &&
-      journeys_.state(id) != JourneyState::kQueuing;  // each has a place of their own
+      journeys_.state(id) != JourneyState::kQueuing;  // each has its own position
   Eigen::Vector2d direction =
       is_in_group ? social_groups_.solo_direction(id)
                   : journeys_.direction(id, state_.agents[slot].position_m, lateral_offset(slot),
@@ -58,7 +58,7 @@ Eigen::Vector2d PreferredVelocity::preferred_mps(size_t slot) {
   Eigen::Vector2d& smoothed = state_.agents[slot].smoothed_preferred_mps;
   smoothed += share * (state_.agents[slot].desired_speed_mps * direction - smoothed);
   const RandomKey key{seed_, id, static_cast<uint64_t>(state_.steps), Purpose::kSymmetryBreaking};
-  // One draw for both axes: half of its bits are plenty.
+  // One draw for both axes: half of its bits suffice.
   const uint64_t bits = random_bits(key);
   const auto shake = [](uint64_t half) {
     return tuning::kPerturbation_mps * (static_cast<double>(half) * 0x1.0p-31 - 1);
@@ -66,8 +66,8 @@ Eigen::Vector2d PreferredVelocity::preferred_mps(size_t slot) {
   return smoothed + Eigen::Vector2d(shake(bits & 0xffffffff), shake(bits >> 32));
 }
 
-/// How far to the left of the shortest way somebody walks, less than nothing to the right: to a
-/// side of their own, as far as walls leave room and their pace does, and not all at once.
+/// Lateral offset of an agent, positive to the left: its own constant, limited by walls and by the
+/// agent's speed, and approached gradually.
 double PreferredVelocity::lateral_offset_m(size_t slot) const {
   if (!state_.traits.uses_lateral_offset) return 0;
   const double free_path_m =
@@ -83,8 +83,8 @@ double PreferredVelocity::lateral_offset_m(size_t slot) const {
   return std::clamp(target_m, now_m - max_m, now_m + max_m);
 }
 
-/// The share of the free speed that is left to somebody whose way leads through a closed door:
-/// they come up to it, or behind others who wait for it, and stand.
+/// Speed factor of an agent whose path leads through a closed door. It walks up to the door, or to
+/// agents that wait there, and stands.
 double PreferredVelocity::door_speed_factor(size_t slot, const Eigen::Vector2d& direction) {
   uint8_t& waits_at_door = state_.decisions.next_waits_at_door[slot];
   waits_at_door = 0;

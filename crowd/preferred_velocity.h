@@ -1,5 +1,5 @@
-// PreferredVelocity finds the velocity that an agent prefers: along the way of its journey at its
-// desired speed, taken up smoothly, and up to a closed door.
+// PreferredVelocity computes the preferred velocity of an agent: along its journey's path at its
+// desired speed, smoothed, and limited before a closed door.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,14 +14,13 @@
 namespace throng {
 namespace tuning {
 
-/// Time to take up a wanted velocity (Helbing and Molnar 1995: 0.5 s).
+/// Relaxation time of the preferred velocity (Helbing and Molnar 1995: 0.5 s).
 inline constexpr double kRelaxation_s = 0.5;
-/// Breaks the symmetry of people who meet exactly head on.
+/// Breaks the symmetry of agents that meet exactly head-on.
 inline constexpr double kPerturbation_mps = 1e-3;
-/// How far to a side somebody stuck tries to go past, at most, as a multiple of the way ahead.
+/// Maximum sidestep of a stuck agent, as a multiple of the path ahead.
 inline constexpr double kMaxSidestep = 2.0;
-/// People who wait before a closed door stand so far apart beyond their discs, behind whoever is
-/// ahead within 60 degrees (the cosine).
+/// Gap between discs that wait before a closed door, to those ahead within 60 degrees (cosine).
 inline constexpr double kDoorGap_m = 0.05;
 inline constexpr double kBehindCosine = 0.5;
 
@@ -31,20 +30,20 @@ class PreferredVelocity {
  public:
   /// Keeps references to all.
   PreferredVelocity(SteeringState& state, const Journeys& journeys, const SocialGroups& groups,
-                    const DoorController& doorkeeper, uint64_t seed)
+                    const DoorController& door_controller, uint64_t seed)
       : state_(state),
         journeys_(journeys),
         social_groups_(groups),
-        door_controller_(doorkeeper),
+        door_controller_(door_controller),
         seed_(seed) {}
 
-  /// Finds the lateral offsets of agents, and asks for the fields that their ways come from.
+  /// Updates lateral offsets and prefetches the fields that directions come from.
   void prepare(SteeringState::Slots slots);
 
-  /// Decides what an agent prefers, whom it has as neighbours; it faces its way then.
+  /// Sets an agent's preferred velocity. Requires its neighbours; sets its facing to its direction.
   void decide(size_t slot);
 
-  /// Shows which agents stand before a closed door, after all have decided what they prefer.
+  /// Publishes which agents wait before a closed door, after all decide() calls.
   void publish_waiting(SteeringState::Slots slots);
 
  private:

@@ -26,7 +26,7 @@ double Progress::watch(size_t slot) {
   return stuck_s;
 }
 
-/// Others see how long an agent has made no progress, queuing or not.
+/// Publishes for how long an agent has made no progress, queuing or not.
 void Progress::publish_state(size_t slot) {
   NeighbourState& published = state_.agents.published[slot];
   const double stalled_s = state_.stalled_s(slot);
@@ -38,12 +38,12 @@ void Progress::publish_state(size_t slot) {
       catch_up, published.catch_up - static_cast<float>(state_.period_s / tuning::kCatchUpFor_s));
 }
 
-/// Returns whether an agent for which `holds_up(slot)` is true is ahead of another within 60
-/// degrees, at a gap of tuning::kQueueGap_m at most.
+/// Returns whether an agent for which `blocks(slot)` is true is ahead within 60 degrees, at a gap
+/// of at most tuning::kQueueGap_m.
 template <typename Blocks>
 bool Progress::is_behind_any(size_t slot, const Blocks& blocks) const {
   const Eigen::Vector2d& position = state_.agents[slot].position_m;
-  std::optional<Eigen::Vector2d> direction;  // found when an agent near by holds up
+  std::optional<Eigen::Vector2d> direction;  // computed once a nearby agent blocks
   for (const uint32_t other : state_.neighbours(slot)) {
     const Eigen::Vector2d offset = state_.agents[other].position_m - position;
     const double reach_m =

@@ -1,5 +1,4 @@
-// Progress watches how agents get on: who is stuck, who queues and who holds others up, and shows
-// how impatient that makes them.
+// Progress detects stuck, queuing and blocking agents and publishes their impatience.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +11,17 @@
 namespace throng {
 namespace tuning {
 
-/// Whoever has moved less than this is making no progress.
+/// An agent that moved less than this makes no progress.
 inline constexpr double kStall_m = 0.3;
-/// Others begin to make way for who has been stuck so long, and do all the way after so long.
+/// Neighbours start to yield to an agent stuck for `from`, and yield fully after `to`.
 inline constexpr double kImpatienceFrom_s = 0.5;
 inline constexpr double kImpatienceTo_s = 3.5;
-/// Whoever was held up for so long begins to follow more closely those who walk off ahead, does so
-/// wholly after so long, and no more once it has walked for the third. Doors carry 60 % more people
-/// than a single file at its best: one headway for both there is not.
+/// Catch-up: starts after `from` seconds of delay, is full after `to`, fades over `for` seconds of
+/// walking. No single headway fits both single file and doors, which carry 60 % more.
 inline constexpr double kCatchUpFrom_s = 2.0;
 inline constexpr double kCatchUpTo_s = 5.0;
 inline constexpr double kCatchUpFor_s = 25.0;
-/// Whoever walks slower than this share of the free speed, with somebody of the same way ahead at
-/// this gap or less, queues.
+/// An agent below this share of its desired speed queues behind one at this gap or less.
 inline constexpr double kQueueSpeed = 0.4;
 inline constexpr double kQueueGap_m = 0.4;
 
@@ -37,8 +34,8 @@ class Progress {
            const Queues& queues)
       : state_(state), journeys_(journeys), social_groups_(groups), queues_(queues) {}
 
-  /// Once a decision, after the neighbours are known. Returns how long an agent has been stuck (s),
-  /// the time of queuing taken off.
+  /// To be called once per decision, after the neighbour search. Returns how long an agent has been
+  /// stuck (s), without time in queues.
   double watch(size_t slot);
 
  private:

@@ -9,19 +9,19 @@
 namespace throng {
 namespace {
 
-/// Whoever is so near to the end of a queue, and sees it, joins it.
+/// An agent this close to the end of a queue, and with a free line of sight, joins it.
 constexpr double kJoins_m = 1.5;
-/// Whoever walks is out of an area so far from it: no step back leads into it again.
+/// A walking agent has left an area at this distance: no step back leads into it again.
 constexpr double kOut_m = 0.3;
-/// People make for the end of a queue from so far, if they see it; others follow a field.
+/// Within this distance agents that see the end of a queue walk straight to it.
 constexpr double kSees_m = 12;
 constexpr double kSample_m = 0.4;
-/// Nothing that stops people is nearer to the way.
+/// Distance within which an obstacle blocks a straight path.
 constexpr double kPathClearance_m = 0.2;
-/// In a queue people look so far along the line, round its corners.
+/// Look-ahead along the line, round its corners.
 constexpr double kAhead_m = 0.5;
-/// Of the spacing: whoever is farther back than this from where to stand steps forward, and up to
-/// so near to the one before, who may not stand in place.
+/// In spacings: an agent farther back than the threshold steps forward. It keeps the minimum to the
+/// previous agent, which may not stand in its position.
 constexpr double kStepThreshold = 0.4, kMinSpacing = 0.75;
 
 }  // namespace
@@ -65,36 +65,37 @@ void Queues::archive(Archive& a, const Journeys& journeys) {
   occupy_overflow();
 }
 
-/// Comparisons are written so that NaN is refused, too.
+/// Comparisons are negated to reject NaN as well.
 void Queues::check_read(Archive& a, const Journeys& journeys) const {
   std::vector<uint8_t> is_known(along_m_.size(), 0);
   const auto take = [&](uint32_t id) {
     if (id >= is_known.size() || is_known[id] != 0 ||
         !std::binary_search(queuers_.begin(), queuers_.end(), id))
-      a.refuse("people who queue, each in one place", "another");
+      a.refuse("each queuing agent in one place", "an agent in two places");
     is_known[id] = 1;
   };
   for (uint32_t q = 0; q < queues_.size(); ++q)
     for (const uint32_t id : queues_[q].waiting) {
       take(id);
       if (journeys.state(id) != JourneyState::kQueuing || journeys.stop(id).queue != q)
-        a.refuse("somebody in a queue who queues", "somebody who does not");
+        a.refuse("queuing agents only in a queue", "an agent that does not queue");
       const size_t overflow_count = queues_[q].is_taken.size();
       if (!(along_m_[id] >= 0) || !(along_m_[id] <= map_.queues()[q].plan.line.length_m()) ||
           (overflow_[id] != kNoOverflow && overflow_[id] >= overflow_count))
-        a.refuse("a place in the queue", "another");
+        a.refuse("a position in the queue", "another value");
     }
   for (const uint32_t id : queuers_)
     if (journeys.state(id) == JourneyState::kQueuing && is_known[id] == 0)
-      a.refuse("somebody who queues in a queue", "somebody in none");
+      a.refuse("each queuing agent in a queue", "one in no queue");
   for (const Eigen::Vector2d& facing : facings_)
-    if (!(facing.norm() <= 1.001)) a.refuse("a direction", "another");
-  // Whoever waits again may still be on the way out.
+    if (!(facing.norm() <= 1.001)) a.refuse("a direction of length up to 1", "another vector");
+  // An agent that waits again may still be on its way out.
   for (uint32_t q = 0; q < queues_.size(); ++q) {
     std::fill(is_known.begin(), is_known.end(), uint8_t{0});
     for (const ServedAgent& agent : queues_[q].served) {
       take(agent.id);
-      if (agent.area >= queues_[q].served_counts.size()) a.refuse("an area of the goal", "another");
+      if (agent.area >= queues_[q].served_counts.size())
+        a.refuse("an area of the goal", "another area");
     }
   }
 }
@@ -129,7 +130,7 @@ void Queues::follow(std::span<const uint8_t> present, std::span<const Eigen::Vec
                      });
 }
 
-/// Those who have been served, and are out of the way of the next.
+/// Releases agents that have been served and have cleared the area for the next.
 void Queues::release_served(uint32_t queue, std::span<const uint8_t> present,
                             std::span<const Eigen::Vector2d> positions_m,
                             const Journeys& journeys) {
@@ -151,7 +152,6 @@ void Queues::release_served(uint32_t queue, std::span<const uint8_t> present,
   });
 }
 
-/// The nearest first.
 void Queues::find_joiners(std::span<const Eigen::Vector2d> positions_m, const Journeys& journeys) {
   candidates_.clear();
   for (const uint32_t id : queuers_) {
@@ -214,7 +214,7 @@ void Queues::admit(uint32_t queue, std::span<const Eigen::Vector2d> positions_m,
     if (overflow_[id] != kNoOverflow) q.is_taken[overflow_[id]] = 0;
     overflow_[id] = kNoOverflow;
     ++q.served_counts[area];
-    // Somebody who comes again before being out is still the same guest.
+    // An agent that comes again before it is out is still the same served agent.
     std::erase_if(q.served, [&](const ServedAgent& agent) {
       if (agent.id != id) return false;
       --q.served_counts[agent.area];
@@ -225,7 +225,7 @@ void Queues::admit(uint32_t queue, std::span<const Eigen::Vector2d> positions_m,
   q.waiting.erase(q.waiting.begin(), q.waiting.begin() + static_cast<ptrdiff_t>(admitted));
 }
 
-/// From the first to the last, as nobody goes where the one before still is.
+/// From first to last, because no agent walks to where the previous one still is.
 void Queues::line_up(uint32_t queue, std::span<const Eigen::Vector2d> positions_m,
                      Journeys& journeys) {
   const QueueFields& fields = map_.queues()[queue];
@@ -239,7 +239,7 @@ void Queues::line_up(uint32_t queue, std::span<const Eigen::Vector2d> positions_
       along_m_[id] = fields.plan.line.length_m();
     }
     const QueueMove to = next_move(queue, place, at_m);
-    // Where the way is not straight, others have pushed them round a corner.
+    // The path bends where others have pushed the agent round a corner.
     const size_t corner = fields.plan.line.nearest_corner(to.along_m);
     const double speed_factor = std::min(1.0, to.left_m / tuning::kBrakingDistance_m);
     Eigen::Vector2d direction = Eigen::Vector2d::Zero();
@@ -263,7 +263,7 @@ Queues::QueueMove Queues::next_move(uint32_t queue, size_t place,
     move.to_m =
         has_overflow ? plan.overflow_positions_m[overflow_[id]] : plan.line.corners_m().back();
     move.left_m = (move.to_m - position_m).norm();
-    // Whoever finds no room at all stands wherever others let them.
+    // Without any free position agents stand where others let them.
     if (!has_overflow && move.left_m < 3 * plan.spacing_m) move.left_m = 0;
   } else {
     double& along_m = along_m_[id];
@@ -273,13 +273,13 @@ Queues::QueueMove Queues::next_move(uint32_t queue, size_t place,
     if (place > 0)
       to_m = std::max(to_m,
                       along_m_[queues_[queue].waiting[place - 1]] + kMinSpacing * plan.spacing_m);
-    // The one before has to move on first.
+    // The previous agent has to move on first.
     if (to_m > along_m && along_m >= place_m) to_m = along_m;
     move.along_m = std::max(to_m, along_m - kAhead_m);
     move.to_m = plan.line.at(move.along_m);
     move.left_m = std::max(along_m - to_m, (move.to_m - position_m).norm());
   }
-  // Nobody moves for a few centimetres.
+  // Distances of a few centimetres are ignored.
   uint8_t& steps = steps_[id];
   if (move.left_m < tuning::kMinSpeedFactor * tuning::kBrakingDistance_m) steps = kStands;
   if (steps != kStands || move.left_m > step_m) steps = kSteps;
@@ -288,7 +288,7 @@ Queues::QueueMove Queues::next_move(uint32_t queue, size_t place,
   return move;
 }
 
-/// To the goal, or to the one before; those off the line to its end.
+/// The first faces the goal, others the previous agent, those off the line its end.
 void Queues::face(uint32_t queue, size_t place, std::span<const Eigen::Vector2d> positions_m) {
   const QueuePlan& plan = map_.queues()[queue].plan;
   const std::vector<uint32_t>& waiting = queues_[queue].waiting;
@@ -339,7 +339,7 @@ Eigen::Vector2d Queues::keep_out(uint32_t id, const Eigen::Vector2d& from_m,
     const Rectangle& area = areas[i];
     if (is_admitted && journeys.area(id) == i) continue;
     if (!area.contains(tail_m) || area.contains(from_m)) continue;
-    // Along the sides that they come from.
+    // Along the side that the agent comes from.
     for (int axis = 0; axis < 2; ++axis)
       if (from_m[axis] < area.min_m[axis] || from_m[axis] > area.max_m[axis])
         tail_m[axis] = from_m[axis];
@@ -360,7 +360,6 @@ uint32_t Queues::first_free_overflow(uint32_t queue) const {
   return free == taken.end() ? kNoOverflow : static_cast<uint32_t>(free - taken.begin());
 }
 
-/// Where the next one will stand.
 Eigen::Vector2d Queues::tail_m(uint32_t queue) const {
   const QueuePlan& plan = map_.queues()[queue].plan;
   const size_t count = queues_[queue].waiting.size();
@@ -370,7 +369,7 @@ Eigen::Vector2d Queues::tail_m(uint32_t queue) const {
                                  : plan.overflow_positions_m[overflow];
 }
 
-/// True if nothing that stops people is on the straight way, nor anybody who is served.
+/// Returns whether no obstacle and no served agent is on the straight path.
 bool Queues::sees(uint32_t queue, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m) const {
   const int pieces = static_cast<int>(std::ceil((to_m - from_m).norm() / kSample_m));

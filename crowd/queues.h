@@ -1,7 +1,6 @@
-// Queues: who waits for a goal that takes few at a time, in the order in which they came, and who
-// is in it.
-// One rule: first come, first served. Whoever has joined keeps the place before all who join later;
-// nobody is let in but the first, and only when somebody else is out.
+// Queues assigns waiting agents to positions, and admits them to goals with limited capacity.
+// Invariant: first come, first served. An agent keeps its place before all that join later; only
+// the first is admitted, and only when a served agent has left.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,65 +21,64 @@ class Queues {
   /// Keeps a reference to `map`.
   Queues(const NavigationMap& map, std::span<const AgentSpec> people);
 
-  /// True if there are queues: otherwise all of this costs nothing.
+  /// Returns false without queues: no other call is then needed.
   bool any() const { return !queues_.empty(); }
 
-  /// Everything that follow() may have changed and that the next one depends on. When reading, the
-  /// journeys have been read.
+  /// Saves or restores all state that follow() may change and the next call depends on. When
+  /// reading, the journeys must have been read.
   void archive(Archive& a, const Journeys& journeys);
 
-  /// Once a decision, when everybody has followed their journeys and people have come and gone:
-  /// people join, are let in, and are told where to go until then. No allocation.
+  /// To be called once per period, after journeys and population: agents join, are admitted, or are
+  /// guided along the queue. Allocates nothing.
   void follow(std::span<const uint8_t> present, std::span<const Eigen::Vector2d> positions_m,
               Journeys& journeys, Workers& workers);
 
-  /// Where somebody looks who stands in a queue, or is served: a unit vector. Zero for others.
+  /// Unit vector that an agent in a queue, or a served one, faces; zero for others.
   const Eigen::Vector2d& facing(uint32_t id) const { return facings_[id]; }
 
-  /// True of somebody in a queue whose place in the line has come free ahead of others, and who is
-  /// not there yet.
+  /// Returns whether a position ahead of an agent has become free and the agent is not there yet.
   bool is_awaited(uint32_t id) const { return any() && steps_[id] == kAwaited; }
 
-  /// Where somebody ends who would step from one place to another: not inside a goal for which they
-  /// have to wait. Any thread may ask.
+  /// Returns where an agent ends that steps from one point to another: not inside a goal for which
+  /// it has to wait. Thread-safe.
   Eigen::Vector2d keep_out(uint32_t id, const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m,
                            const Journeys& journeys) const;
 
-  /// Ids by NavigationMap::queues(), the first of them first.
+  /// Ids of waiting agents, first in line first; `queue` as in NavigationMap::queues().
   std::span<const uint32_t> waiting(size_t queue) const { return queues_[queue].waiting; }
-  /// In an area of the goal, on the way into it, or on the way out.
+  /// Number of agents in an area of the goal, on their way in or on their way out.
   size_t inside(size_t queue) const { return queues_[queue].served.size(); }
 
  private:
   static constexpr uint32_t kNoOverflow = UINT32_MAX;
-  /// kAwaited: steps forward, and is farther than a place from where to stand.
+  /// kAwaited: steps forward, and is more than one position behind its own.
   enum : uint8_t { kStands, kSteps, kAwaited };
 
-  /// Somebody who has been let in, until out again.
+  /// An admitted agent, until it is out again.
   struct ServedAgent {
     uint32_t id = 0, area = 0;
-    uint32_t visits = 0;  ///< of Journeys, before
+    uint32_t visits = 0;  ///< value of Journeys::visits() on admission
     void archive(Archive& a) { a(id, area, visits); }
   };
   struct Queue {
     std::vector<uint32_t> waiting;
     std::vector<ServedAgent> served;
-    std::vector<uint32_t> served_counts;  ///< by area
-    std::vector<uint8_t> is_taken;        ///< by spot
-    size_t capacity = 0;                  ///< people who may ever be in it
+    std::vector<uint32_t> served_counts;  ///< per area
+    std::vector<uint8_t> is_taken;        ///< per overflow position
+    size_t capacity = 0;                  ///< maximum number of agents in it
   };
-  /// Somebody near enough to the end of a queue to join it.
+  /// An agent near enough to the end of a queue to join it.
   struct QueueCandidate {
     uint32_t queue = 0;
     double away_m = 0;
     uint32_t id = 0;
-    bool goes_in = false;  ///< straight, as nobody waits
+    bool goes_in = false;  ///< directly, because no agent waits
   };
-  /// What somebody wants who stands in a queue: to be there, and to go that way for it.
+  /// Target of an agent in a queue and the path to it.
   struct QueueMove {
     Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
-    double along_m = 0;  ///< the line, where that is; off it, its end
-    double left_m = 0;   ///< to go in all; 0: stays
+    double along_m = 0;  ///< on the line; off it, the line's end
+    double left_m = 0;   ///< remaining distance; 0: stays
   };
 
   void release_served(uint32_t queue, std::span<const uint8_t> present,
@@ -102,12 +100,12 @@ class Queues {
 
   const NavigationMap& map_;
   std::vector<Queue> queues_;
-  std::vector<uint32_t> queuers_;  ///< ids of those who may ever queue
+  std::vector<uint32_t> queuers_;  ///< ids of agents that may queue
   std::vector<QueueCandidate> candidates_;
-  // By person; empty: there are no queues.
-  std::vector<double> along_m_;     ///< how far back on the line they are
+  // By id; empty without queues.
+  std::vector<double> along_m_;     ///< distance back along the line
   std::vector<uint8_t> steps_;      ///< kStands, kSteps or kAwaited
-  std::vector<uint32_t> overflow_;  ///< off the line, for which it is too short
+  std::vector<uint32_t> overflow_;  ///< position off the line, if the line is too short
   std::vector<Eigen::Vector2d> facings_;
 };
 

@@ -14,68 +14,66 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-// Places. Companions walk 0.75 to 0.8 m apart abreast, those in the middle a little behind, and
-// more so where the crowd is denser (Moussaid et al. 2010, Zanlungo et al. 2014).
+// Places. Members walk 0.75 to 0.8 m apart side by side, those in the middle a little behind. The
+// denser the crowd, the farther behind (Moussaid et al. 2010, Zanlungo et al. 2014).
 constexpr double kAbreast_m = 0.8;
-constexpr double kBend_m = 0.12;      ///< how far those in the middle are behind in the open
-constexpr double kBendMore_m2 = 0.5;  ///< and more for each stranger on a square metre
-constexpr double kMaxBend_m = 0.3;    ///< but no more than by this
+constexpr double kBend_m = 0.12;      ///< how far the middle ones are behind in the open
+constexpr double kBendMore_m2 = 0.5;  ///< increase per non-member and square metre
+constexpr double kMaxBend_m = 0.3;    ///< upper bound
 constexpr double kInFile_m = 0.9;
-/// Discs of that radius; wider ones keep so much more room.
+/// Lengths are for discs of this radius; wider ones keep more distance.
 constexpr double kRadius_m = 0.22;
-/// Where bodies have so much room beside each other they walk in file, and as they like from the
-/// second on; parties of four in two rows below the third and in one above the fourth.
+/// Lateral clearance: file at or below the first value, free formation from the second on. Groups
+/// of four walk in two rows below the third and in one row above the fourth.
 constexpr double kFile_m = 0.45, kBeside_m = 0.75, kTwoRows_m = 1.4, kLine_m = 1.9;
-/// Of that room strangers take some from the first density on and all at the second.
+/// Non-members take part of that clearance from the first density on, and all of it at the second.
 constexpr double kLoose_per_m2 = 0.3, kDense_per_m2 = 1.3;
-/// A shoulder keeps so far from walls.
+/// Distance of a shoulder to walls.
 constexpr double kShoulder_m = 0.3;
-/// Ways bend around walls that are nearer.
+/// Paths bend around walls nearer than this.
 constexpr double kBends_m = 1.6;
-/// How far ahead they look for room, in so many steps.
+/// Look-ahead for lateral clearance, and its number of samples.
 constexpr double kProbe_m = 0.75;
 constexpr int kProbes = 4;
 
-/// Companions so near, whose ways are within 60 degrees (the cosine), walk beside each other.
+/// Members this close, with directions within 60 degrees (the cosine), walk side by side.
 constexpr double kRow_m = 4;
 constexpr double kSameDirection = 0.5;
-/// Where all of a party are as near as this to the first, nobody is behind.
-constexpr double kNear_m = 2.5;
-/// Whose way parts from that of the first of the party within sight follows them: the cosine.
+/// With all members this close to the first, no member is behind.
+constexpr double kTogether_m = 2.5;
+/// Cosine: members whose path parts from that of the first member, within sight of it, follow it.
 constexpr double kSplitCosine = 0.3;
 constexpr double kSight_m = 6;
-/// They see who is there if nothing that stops people is so near to the straight way, by samples.
+/// A line of sight is blocked by obstacles this close to it, tested at samples.
 constexpr double kBody_m = 0.2;
 constexpr int kSightSamples = 8;
 
-/// Companions walk beside each other where both together are faster than this, their discs farther
-/// apart than the second.
+/// Members walk side by side above this sum of velocities, with at least this gap between discs.
 constexpr double kBeside_mps = 0.3;
 constexpr double kBesideGap_m = 0.14;
 
-// Taking a place: the most that a way is bent for it (the tangent) and from how far off, sooner
-// where there is less room; the distance along the way for which somebody hurries by all of it, and
-// the bounds of that.
+// Taking a place: maximum tangent of the sideways direction, and the distance from which it applies
+// (less with less clearance).
+// Then the distance along the path at which the full speed factor applies, and the factor's bounds.
 constexpr double kMaxSideways = 0.5, kAside_m = 0.8;
-/// Who is so far beside its place falls back by up to so much.
+/// A member this far to the side of its place falls back by up to the last value.
 constexpr double kAstray_m = 0.35, kFarAstray_m = 0.8, kFallBack_m = 0.9;
 constexpr double kAlong_m = 1.5, kMinFactor = 0.7, kMaxFactor = 1.15;
 
-// Waiting: whoever is this much farther ahead than in formation slows down, and stands from so much
-// more on; companions farther off are lost, and those who have not got on for so long are not
-// waited for.
+// Waiting: a member this far ahead of its place slows down, and stands from the second value on.
+// Members farther off are lost; those without progress for this time are not waited for.
 constexpr double kMaxLead_m = 0.7, kStands_m = 2;
 constexpr double kLost_m = 25;
 constexpr double kPatience_s = 30;
 constexpr double kProgress_m = 0.3;
-/// Who hurries after the others, behind by so much.
+/// Distance behind at which a member hurries.
 constexpr double kBehind_m = 1;
-/// In a passage so narrow, and in a dense crowd, nobody stands in others' way: the least pace.
+/// In narrow passages and dense crowds no member blocks others: the least speed factor.
 constexpr double kPassage_m = 1.4;
 constexpr double kMinWaitingFactor = 0.6;
 
-/// Whoever waits steps so far aside from the line of the one waited for, on the side where it is
-/// already unless that is as little as this.
+/// A waiting member steps aside from the line of the one it waits for. It stays on its side unless
+/// it is closer than the second value.
 constexpr double kStepAside_m = 0.9, kInLine_m = 0.15;
 
 double smooth_step(double from, double to, double x) {
@@ -87,20 +85,20 @@ Eigen::Vector2d left_of(const Eigen::Vector2d& direction) {
   return {-direction.y(), direction.x()};
 }
 
-/// Where somebody of a row should be: ahead of its middle and to the left of it.
+/// Place in a row: ahead of its middle and to its left.
 struct Place {
   double ahead_m = 0, left_m = 0;
 };
 
-/// The place of one of `count`, of whom `ahead` are farther ahead and `left` farther left, with so
-/// much room beside each other.
+/// Returns the place of a member: `ahead` of `count` are farther ahead, `left` are farther left,
+/// within this lateral clearance.
 Place place_of(size_t count, size_t ahead, size_t left, double abreast_m, double clearance_m,
                double bend_m) {
   const double last = static_cast<double>(count) - 1;
   const double in_file = 0.5 * last - static_cast<double>(ahead);
   const double in_line = 0.5 * last - static_cast<double>(left);
   const Place file{in_file * kInFile_m, 0};
-  // In line, as near to each other as the room asks for, and behind each other for it.
+  // In one row, as close as the clearance requires, and staggered to compensate.
   const double step_m = std::min(abreast_m, clearance_m / last);
   const double behind_m = std::max(
       count > 2 ? bend_m : 0.0, std::sqrt(std::max(0.0, abreast_m * abreast_m - step_m * step_m)));
@@ -113,7 +111,7 @@ Place place_of(size_t count, size_t ahead, size_t left, double abreast_m, double
     line.ahead_m = behind_m * (is_inner ? -2 / (inner + 2) : inner / (inner + 2));
   }
   if (count == 4) {
-    // Two and two: whoever is ahead of two others walks in the first row.
+    // Two rows: a member ahead of two others walks in the first row.
     const double side = left < 2 ? 0.5 : -0.5;
     const Place rows{ahead < 2 ? 0.5 * kInFile_m : -0.5 * kInFile_m,
                      side * std::min(abreast_m, clearance_m)};
@@ -128,7 +126,7 @@ Place place_of(size_t count, size_t ahead, size_t left, double abreast_m, double
 }  // namespace
 
 struct SocialGroups::Formation {
-  uint32_t mask = UINT32_MAX;  ///< of the members
+  uint32_t mask = UINT32_MAX;  ///< bit mask of the members
   std::array<const Member*, SocialGroupRule::kMaxMembers> members{};
   size_t count = 0;
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< unit
@@ -163,10 +161,10 @@ void SocialGroups::archive(Archive& a) {
   if (!any()) return;
   a(visits_, min_distances_m_, since_s_);
   if (!a.is_reading()) return;
-  // Written so that NaN is refused, too.
+  // Negated to reject NaN as well.
   for (size_t id = 0; id < visits_.size(); ++id)
     if (!(min_distances_m_[id] >= 0) || !(since_s_[id] >= 0) || since_s_[id] == kFar)
-      a.refuse("progress of somebody with companions", "something else");
+      a.refuse("progress of a member of a social group", "another value");
 }
 
 Eigen::Vector2d SocialGroups::group_direction(uint32_t id) const {
@@ -188,7 +186,7 @@ void SocialGroups::find_neighbours(SteeringState& state, std::span<const uint32_
   }
 }
 
-/// Within two metres beside the way; those farther off, ahead and behind count less.
+/// Within two metres of the path; weight decreases with distance.
 double SocialGroups::others_per_m2(const SteeringState& state, size_t slot) const {
   constexpr double kReach_m = 2;
   const Eigen::Vector2d& intent = state.agents[slot].smoothed_preferred_mps;
@@ -202,12 +200,11 @@ double SocialGroups::others_per_m2(const SteeringState& state, size_t slot) cons
     const double sideways = away_m > 0 ? 1 - ahead_m * ahead_m / (away_m * away_m) : 1;
     sum += 2 * sideways * std::max(0.0, 1 - away_m / kReach_m);
   }
-  // A cone of that radius, one high.
+  // Volume of a cone of that radius and height 1.
   return sum * 3 / (std::numbers::pi * kReach_m * kReach_m);
 }
 
-/// Companions who walk beside each other do not avoid each other: each knows where the other goes.
-/// Who comes too near is seen again.
+/// Members that walk side by side do not avoid each other. Members that are too close do.
 void SocialGroups::drop_group_members(SteeringState& state, size_t slot) const {
   const auto walks_beside = [&](uint32_t other) {
     if (!are_in_one_group(state.id(slot), state.id(other))) return false;
@@ -235,7 +232,7 @@ void SocialGroups::update(uint32_t remainder, uint32_t parts, const Journeys& jo
     const auto is_due = [&](const SocialGroup& social_group) {
       return social_group.begin % parts == remainder;
     };
-    // What they read of the fields is there when it is needed.
+    // Prefetches the fields that member() reads.
     for (size_t i = begin; i < end; ++i)
       for (uint32_t id = social_groups_[i].begin;
            is_due(social_groups_[i]) && id < social_groups_[i].end; ++id)
@@ -257,10 +254,10 @@ void SocialGroups::update(const SocialGroup& social_group, const Journeys& journ
     all[count] = member(id, journeys, positions_m[id]);
     adjustments_[id].solo_direction = all[count].direction;
     const Member &m = all[count++], &first = all[0];
-    are_near &= m.is_on_way && m.visits == first.visits &&
-                (m.at_m - first.at_m).squaredNorm() < kNear_m * kNear_m;
+    are_near &= m.is_on_path && m.visits == first.visits &&
+                (m.at_m - first.at_m).squaredNorm() < kTogether_m * kTogether_m;
   }
-  // Who is near is awaited, whatever the progress.
+  // A near member is awaited regardless of its progress.
   for (size_t i = 0; i < count; ++i) {
     if (are_near)
       visits_[all[i].id] = UINT32_MAX;
@@ -284,8 +281,8 @@ SocialGroups::Member SocialGroups::member(uint32_t id, const Journeys& journeys,
   const Stop& stop = journeys.stop(id);
   Member m{.id = id, .visits = journeys.visits(id), .at_m = at_m, .field = &journeys.field(id)};
   m.direction = journeys.direction(id, at_m);
-  m.is_on_way = journeys.state(id) == JourneyState::kWalking && !stop.contains(at_m) &&
-                !journeys.is_at_goal(id, at_m);
+  m.is_on_path = journeys.state(id) == JourneyState::kWalking && !stop.contains(at_m) &&
+                 !journeys.is_at_goal(id, at_m);
   return m;
 }
 
@@ -300,15 +297,15 @@ void SocialGroups::watch_progress(Member& m, bool waits, double now_s) {
   m.is_awaited = now_s - since_s_[m.id] < kPatience_s;
 }
 
-/// Those beside whom somebody walks, the same for all who see the same ones: then `row` knows the
-/// rest already.
+/// Finds the members next to which a member walks. All members of a row find the same ones: `row`
+/// then already has the result.
 void SocialGroups::find_formation(std::span<const Member> members, size_t index,
                                   Formation& formation) const {
   const Member& self = members[index];
   uint32_t mask = 0;
-  for (size_t i = 0; i < members.size() && self.is_on_way; ++i) {
+  for (size_t i = 0; i < members.size() && self.is_on_path; ++i) {
     const Member& m = members[i];
-    if (m.is_on_way && m.visits == self.visits &&
+    if (m.is_on_path && m.visits == self.visits &&
         m.direction.dot(self.direction) >= kSameDirection &&
         (m.at_m - self.at_m).squaredNorm() <= kRow_m * kRow_m)
       mask |= 1u << i;
@@ -337,7 +334,7 @@ void SocialGroups::find_formation(std::span<const Member> members, size_t index,
   formation.bend_m = kBend_m + std::min(kBendMore_m2 * others_per_m2, kMaxBend_m);
 }
 
-/// How much room bodies have beside each other, from the middle of a row on along its way.
+/// Lateral clearance of bodies along the path, from the middle of a row on.
 double SocialGroups::lateral_clearance_m(const Formation& formation, const FlowField& field,
                                          double target_m) const {
   const Walkable& walkable = map_.walkable();
@@ -355,7 +352,7 @@ double SocialGroups::lateral_clearance_m(const Formation& formation, const FlowF
   Eigen::Vector2d at_m = formation.middle_m, direction = formation.direction;
   double clear_m = 0;
   for (int i = 0; i < kProbes; ++i, clear_m -= kProbe_m) {
-    // Far from walls there is room to both sides.
+    // Far from walls there is clearance on both sides.
     if (clear_m < kShoulder_m + 0.5 * target_m) clear_m = walkable.clearance_m(at_m);
     if (clear_m < kShoulder_m + 0.5 * target_m) {
       const Eigen::Vector2d left = left_of(direction);
@@ -385,18 +382,17 @@ double SocialGroups::keep_in_formation(const Formation& formation, const Member&
     ahead += other.ahead_m > now.ahead_m || (other.ahead_m == now.ahead_m && m.id < self.id);
     to_left += other.left_m > now.left_m || (other.left_m == now.left_m && m.id < self.id);
   }
-  const auto place = [&](size_t before, size_t beside) {
-    return place_of(formation.count, before, beside, formation.abreast_m, formation.clearance_m,
-                    formation.bend_m);
+  const auto place = [&](size_t before, size_t farther_left) {
+    return place_of(formation.count, before, farther_left, formation.abreast_m,
+                    formation.clearance_m, formation.bend_m);
   };
   const Place target = place(ahead, to_left);
   const double aside_m = target.left_m - now.left_m;
   double along_m = target.ahead_m - now.ahead_m;
-  // Nobody walks through those who are in between: but for the first, they come from behind.
+  // Members do not walk through those in between: except for the first, they come from behind.
   if (ahead > 0) along_m -= kFallBack_m * smooth_step(kAstray_m, kFarAstray_m, std::abs(aside_m));
   const double full_shift_m = std::clamp(formation.clearance_m, kFile_m, kAside_m);
   const double sideways = std::clamp(aside_m / full_shift_m, -1.0, 1.0);
-  // Not into a wall.
   const double clearance_m =
       map_.walkable().clearance_m(self.at_m + std::copysign(kShoulder_m, sideways) * left);
   const double free = std::clamp((clearance_m - 0.1) / 0.2, 0.0, 1.0);
@@ -417,15 +413,15 @@ void SocialGroups::wait_for_others(std::span<const Member> members, size_t index
   for (const Member& m : members) {
     if (m.id == self.id) continue;
     const double away_m = (m.at_m - self.at_m).norm();
-    // How far that one is behind.
+    // Distance by which the other member is behind.
     double lag_m = m.to_go_m - self.to_go_m;
     if (m.visits != self.visits)
       lag_m = m.visits < self.visits ? away_m : -away_m;
-    else if (m.is_on_way && self.is_on_way && away_m < kRow_m &&
+    else if (m.is_on_path && self.is_on_path && away_m < kRow_m &&
              m.direction.dot(self.direction) > kSameDirection)
       lag_m = (self.at_m - m.at_m).dot(formation.direction);  // both are in the row
-    else if (!self.is_on_way || !(std::abs(lag_m) < kFar))
-      lag_m = 0;  // at the goal already, or pressed to a wall, on no cell of the field
+    else if (!self.is_on_path || !(std::abs(lag_m) < kFar))
+      lag_m = 0;  // at the goal already, or at a wall, in no cell of the field
     if (std::abs(lag_m) > kLost_m) continue;
     ahead_m = std::max(ahead_m, -lag_m);
     if (!m.is_awaited || lag_m <= behind_m) continue;
@@ -435,7 +431,7 @@ void SocialGroups::wait_for_others(std::span<const Member> members, size_t index
   if (ahead_m > kBehind_m && behind_m < kBehind_m)
     adjustment.speed_factor = std::max(adjustment.speed_factor, kMaxFactor);
   const Member& first = members.front();
-  if (first.id != self.id && first.is_on_way && self.is_on_way && first.visits == self.visits &&
+  if (first.id != self.id && first.is_on_path && self.is_on_path && first.visits == self.visits &&
       first.direction.dot(self.direction) < kSplitCosine &&
       (first.at_m - self.at_m).squaredNorm() < kSight_m * kSight_m &&
       map_.walkable().is_clear_between(self.at_m, first.at_m, kBody_m, kSightSamples))
@@ -451,7 +447,7 @@ void SocialGroups::wait_for_others(std::span<const Member> members, size_t index
   speed_factor = std::max(speed_factor, min_factor);
   adjustment.speed_factor = std::min(adjustment.speed_factor, speed_factor);
   adjustment.behind_m = last->at_m;
-  // Out of the way of those who come between.
+  // Steps aside for agents that come between.
   const Eigen::Vector2d left = left_of(self.direction);
   const double off_m = (self.at_m - last->at_m).dot(left);
   const auto clearance_m = [&](double side) {

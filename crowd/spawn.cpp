@@ -14,23 +14,23 @@
 namespace throng {
 namespace {
 
-/// Gaps between discs, from comfortable to touching; kDarts tries each.
+/// Gaps between discs, from comfortable to touching; each is tried kDarts times.
 constexpr double kGaps_m[] = {0.30, 0.12, 0.02};
 constexpr uint32_t kDarts = 60;
 constexpr double kReferenceHeight_m = 1.70;
 constexpr double kReferenceRadius_m = 0.22;
 constexpr uint32_t kNone = UINT32_MAX;
-/// From companion to companion at the start: at first exactly beside, then anywhere as near.
+/// Distance between members at the start: first exactly abreast, then anywhere in this range.
 constexpr double kMemberSpacing_m = 0.75;
 constexpr double kMinMemberDistance_m = 0.55, kMaxMemberDistance_m = 1.3;
 constexpr uint32_t kMemberDarts = 80;
 
-/// The people placed so far in lists by cell.
+/// Placed agents in lists by cell.
 class PlacedDiscs {
  public:
-  /// `widest_m` is the largest radius of all.
+  /// `max_radius_m` is the largest radius of all.
   PlacedDiscs(const Rectangle& ground, double max_radius_m) : origin_m_(ground.min_m) {
-    // A cell is as wide as two discs with their gap, so that the nine around see all conflicts.
+    // A cell is as wide as two discs with their gap: the nine cells around contain all conflicts.
     cell_m_ =
         std::max({1.0, 2 * max_radius_m + kGaps_m[0], std::sqrt(ground.area_m2() / (1 << 22))});
     columns_ = static_cast<int>(ground.size_m().x() / cell_m_) + 1;
@@ -72,8 +72,8 @@ class PlacedDiscs {
   double cell_m_ = 1;
   int columns_ = 1;
   int rows_ = 1;
-  std::vector<uint32_t> first_;  ///< by cell
-  std::vector<uint32_t> next_;   ///< by person
+  std::vector<uint32_t> first_;  ///< per cell
+  std::vector<uint32_t> next_;   ///< per id
 };
 
 void place_at(const Eigen::Vector2d& point, const Stop& goal, AgentSpec& person) {
@@ -83,7 +83,7 @@ void place_at(const Eigen::Vector2d& point, const Stop& goal, AgentSpec& person)
   if (heading.squaredNorm() > 0) person.heading = heading.normalized();
 }
 
-/// Whoever stands at first looks at what there is to see.
+/// Agents that stand at first face their look-at point.
 void look_at_target(uint64_t seed, uint64_t id, const Group& group, AgentSpec& person) {
   if (!person.look_at_m || (person.premovement_s == 0 && !group.after)) return;
   const Eigen::Vector2d to_target = *person.look_at_m - person.position_m;
@@ -96,9 +96,8 @@ void look_at_target(uint64_t seed, uint64_t id, const Group& group, AgentSpec& p
                        .normalized();
 }
 
-/// Finds a free place in the group's spawn area; `id` names the person asked for, placed or not.
-/// A place without a way to the goal is taken if there is no other: its people are reported, not
-/// left out.
+/// Finds a free place in the group's spawn area for agent `id`. A place without a path to the goal
+/// is used if there is no other: its agents are reported as stranded.
 bool find_place(const CrowdPlan& plan, const Group& group, const NavigationMap& map, uint64_t id,
                 const std::vector<AgentSpec>& people, const PlacedDiscs& places,
                 AgentSpec& person) {
@@ -125,7 +124,7 @@ bool find_place(const CrowdPlan& plan, const Group& group, const NavigationMap& 
   return has_fallback;
 }
 
-/// True if somebody with this disc may stand at a point.
+/// Returns whether an agent with this disc may stand at a point.
 bool is_free_place(const Group& group, const NavigationMap& map, const Eigen::Vector2d& point,
                    double gap_m, const std::vector<AgentSpec>& people, const PlacedDiscs& places,
                    const AgentSpec& person) {
@@ -134,8 +133,8 @@ bool is_free_place(const Group& group, const NavigationMap& map, const Eigen::Ve
          map.route(person.group).front().field->reaches(point);
 }
 
-/// Finds a place beside companions, of whom `first` was placed first: to its left or right if there
-/// is room, otherwise near any of them.
+/// Finds a place near the members placed so far, of which `first` is the first. Prefers its left
+/// and right side to places near any of them.
 bool find_place_beside(const CrowdPlan& plan, const Group& group, const NavigationMap& map,
                        uint64_t id, size_t first, const std::vector<AgentSpec>& people,
                        const PlacedDiscs& places, AgentSpec& person) {
@@ -162,7 +161,7 @@ bool find_place_beside(const CrowdPlan& plan, const Group& group, const Navigati
   return false;
 }
 
-/// What companions share: the delay of the first, and the speed of the slowest.
+/// Gives members the delay of the first and the speed of the slowest.
 void form_group(std::span<AgentSpec> social_group, uint64_t number) {
   if (social_group.size() < 2) return;
   double speed_mps = social_group.front().desired_speed_mps;
@@ -175,8 +174,7 @@ void form_group(std::span<AgentSpec> social_group, uint64_t number) {
   }
 }
 
-/// People of a group who stand anywhere in its area, those of `first_id` on. Returns how many found
-/// room.
+/// Places agents of a group from `first_id` on anywhere in its area; returns their number.
 int place_at_random(const CrowdPlan& plan, size_t group_index, const NavigationMap& map,
                     uint64_t first_id, PlacedDiscs& places, std::vector<AgentSpec>& people) {
   const Group& group = plan.groups[group_index];
@@ -204,7 +202,7 @@ int place_at_random(const CrowdPlan& plan, size_t group_index, const NavigationM
   return placed;
 }
 
-/// The discs of those who stand in an area already, or reach into it.
+/// Discs of agents that stand in an area or reach into it.
 std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<AgentSpec>& people) {
   const Rectangle around = area.grown(kMaxRadius_m + 1);
   std::vector<StandingDisc> discs;
@@ -214,7 +212,7 @@ std::vector<StandingDisc> discs_near(const Rectangle& area, const std::vector<Ag
   return discs;
 }
 
-/// The share of their discs that people keep who stand closer together than these.
+/// Sets the radius scales of agents that stand closer than their discs.
 void set_radius_scales(std::span<AgentSpec> people, double max_radius_m) {
   std::vector<uint32_t> by_x;
   for (uint32_t i = 0; i < people.size(); ++i) by_x.push_back(i);
@@ -232,8 +230,7 @@ void set_radius_scales(std::span<AgentSpec> people, double max_radius_m) {
     }
 }
 
-/// People of a group whose density the scene says, those of `first_id` on. Returns how many found
-/// room.
+/// Places agents of a group with a density, from `first_id` on. Returns the number of placed ones.
 int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap& map,
                   uint64_t first_id, double max_radius_m, PlacedDiscs& places,
                   std::vector<AgentSpec>& people) {
@@ -266,12 +263,11 @@ int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap
   return static_cast<int>(people.size() - first);
 }
 
-/// Of the steering disc of somebody in the group.
 double disc_of(const Group& group, double height_m) {
   if (group.radius_m > 0) return group.radius_m;
   if (has_people(group)) return disc_radius_m(height_m);
   const Model& body = *group.body;
-  // All of a robot as it starts: unlike a person it has no arms to draw in.
+  // The whole outline of a robot at its start: it has no arms to tuck.
   return std::clamp(static_cast<double>(body.footprint_radius_m()) * height_m /
                         static_cast<double>(body.height_m),
                     kMinRadius_m, kMaxRadius_m);
@@ -285,7 +281,7 @@ double tallest_m(const Group& group) {
   return max_m;
 }
 
-/// Those of one source, with the times at which they come.
+/// Adds the agents of one source with their entry times.
 void add_source(const CrowdPlan& plan, const NavigationMap& map, size_t group, const Source& source,
                 uint32_t entrance, uint64_t first_id, std::vector<AgentSpec>& people) {
   double time_s = source.start_s;
@@ -304,7 +300,7 @@ void add_source(const CrowdPlan& plan, const NavigationMap& map, size_t group, c
     place_at(source.area.middle_m(), map.route(group).front(), person);
     people.push_back(person);
   }
-  // A party comes as one, with its first.
+  // Members of a social group enter at the time of the first.
   for (int i = 0; i < source.count;) {
     const uint64_t id = first_id + static_cast<uint64_t>(i);
     const int size = draw_group_size(plan.groups[group], plan.seed, id, source.count - i);
@@ -326,7 +322,7 @@ int draw_group_size(const Group& group, uint64_t seed, uint64_t id, int left) {
     groups += rule.sizes[i];
     people += static_cast<double>(i + 2) * rule.sizes[i];
   }
-  // Of parties and people alone so many are parties that their share of the people is as asked.
+  // Probability of a social group, from the share of agents that belong to one.
   const double group_share =
       rule.share * groups / (rule.share * groups + (1 - rule.share) * people);
   const RandomKey key{seed, id, 0, Purpose::kSocialGroup};
@@ -360,8 +356,7 @@ double disc_radius_m(double height_m) {
 }
 
 double wall_gap_m(double radius_m, double height_m) {
-  // Half of 0.25 m for 1.70 m; no more than discs of any height would be, since robots are tall,
-  // too.
+  // Half of 0.25 m for 1.70 m; at most the usual disc, because robots may be tall.
   return std::max(radius_m, std::min(kReferenceRadius_m, 0.125 * (height_m / kReferenceHeight_m)));
 }
 
@@ -380,7 +375,7 @@ SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
   uint32_t entrance = 0;
   for (size_t g = 0; g < plan.groups.size(); ++g) {
     const Group& group = plan.groups[g];
-    // A robot's size comes from a file of somebody else's, perhaps in millimetres: it is said.
+    // A robot's size comes from a file that may be in millimetres: it is reported.
     if (!has_people(group))
       out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
@@ -397,7 +392,7 @@ SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
     out.unplaced.push_back(group.count - placed);
     if (placed < group.count)
       out.notes.push_back(
-          fmt::format("group '{}': placed {} of {} people; its spawn area holds no more",
+          fmt::format("group '{}': placed {} of {} agents; enlarge `spawn` or ask for fewer",
                       group.name, placed, group.count));
   }
   return out;

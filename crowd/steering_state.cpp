@@ -9,8 +9,8 @@
 namespace throng {
 namespace {
 
-/// Nobody runs faster, whatever the scene and however hard others push.
-constexpr double kLargest_mps = 100;
+/// Upper bound of speeds for any scene, including pushes.
+constexpr double kMaxSpeed_mps = 100;
 
 /// at(slot) is the value.
 template <typename At>
@@ -25,14 +25,14 @@ void archive_by_id(Archive& a, const SteeringState& state, const At& at) {
     for (size_t slot = 0; slot < ids.size(); ++slot) at(slot) = by_id[ids[slot]];
 }
 
-/// Comparisons are written so that NaN is refused, too.
+/// Comparisons are negated to reject NaN as well.
 void check_read(Archive& a, SteeringState& state) {
   const auto check_head_yaw = [&](float head_yaw_rad) {
     if (!(std::abs(head_yaw_rad) <= Gait::kMaxHeadYaw_rad))
-      a.refuse("a head turned as far as heads do", "another");
+      a.refuse("a head yaw within its limits", "another value");
   };
   const auto check_speed = [&](const Eigen::Vector2d& speed) {
-    if (!(speed.norm() <= kLargest_mps)) a.refuse("the speed of a person", "another");
+    if (!(speed.norm() <= kMaxSpeed_mps)) a.refuse("the speed of an agent", "another value");
   };
   for (const float head_yaw_rad : state.head_yaws_rad) check_head_yaw(head_yaw_rad);
   for (const auto* speeds : {&state.velocities_mps, &state.headings})
@@ -44,18 +44,18 @@ void check_read(Archive& a, SteeringState& state) {
       using Value = std::remove_cvref_t<decltype(value)>;
       if constexpr (std::is_same_v<Value, double>) {
         if (check == FieldCheck::kTurnRate && !(std::abs(value) <= 1.001 * tuning::kMaxTurn_radps))
-          a.refuse("a turn as fast as people turn", "another");
+          a.refuse("a turn rate within its limits", "another value");
       } else if constexpr (std::is_same_v<Value, float>) {
         if (check == FieldCheck::kHeadYaw) check_head_yaw(value);
         if (check == FieldCheck::kHeadYawRate && !(std::abs(value) <= kMaxHeadYaw_radps))
-          a.refuse("a head that turns as fast as heads do", "another");
+          a.refuse("a head yaw rate within its limits", "another value");
         if (check == FieldCheck::kShare && !(value > 0 && value <= 1))
-          a.refuse("a share of a disc", "another");
+          a.refuse("a radius scale above 0 and up to 1", "another value");
         if (check == FieldCheck::kUnitInterval && !(value >= 0 && value <= 1))
-          a.refuse("a share", "another");
+          a.refuse("a share from 0 to 1", "another value");
         if (check == FieldCheck::kSpeedComponent &&
-            !(std::abs(value) <= static_cast<float>(kLargest_mps)))
-          a.refuse("the speed of a person", "another");
+            !(std::abs(value) <= static_cast<float>(kMaxSpeed_mps)))
+          a.refuse("the speed of an agent", "another value");
       } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
         if (check == FieldCheck::kSpeed) check_speed(value);
       }

@@ -1,6 +1,6 @@
-// SteeringState holds what the behaviours of a crowd share: where agents are, what others see of
-// them, and what the decision in progress has found. Invariant: blocks depend on the number of
-// agents only, never on the number of threads.
+// SteeringState contains the data that the behaviours of a crowd share: agents, the state their
+// neighbours see, and results of the decision in progress.
+// Invariant: blocks depend on the number of agents only, never on the number of threads.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,15 +24,15 @@
 
 namespace throng {
 
-/// A decision takes about half a microsecond per agent, a step a tenth of that: blocks of some ten
-/// microseconds.
+/// A decision takes about half a microsecond per agent and a step a tenth of it: a block of a step
+/// takes about ten microseconds.
 inline constexpr size_t kAgentsPerBlock = 256;
 
 inline int block_count(size_t people) {
   return static_cast<int>((people + kAgentsPerBlock - 1) / kAgentsPerBlock);
 }
 
-/// Calls body(begin, end, worker) for the blocks of so many people.
+/// Calls body(begin, end, worker) for the blocks of `people` agents.
 template <typename Body>
 void for_blocks_of(Workers& workers, size_t people, const Body& body) {
   workers.for_blocks(block_count(people), [&](int block, int worker) {
@@ -43,38 +43,35 @@ void for_blocks_of(Workers& workers, size_t people, const Body& body) {
 
 /// Crowd changes it between passes; a behaviour writes only the slots that it is called for.
 struct SteeringState {
-  /// A block of those who decide now.
   using Slots = std::span<const uint32_t>;
   static constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
-  /// The slot of an agent that is outside or gone.
+  /// Slot of an agent that is outside or gone.
   static constexpr uint32_t kNowhere = UINT32_MAX;
 
   /// Keeps a reference to `workers_of_run`.
   SteeringState(const Rectangle& ground, std::span<const AgentSpec> people, double seconds_per_step,
                 const SteeringTraits& model_traits, SimdTarget simd, Workers& workers_of_run);
 
-  /// Every agent there may ever be.
+  /// Maximum number of agents.
   size_t size() const { return positions_m.size(); }
   uint32_t id(size_t slot) const { return grid.order()[slot]; }
   double now_s() const { return step_s * static_cast<double>(steps); }
-  /// How long ago an agent last made progress.
+  /// Time since an agent last made progress.
   double stalled_s(size_t slot) const {
     return step_s * static_cast<double>(steps - agents[slot].anchor_step);
   }
   uint64_t periods() const { return static_cast<uint64_t>(steps / steps_per_period); }
 
-  /// Those who decide now, neighbours in space together.
+  /// Slots of the agents that decide now, neighbours in space together.
   Slots deciders() const {
     return {decider_slots.data() + first_deciders[phase],
             decider_slots.data() + first_deciders[phase + 1]};
   }
-  /// An agent after the i-th, to be fetched into the caches: they lie too irregularly to be
-  /// foreseen.
+  /// A later agent to prefetch: slots are too irregular for hardware prefetching.
   static uint32_t later_decider(Slots slots, size_t i) {
     constexpr size_t kAhead = 8;
     return slots[std::min(i + kAhead, slots.size() - 1)];
   }
-  /// The slots of the nearest others, nearest first.
   Slots neighbours(size_t slot) const {
     return {decisions.neighbours.data() + kMaxNeighbours * slot, decisions.neighbour_counts[slot]};
   }
@@ -83,7 +80,7 @@ struct SteeringState {
     for (size_t k = 0; k < decisions.neighbour_counts[slot]; ++k)
       __builtin_prefetch(&agents.published[near[k]]);
   }
-  /// Asks for what a step writes by person, which lies anywhere.
+  /// Prefetches the arrays by id that a step writes.
   THRONG_PREFETCH void prefetch_agent(uint32_t id) const {
     __builtin_prefetch(&positions_m[id], 1);
     __builtin_prefetch(&velocities_mps[id], 1);
@@ -97,7 +94,7 @@ struct SteeringState {
   void for_slots(const Body& body) const {
     for_blocks_of(workers, grid.order().size(), body);
   }
-  /// Calls body(block of slots, block, worker) for those who decide now.
+  /// Calls body(block of slots, block, worker) for the deciding agents.
   template <typename Body>
   void for_deciders(const Body& body) const {
     const Slots all = deciders();
@@ -105,7 +102,7 @@ struct SteeringState {
       body(all.subspan(begin, end - begin), begin / kAgentsPerBlock, worker);
     });
   }
-  /// Returns the largest of body(block of deciders, block), and 0 at least.
+  /// Returns the maximum of body(block of deciders, block), at least 0.
   template <typename Body>
   double max_over_blocks(const Body& body) {
     for_deciders([&](Slots slots, size_t block, int) { block_values[block] = body(slots, block); });
@@ -115,18 +112,18 @@ struct SteeringState {
     return value;
   }
 
-  /// True of an agent that wants to stand.
+  /// Returns whether an agent has no preferred direction.
   bool stands(size_t slot) const {
     return agents.published[slot].direction_x == 0 && agents.published[slot].direction_y == 0;
   }
-  /// From now on the agent wants that velocity, and others see its direction.
+  /// Sets the preferred velocity of an agent and the direction that others see.
   void set_preferred(size_t slot, const Eigen::Vector2f& preferred_mps);
-  /// Updates what others see of an agent.
+  /// Updates the state that neighbours see.
   void publish_state(size_t slot) {
     const AgentState& w = agents[slot];
     NeighbourState& published = agents.published[slot];
     Eigen::Vector2f velocity = w.velocity_mps.cast<float>();
-    // People who are stuck show where to, so that others can make way.
+    // Stuck agents show their preferred velocity: others can then make room.
     if (traits.uses_random_sidesteps)
       velocity +=
           static_cast<float>(tuning::kPublishedPreferredShare) * published.impatience *
@@ -138,7 +135,7 @@ struct SteeringState {
     published.y_m = grid.y()[slot];
     predict_position(slot);
   }
-  /// Updates where an agent will stand after a period of going on like this.
+  /// Updates the predicted position after one period.
   void predict_position(size_t slot) {
     const AgentState& w = agents[slot];
     NeighbourState& published = agents.published[slot];
@@ -148,13 +145,11 @@ struct SteeringState {
     published.ahead_y_m = published.y_m + ahead_s * velocity.y();
   }
 
-  /// Lists by phase the slots that decide in it; phase_of(id) is any number, of which the remainder
-  /// counts.
+  /// Lists by phase the slots that decide in it: phase_of(id) modulo the number of phases.
   template <typename PhaseOf>
   void list_deciders(const PhaseOf& phase_of);
 
-  /// What is known by slot, after the grid, and by person what follows from it. Refuses what no
-  /// agent does.
+  /// Saves or restores data by slot, after the grid, and derives data by id. Checks ranges.
   void archive_agents(Archive& a);
 
   Workers& workers;
@@ -163,31 +158,31 @@ struct SteeringState {
   int steps_per_period = 6;
   double period_s = 0.1;  ///< between two decisions of an agent
   int64_t steps = 0;
-  size_t phase = 0;  ///< the step of the period: those of it decide
+  size_t phase = 0;  ///< step of the period, which selects the deciding agents
 
-  // What never changes, by person.
+  // Constant properties, by id.
   std::vector<double> radii_m;
   std::vector<double> desired_speeds_mps;
-  float max_radius_m = 0;            ///< of all radii
-  double max_desired_speed_mps = 0;  ///< of all free speeds
+  float max_radius_m = 0;            ///< maximum over all agents
+  double max_desired_speed_mps = 0;  ///< maximum over all agents
 
-  // What others see, by person.
+  // State read outside the crowd, by id.
   std::vector<Eigen::Vector2d> positions_m;
   std::vector<Eigen::Vector2d> velocities_mps;
   std::vector<Eigen::Vector2d> headings;
   std::vector<float> head_yaws_rad;
-  std::vector<double> displacements_m;  ///< in the latest step
+  std::vector<double> displacements_m;  ///< displacement in the latest step
 
   NeighbourGrid grid;
-  std::vector<uint32_t> slot_of;         ///< by person, or kNowhere
+  std::vector<uint32_t> slot_of;         ///< per id, or kNowhere
   std::vector<uint32_t> decider_slots;   ///< phase by phase
-  std::vector<uint32_t> first_deciders;  ///< by phase, and the end
+  std::vector<uint32_t> first_deciders;  ///< per phase, and the end
   AgentStates agents;
   Decisions decisions;
-  std::vector<double> block_values;  ///< one a block, reduced in order
+  std::vector<double> block_values;  ///< one per block, reduced in order
 };
 
-/// By counting: each phase in the order of slots.
+/// Counting sort: each phase in the order of slots.
 template <typename PhaseOf>
 void SteeringState::list_deciders(const PhaseOf& phase_of) {
   const std::span<const uint32_t> ids = grid.order();

@@ -12,7 +12,7 @@ constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 Triggers::Triggers(const NavigationMap& map, std::span<const AgentSpec> people) : map_(map) {
   for (uint32_t id = 0; id < people.size(); ++id) {
-    if (people[id].is_external) continue;  // of a group that nothing waits for
+    if (people[id].is_external) continue;  // no trigger refers to its group
     if (members_.size() <= people[id].group) members_.resize(people[id].group + 1);
     Range& range = members_[people[id].group];
     if (range.end == 0) range.begin = id;
@@ -24,9 +24,9 @@ Triggers::Triggers(const NavigationMap& map, std::span<const AgentSpec> people) 
 
 void Triggers::archive(Archive& a) {
   a(times_s_);
-  // Written so that NaN is refused, too.
+  // Negated to reject NaN as well.
   for (const double time_s : times_s_)
-    if (!(time_s >= 0)) a.refuse("a time from the start on", "another");
+    if (!(time_s >= 0)) a.refuse("a time from the start on", "another value");
 }
 
 void Triggers::watch(const Journeys& journeys, double now_s) {

@@ -1,6 +1,5 @@
-// When what groups and doors wait for comes.
-// One rule: what has come stays; a time depends on the journeys of the decisions so far, and on
-// nothing else.
+// Triggers computes the times at which groups set out and doors move.
+// Invariant: a known time never changes. It depends on the journeys of past decisions only.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +18,11 @@ class Triggers {
   /// Keeps a reference to `map`.
   Triggers(const NavigationMap& map, std::span<const AgentSpec> people);
 
-  /// Everything that watch() may have changed.
   void archive(Archive& a);
 
-  /// Once a decision, when everybody has followed their journeys.
+  /// To be called once per period, after the journeys.
   void watch(const Journeys& journeys, double now_s);
-  /// When it comes, or came; infinity while nobody can know.
+  /// Time of a trigger (s); infinity while it is unknown.
   double time_s(uint32_t trigger) const { return times_s_[trigger]; }
 
  private:

@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-/// The rate at which to turn by so much: no faster than it can be stopped at the end.
+/// Turn rate for a remaining angle: no faster than can be stopped at its end.
 double turn_rate_radps(double off_rad, double max_radps, double max_radps2, double step_s) {
   const double size = std::abs(off_rad);
   return std::copysign(std::min({max_radps, std::sqrt(2 * max_radps2 * size), size / step_s}),
@@ -35,8 +35,7 @@ double Turning::step(size_t slot) {
   return turned_rad;
 }
 
-/// What somebody looks at who waits for the time to come; others look to the way that
-/// their preferred velocity has found.
+/// Facing of waiting agents; others face the direction of their preferred velocity.
 void Turning::find_facing(size_t slot) {
   const uint32_t id = state_.id(slot);
   if (journeys_.state(id) == JourneyState::kWalking && !social_groups_.stands(id)) return;
@@ -53,7 +52,7 @@ void Turning::find_facing(size_t slot) {
       length > 0 ? Eigen::Vector2d(facing / length) : Eigen::Vector2d::Zero();
 }
 
-/// The sine of the angle from the heading to the way wanted does for it, as far as heads turn.
+/// Uses the sine of the angle to the preferred direction for the angle, up to the limit of heads.
 float Turning::target_head_yaw_rad(size_t slot) const {
   const Eigen::Vector2f heading = state_.agents[slot].heading.cast<float>();
   float x = state_.agents.published[slot].direction_x,
@@ -96,12 +95,12 @@ double Turning::turn(size_t slot) {
   return turn_on_spot(slot, std::max(walks, 0.0), to);
 }
 
-/// Somebody who walks faces where it goes.
+/// Turns a walking agent to its direction.
 double Turning::turn_to_direction(size_t slot, const Eigen::Vector2d& to) {
   const Eigen::Vector2d& from = state_.agents[slot].heading;
   double& rate = state_.agents[slot].turn_radps;
   const double left = from.x() * to.y() - from.y() * to.x(), ahead = from.dot(to);
-  constexpr double kHardly = 0.99;  // a cosine: the sine is the angle, nearly
+  constexpr double kHardly = 0.99;  // cosine: beyond it the sine is close to the angle
   const double off = ahead > kHardly ? left : arc_tan2(left, ahead);
   const double target =
       turn_rate_radps(off, tuning::kMaxTurn_radps, tuning::kTurnWalking_radps2, state_.step_s);
@@ -113,8 +112,8 @@ double Turning::turn_to_direction(size_t slot, const Eigen::Vector2d& to) {
   return std::abs(off);
 }
 
-/// Somebody who stands turns when it is worth it, and then all the way. In between, `walks` from 0
-/// to 1, it does more and more as those who walk.
+/// Turns a standing agent once the angle is large enough, and then completely. `walks` from 0 to 1
+/// blends to the turning of walking agents.
 double Turning::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& to) {
   const double rate = state_.agents[slot].turn_radps;
   const Eigen::Vector2d& from = state_.agents[slot].heading;
@@ -132,7 +131,7 @@ double Turning::turn_on_spot(size_t slot, double walks, const Eigen::Vector2d& t
                     std::abs(rate) > max_radps ? tuning::kTurnStop_radps2 : max_radps2);
 }
 
-/// Turns on, at a rate that comes as near to the one wanted as it may.
+/// Turns on, at a rate as close to the target as its acceleration allows.
 double Turning::apply_turn(size_t slot, double target_radps, double max_radps2) {
   double& rate = state_.agents[slot].turn_radps;
   const double change = max_radps2 * state_.step_s;

@@ -1,5 +1,4 @@
-// Turning turns bodies and heads: agents face where they walk, and what they wait for while they
-// stand.
+// Turning turns bodies and heads to the walking direction, or to what standing agents wait for.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,28 +16,27 @@
 namespace throng {
 namespace tuning {
 
-/// The fastest the body turns, and how hard it begins to: a hip turns by 2.6 times that, as a foot
-/// is in the air for little more than a third of a cycle.
+/// Maximum turn rate and angular acceleration of bodies. A hip turns by 2.6 times as much, because
+/// a foot is in the air for little more than a third of a cycle.
 inline constexpr double kMaxTurn_radps = 2.0;
 inline constexpr double kTurnWalking_radps2 = 40.0;
-/// The body follows the mean velocity of about this time, so that it does not shake in a throng.
+/// Averaging time of the velocity that the body follows; prevents shaking in crowds.
 inline constexpr double kTurnSmoothing_s = 0.5;
-/// Slower than the first a person stands and faces what it waits for, faster than the second it
-/// faces the way it walks.
+/// Below the first speed agents face their target, above the second their walking direction.
 inline constexpr double kStandingSpeed_mps = 0.3;
 inline constexpr double kWalkingSpeed_mps = 0.5;
-/// Whoever stands turns when what it waits for is so far off; as far as that the head alone turns.
+/// A standing agent turns its body from this angle on; below it only the head turns.
 inline constexpr double kTurnFrom_rad = 0.45;
-/// Such a turn goes on to here, begins and ends as gently as this, and is never faster: people who
-/// are asked to turn on the spot take two to three seconds for a quarter turn to half a turn.
+/// A turn on the spot ends at this angle, with this acceleration and maximum rate. People take two
+/// to three seconds for quarter to half turns.
 inline constexpr double kTurnTo_rad = 0.035;
 inline constexpr double kTurnStart_radps2 = 3.0;
 inline constexpr double kTurnOnSpot_radps = 0.85;
-/// A turn of somebody who walks slows down to that when the walk ends.
+/// Deceleration of a turn when the walk ends.
 inline constexpr double kTurnStop_radps2 = 10.0;
-/// The head turns to where its owner wants to go in about this time, before the body does.
+/// Time for the head to reach the preferred direction, ahead of the body.
 inline constexpr float kHeadYawTime_s = 0.25f;
-/// It speeds up and slows down no faster; where it looks changes at once.
+/// Angular acceleration of the head; its target changes at once.
 inline constexpr float kHeadYaw_radps2 = 40;
 
 }  // namespace tuning
@@ -49,12 +47,11 @@ class Turning {
   Turning(SteeringState& state, const Journeys& journeys, const SocialGroups& groups,
           const Queues& queues, std::span<const AgentSpec> people);
 
-  /// Decides what an agent faces when it stands, and where its head turns. The agent has its
-  /// preferred velocity, and faces its way so far.
+  /// Sets what a standing agent faces and the target of its head yaw. Requires the preferred
+  /// velocity, in whose direction the agent faces so far.
   void decide(size_t slot);
 
-  /// Turns body and head on by a step, once the agent has the velocity of the step. Returns by how
-  /// much the heading turned (rad).
+  /// Turns body and head for one step at its velocity. Returns the heading change (rad).
   double step(size_t slot);
 
  private:
@@ -70,7 +67,8 @@ class Turning {
   const Journeys& journeys_;
   const SocialGroups& social_groups_;
   const Queues& queues_;
-  std::vector<std::optional<Eigen::Vector2d>> look_at_m_;  ///< by person: seen while they stand
+  /// by id: look-at points of standing agents
+  std::vector<std::optional<Eigen::Vector2d>> look_at_m_;
 };
 
 }  // namespace throng

@@ -15,7 +15,7 @@ namespace throng {
 
 namespace {
 
-/// Beyond, volumes leave what a float holds, and pairs would be lost.
+/// Beyond this limit volumes leave the range of float, and pairs would be lost.
 std::vector<PartShape> described(std::vector<PartShape> parts) {
   constexpr auto kMax_m = static_cast<float>(kMaxDescribed);
   for (size_t i = 0; i < parts.size(); ++i)

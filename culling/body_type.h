@@ -1,6 +1,5 @@
-// What culling keeps of a kind of body: the points and triangles of its parts and the volumes
-// fitted to them, once, in the part's own frame. One rule: immutable and shared by all bodies of
-// the type.
+// BodyType stores the points and triangles of a kind of body, and the volumes fitted to its parts.
+// Invariant: immutable and shared by all bodies of the type; volumes are fitted once per part.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,18 +13,18 @@
 
 namespace throng {
 
-/// One part's surface in its own frame, metres. No triangles: a point cloud.
+/// Surface of one part in its own frame, in metres. Without triangles it is a point cloud.
 struct PartShape {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3i> triangles;
-  /// What encloses it; empty: CullerOptions::part_volume. Two parts with different volumes are
-  /// tested with both, the one that comes first in the list of volumes first.
+  /// Bounding volume of this part; empty: CullerOptions::part_volume. Two parts with different
+  /// volumes are tested with both, in the order of the list of volumes.
   std::optional<VolumeKind> volume = {};
 };
 
-/// A sphere fixed in the root frame that encloses every part in every posture the body can take;
-/// and, where somebody knows it, a cylinder around the root's z axis that does so too: people are
-/// tall, so it tells more of them apart. It counts while the root stands upright.
+/// Sphere, fixed in the root frame, that encloses every part in every posture of the body.
+/// Optionally also a cylinder around the root's z axis that does so: people are tall, and a
+/// cylinder separates more of them. The cylinder applies while the root is upright.
 struct RootSphere {
   Eigen::Vector3f centre_m = Eigen::Vector3f::Zero();
   float radius_m = 0;
@@ -34,7 +33,7 @@ struct RootSphere {
 
 class BodyType {
  public:
-  /// At most kMaxParts parts, each with at least one point (asserted).
+  /// `parts`: 1 to kMaxParts, each with at least one point (asserted).
   BodyType(std::vector<PartShape> parts, const RootSphere& sphere, bool is_static);
   ~BodyType();
 
@@ -43,12 +42,12 @@ class BodyType {
   int part_count() const { return static_cast<int>(parts_.size()); }
   const std::vector<PartShape>& parts() const { return parts_; }
   const RootSphere& sphere() const { return sphere_; }
-  /// Two static bodies (walls, pillars) are never tested against each other.
+  /// True if the body never moves (walls, pillars). Two static bodies are never tested.
   bool is_static() const { return is_static_; }
-  /// True if every part has triangles, so that the exact stage can decide.
+  /// True if every part has triangles, as the narrow phase needs them.
   bool has_triangles() const;
 
-  struct Volumes;  // everything fitted; private to culling
+  struct Volumes;  // all fitted volumes; private to culling
   const Volumes& volumes() const { return *volumes_; }
 
  private:

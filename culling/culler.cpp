@@ -13,12 +13,12 @@
 namespace throng {
 namespace {
 
-/// By PairSearch.
+/// Names in the order of PairSearch.
 constexpr std::array<std::string_view, 3> kPairSearches = {"grid", "sweep", "brute"};
 
 void require_tally(const CullerOptions& options) {
   if (options.by_part && options.has_budget())
-    throw InputError("counts by part", "the pipeline without a deadline", "a deadline");
+    throw InputError("counts by part pair", "the pipeline without a budget", "a budget");
 }
 
 void require_filter(BodyTypes types, const CullerOptions& options) {
@@ -27,7 +27,8 @@ void require_filter(BodyTypes types, const CullerOptions& options) {
   bool fits = sides_of_part.empty() || sides_of_part.size() == types.size();
   for (size_t type = 0; fits && type < sides_of_part.size(); ++type)
     fits = sides_of_part[type].size() == types[type]->parts().size();
-  if (!fits) throw InputError("a filter", "sides of every part of every type", "others");
+  if (!fits)
+    throw InputError("pair filter", "sides of every part of every type", "another number of parts");
 }
 
 std::unique_ptr<ProximitySearch> make_proximity_search(BodyTypes types,
@@ -37,7 +38,7 @@ std::unique_ptr<ProximitySearch> make_proximity_search(BodyTypes types,
   if (!options.proximity.needs_search()) return nullptr;
   if (options.proximity.contact_points && !options.exact)
     throw InputError("contact points", "exact contacts (--exact, or culling: {exact: true})",
-                     "contacts of volumes, which have none");
+                     "contacts of part volumes, which have no contact points");
   return std::make_unique<ProximitySearch>(types, options, workers);
 }
 
@@ -80,10 +81,10 @@ struct Culler::State {
   }
 
   std::vector<std::shared_ptr<const BodyType>> types;
-  std::unique_ptr<ProximitySearch> proximity;  // null where no distance is asked
+  std::unique_ptr<ProximitySearch> proximity;  // null if no distances are requested
   PassRun run;
   std::unique_ptr<BudgetedProximity>
-      budgeted_proximity;  // under a deadline; else the pass finds distances, too
+      budgeted_proximity;  // with a budget; otherwise the pass itself computes distances
 };
 
 Culler::Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,

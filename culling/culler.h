@@ -1,5 +1,5 @@
-// One culling pass: spheres over bodies, then volumes over parts, then triangles where asked.
-// One rule: a pair whose triangles intersect is always reported, whatever the options.
+// Culler detects contacts: spheres of bodies, then volumes of parts, then triangles on request.
+// Invariant: a pair whose triangles intersect is always reported, regardless of the options.
 #pragma once
 
 #include <cstdint>
@@ -25,34 +25,33 @@ namespace throng {
 
 enum class PairSearch { kGrid, kSweep, kBrute };
 
-/// "grid", "sweep", "brute".
+/// "grid", "sweep" or "brute".
 std::string_view name_of(PairSearch search);
 std::optional<PairSearch> pair_search_of(std::string_view name);
 std::vector<std::string> pair_search_names();
 
 struct CullerOptions {
   VolumeKind part_volume = VolumeKind::kOrdop26;
-  bool exact = false;  ///< decide the surviving pairs by their triangles
+  bool exact = false;  ///< test the triangles of the surviving pairs
   PairSearch pair_search = PairSearch::kGrid;
   SimdTarget simd = SimdTarget::kBest;
-  /// A frame's budget after the pair search: when it is up, what is not refined is reported at the
-  /// level it reached. Both may be given.
-  std::optional<double> budget_ms{};       ///< of a whole pass, by the clock: not repeatable
-  std::optional<uint64_t> budget_tests{};  ///< of boxes, part volumes and triangles together
-  /// Counts by pair of parts, too, and judges by triangles what the part volumes report; see
-  /// part_tally(). Never changes a result. Only without a deadline.
+  /// Budgets per frame; both may be set. Pairs not refined within them are reported at the level
+  /// they reached. With budget_ms, the time of a whole pass in ms, results are not repeatable.
+  std::optional<double> budget_ms{};
+  std::optional<uint64_t> budget_tests{};  ///< tests of boxes, volumes and triangles
+  /// Count per pair of parts, and test with triangles the contacts that part volumes report; see
+  /// part_tally(). Never changes a result. Not available with a budget.
   bool by_part = false;
-  /// Distances beside what touches; by triangles with `exact`. A deadline counts for them again, by
-  /// itself: what it leaves undecided is listed with what its volumes prove.
+  /// Distances in addition to contacts; by triangles with `exact`. They have a separate budget of
+  /// the same size. Undecided pairs are listed with the bounds from their volumes.
   ProximityOptions proximity{};
-  /// What is asked for, of events and of distances alike.
+  /// Pairs to report, as events and as distances.
   PairFilter filter{};
 
   bool has_budget() const { return budget_ms || budget_tests; }
 };
 
-/// The latest frame of a culler; see the functions of Culler of the same names. Spans are valid
-/// until the next step.
+/// Latest frame of a culler, as the functions of Culler. Spans are valid until the next step.
 struct CullingResult {
   std::span<const PairKey> pairs;
   std::span<const PairEvent> events;
@@ -65,27 +64,26 @@ struct CullingResult {
   uint64_t proximity_hash = 0;
 };
 
-/// What all cullers do, for callers that choose one at run time.
+/// Interface of all cullers, for callers that choose one at run time.
 class AnyCuller {
  public:
   virtual ~AnyCuller() = default;
-  /// One frame. Spans returned earlier become invalid.
+  /// Processes one frame. Invalidates spans returned earlier.
   virtual void step(const BodiesView& bodies, const PoseSource& poses) = 0;
-  /// Ends every pair that still touches (the run stops): events() then holds the ends.
+  /// Ends all current contacts at the end of a run; events() then holds the end events.
   virtual void finish() = 0;
-  /// What touches and the hash so far: all that later events depend on. Everything else is scratch.
+  /// Reads or writes the state that later events depend on: the current contacts and the hash.
   virtual void archive(Archive& a) = 0;
   virtual CullingResult frame() const = 0;
-  /// All frames so far, by pair of parts; empty without CullerOptions::by_part.
+  /// Counts of all frames so far, per pair of parts; empty without CullerOptions::by_part.
   virtual PartTally part_tally() const { return {}; }
 };
 
 class Culler final : public AnyCuller {
  public:
-  /// Keeps a reference to `workers`. Throws InputError if exact is asked of a type without
-  /// triangles; if by_part is asked under a deadline; if margins are negative or infinite; if
-  /// contact points are asked without exact; if the types and parts of a filter are not those of
-  /// `types`.
+  /// Keeps a reference to `workers`. Throws InputError for negative or too large margins, and for a
+  /// filter that does not match `types`. Also throws for `exact` with a type without triangles,
+  /// `by_part` with a budget, and contact points without `exact`.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler() override;
@@ -98,21 +96,19 @@ class Culler final : public AnyCuller {
 
   std::span<const PairKey> pairs() const;
   std::span<const PairEvent> events() const;
-  /// PairLevel of each of pairs(). Empty where everything is decided: without a deadline.
+  /// PairLevel of each of pairs(). Empty without a budget: all pairs are then decided.
   std::span<const uint8_t> levels() const;
   uint64_t persisting() const;
-  /// The pairs of parts within `proximity.margin_m`, and of each two bodies within
-  /// `proximity.closest_margin_m` the nearest pair; sorted.
+  /// Pairs of parts within `proximity.margin_m`, and the closest parts of each two bodies within
+  /// `proximity.closest_margin_m`; sorted.
   ProximityRows proximity_pairs() const;
   ProximityRows closest_parts() const;
-  /// One for each of pairs(), where `proximity.contact_points` asks for them; under a deadline none
-  /// of what it leaves undecided.
+  /// One point for each of pairs() if `proximity.contact_points`; none for undecided pairs.
   std::span<const ContactPoint> contact_points() const;
   const CullingCounters& counters() const;
-  /// Of every event so far (see event_hash.h); with a deadline, levels count.
+  /// Hash of all events so far (see event_hash.h); with a budget it includes levels.
   uint64_t hash() const;
-  /// Of every near row so far: its pair, interval and level. hash() is the same with and without
-  /// margins.
+  /// Hash of all proximity rows so far (pair, distance bounds, level). Does not affect hash().
   uint64_t proximity_hash() const;
 
  private:

@@ -1,5 +1,6 @@
-// Culling: which parts of which bodies overlap. Knows poses and points: no avatar, no KDL, no file.
-// One rule: these headers, and event_hash.h, are the door; what lies in the folders is behind it.
+// culling.h includes the interface of culling: bodies and poses in, pairs of parts in contact out.
+// Culling does not depend on avatars, KDL or files.
+// Invariant: code outside of culling includes only these headers and event_hash.h.
 #pragma once
 
 #include "culling/bodies.h"

@@ -1,6 +1,5 @@
-// The hash of a run's events: equal hashes, equal begins and ends in equal frames.
-// One rule: a frame's events are added up, so that the parts of a crowd, wherever they are held,
-// can be summed apart and added; the frames' sums are then chained in their order.
+// EventHash hashes the contact events of a run: equal hashes mean equal events in equal frames.
+// Invariant: events of a frame are added up in any order and grouping; frames are chained in order.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +10,18 @@
 
 namespace throng {
 
-/// What the hash says of each event. The numbers go into messages.
+/// Content of the hash. The numbers are used in messages.
 enum class EventHashKind : int32_t {
-  kEvents = 1,          ///< the pair and whether it began or ended
-  kEventsAndLevels = 2  ///< how far it was refined, too: under a deadline
+  kEvents = 1,          ///< pair and kind of the event
+  kEventsAndLevels = 2  ///< also the refinement level, for runs with a budget
 };
 
-/// Of the events of a frame, or of any part of them: sums of parts add up to the sum of the whole.
+/// Sum of the events of a frame or of a part of them. Sums of parts add up to the sum of the frame.
 struct EventSum {
   uint64_t count = 0;
   uint64_t sum = 0;  ///< modulo 2^64
 
-  /// Another pair or kind is certain to add another number, and another level where levels count.
+  /// Different pairs or kinds, and different levels if these count, always add different numbers.
   void add(const PairEvent& event, EventHashKind kind) {
     const uint64_t level =
         kind == EventHashKind::kEventsAndLevels ? 1 + static_cast<uint64_t>(event.level) : 0;
@@ -40,11 +39,11 @@ struct EventSum {
   }
 };
 
-/// Over the frames so far. 0 until something happens; a frame without events changes nothing.
+/// Hash of all frames so far. 0 until the first event; a frame without events changes nothing.
 class EventHash {
  public:
   EventHash() = default;
-  /// Goes on behind a hash.
+  /// Continues from a hash.
   explicit EventHash(uint64_t value) : value_(value) {}
 
   void add_frame(uint64_t frame, const EventSum& events) {

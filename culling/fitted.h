@@ -1,6 +1,6 @@
-// The volumes fitted to a body type, for the inside of culling only.
-// One rule: fitted when first asked for, by any thread, once, in the part's frame. A pass asks for
-// what it needs when it is made, so that a step only reads.
+// BodyType::Volumes holds the volumes fitted to the parts of a type, inside culling only.
+// Invariant: a volume is fitted once, on first use by any thread, in the part's frame. A pass
+// requests its volumes on construction, so that a step only reads.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace throng {
 
-/// One of each for every part of a type, made once.
+/// One fitted object per part of a type, created once.
 template <typename Fitted>
 class FittedOnce {
  public:
@@ -47,13 +47,13 @@ struct BodyType::Volumes {
  public:
   explicit Volumes(const std::vector<PartShape>& parts) : parts_(parts) {}
 
-  /// One a part, as all below.
+  /// Fitted volumes, one per part, as in all functions below.
   template <BoundingVolume V>
   const std::vector<typename V::Fitted>& of() const {
     return std::get<kVolumeIndex<V>>(volumes_).get(
         parts_, [](const PartShape& part) { return V::fit(part.points); });
   }
-  /// What kernels read of an or-DOP: also the source of the boxes.
+  /// or-DOPs as the kernels read them; part boxes are also computed from these.
   const std::vector<OrdopTable>& tables() const {
     return tables_.get(parts_, [](const PartShape& part) { return OrdopTable(part.points); });
   }
@@ -64,12 +64,12 @@ struct BodyType::Volumes {
       return OrdopLanes(Slabs::around(part.points), kCount);
     });
   }
-  /// Every part has triangles (see BodyType::has_triangles()).
+  /// Triangle trees. Requires triangles in every part (see BodyType::has_triangles()).
   const std::vector<TriangleBvh>& surfaces() const {
     return surfaces_.get(
         parts_, [](const PartShape& part) { return TriangleBvh(part.points, part.triangles); });
   }
-  /// Of the points that lie on a part, for distances and depths.
+  /// Convex hulls of the points on each part, for distances and penetration depths.
   const std::vector<ConvexHull>& hulls() const {
     return hulls_.get(parts_, [](const PartShape& part) { return ConvexHull(points_on(part)); });
   }
@@ -79,7 +79,7 @@ struct BodyType::Volumes {
   }
 
  private:
-  /// All, or, where there are triangles, their corners.
+  /// All points or, if there are triangles, their corners.
   static std::vector<Eigen::Vector3f> points_on(const PartShape& part);
 
   template <typename List>
@@ -92,7 +92,7 @@ struct BodyType::Volumes {
   const std::vector<PartShape>& parts_;
   FitsOf<decltype(kVolumeList)>::Type volumes_;
   FittedOnce<OrdopTable> tables_;
-  std::array<FittedOnce<OrdopLanes>, kVolumeCount> lanes_;  // where a volume has kernels
+  std::array<FittedOnce<OrdopLanes>, kVolumeCount> lanes_;  // only volumes with kernels
   FittedOnce<TriangleBvh> surfaces_;
   FittedOnce<ConvexHull> hulls_;
   FittedOnce<NearbyPoints> nearby_points_;

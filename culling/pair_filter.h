@@ -1,5 +1,5 @@
-// Which pairs are asked for: of bodies, and of parts.
-// One rule: what is asked for is found as without a filter; the rest is dropped as early as can be.
+// PairFilter selects pairs of bodies and of parts.
+// Invariant: selected pairs are reported as without a filter.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,24 @@
 
 namespace throng {
 
-/// A rule asks for the pairs of one on its left side and one on its right. Who or what stands on
-/// both sides is asked for with its like.
+/// Each rule selects pairs with one member on its left side and one on its right. Members of both
+/// sides are also selected with each other.
 struct PairFilter {
-  /// Two bits a rule: 2 i for the left side of rule i, 2 i + 1 for its right side.
+  /// Two bits per rule: bit 2 i for the left side of rule i, bit 2 i + 1 for its right side.
   using Sides = uint32_t;
   static constexpr int kMaxRules = 16;
   static constexpr Sides left_of(int rule) { return Sides{1} << (2 * rule); }
   static constexpr Sides right_of(int rule) { return Sides{2} << (2 * rule); }
-  /// Some rule has one of them on its left and the other on its right.
+  /// True if a rule has `a` on one side and `b` on the other.
   static constexpr bool match(Sides a, Sides b) {
     constexpr Sides kLeft = 0x55555555;
     const Sides other_sides = (b & kLeft) << 1 | (b >> 1 & kLeft);
     return (a & other_sides) != 0;
   }
 
-  /// By id; beyond the end: no side. Empty: every pair of bodies is asked for.
+  /// Sides by body id; none beyond the end. Empty: all pairs of bodies are selected.
   std::vector<Sides> sides_of_body;
-  /// By type, by part. Empty: every pair of parts.
+  /// Sides by type and part. Empty: all pairs of parts are selected.
   std::vector<std::vector<Sides>> sides_of_part;
 
   bool includes_bodies(uint32_t a, uint32_t b) const {

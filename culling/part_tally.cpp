@@ -34,10 +34,10 @@ PartPairCounts& PartTally::cell(Block& block, uint16_t type_a, uint16_t type_b, 
 
 void PartTally::add(const PartTally& other) {
   counts_touching &= other.counts_touching;
-  for (const auto& [types, theirs] : other.blocks_) {
-    Block& ours = block(types.first, types.second, theirs.parts_a, theirs.parts_b);
-    ours.body_pairs += theirs.body_pairs;
-    for (size_t i = 0; i < ours.cells.size(); ++i) ours.cells[i].add(theirs.cells[i]);
+  for (const auto& [types, source] : other.blocks_) {
+    Block& target = block(types.first, types.second, source.parts_a, source.parts_b);
+    target.body_pairs += source.body_pairs;
+    for (size_t i = 0; i < target.cells.size(); ++i) target.cells[i].add(source.cells[i]);
   }
 }
 

@@ -1,6 +1,5 @@
-// What the part stages did, pair of parts by pair of parts: which parts are tested in vain.
-// One rule: sums over all cells are the counters of the stages; counts are the same for any number
-// of threads.
+// PartTally counts the tests of each pair of parts.
+// Invariant: sums over all cells equal the counters of the stages, for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -11,36 +10,35 @@
 
 namespace throng {
 
-/// Two parts of two bodies, whichever of the two has which.
+/// Counts of two parts of two bodies, in either order.
 struct PartPairCounts {
-  uint64_t box_tests = 0;    ///< box against box
-  uint64_t box_passed = 0;   ///< and then volume against volume
-  uint64_t part_passed = 0;  ///< and then, where asked, triangles against triangles
-  uint64_t touching = 0;     ///< truly, see PartTally::counts_touching
+  uint64_t box_tests = 0;    ///< tests of part boxes
+  uint64_t box_passed = 0;   ///< overlapping boxes: tests of part volumes
+  uint64_t part_passed = 0;  ///< overlapping volumes: tests of triangles, if enabled
+  uint64_t touching = 0;     ///< contacts by triangles, see PartTally::counts_touching
   void add(const PartPairCounts& other);
 };
 
 class PartTally {
  public:
-  /// Cells of two types of bodies, the lower first: parts_a x parts_b. Of one type the upper
-  /// triangle.
+  /// parts_a x parts_b cells of two body types, the lower first; upper triangle for equal types.
   struct Block {
     size_t parts_a = 0, parts_b = 0;
-    uint64_t body_pairs = 0;  ///< whose part boxes were tested, all with all
+    uint64_t body_pairs = 0;  ///< pairs of bodies whose part boxes were tested, all with all
     std::vector<PartPairCounts> cells;
   };
   using Blocks = std::map<std::pair<uint16_t, uint16_t>, Block>;
 
   Block& block(uint16_t type_a, uint16_t type_b, size_t parts_a, size_t parts_b);
-  /// The cell of two parts in a block of these types.
+  /// Cell of two parts in a block of these types.
   static PartPairCounts& cell(Block& block, uint16_t type_a, uint16_t type_b, size_t part_a,
                               size_t part_b);
   void add(const PartTally& other);
 
-  /// With box_tests filled in.
+  /// All blocks, with box_tests filled in.
   Blocks blocks() const;
 
-  /// False where parts have no triangles and nobody can say what truly touches.
+  /// False if a part has no triangles, so that contacts cannot be counted.
   bool counts_touching = true;
 
  private:

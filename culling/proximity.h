@@ -1,6 +1,6 @@
-// How near parts are to each other: every pair within a margin, with an interval that holds its
-// distance; of each two bodies the pair that is nearest; and where those that touch do.
-// One rule: no pair within the margin is missed; an interval is proven from both sides.
+// ProximityRows lists pairs of parts within a margin with their distance bounds; the closest parts
+// of two bodies and contact points are listed likewise.
+// Invariant: no pair within the margin is missed, and both distance bounds are proven.
 #pragma once
 
 #include <array>
@@ -17,49 +17,47 @@
 
 namespace throng {
 
-/// Larger margins are refused: a mistake of units, more likely than not.
+/// Larger margins are rejected: they are probably unit errors.
 inline constexpr float kMaxProximity_m = 100;
 
 struct ProximityOptions {
-  /// Every pair of parts of two bodies that is not proven farther apart is listed; 0: none.
+  /// List pairs of parts of two bodies unless they are proven farther apart, in metres; 0: off.
   float margin_m = 0;
-  /// Of each two bodies, neither of them static, that are not proven farther apart the nearest pair
-  /// of parts; 0: none.
+  /// List the closest parts of two moving bodies unless proven farther apart, in metres; 0: off.
   float closest_margin_m = 0;
-  /// From frame to frame, for closing speeds; 0: they are unknown.
+  /// Time between frames in seconds, for closing speeds; 0: speeds are unknown.
   double step_s = 0;
-  /// Of every pair of parts that touches a point; needs triangles, and no margin.
+  /// Compute a point for every contact. Needs triangles, but no margin.
   bool contact_points = false;
 
-  /// Margins.
+  /// True if a margin is set.
   bool is_enabled() const { return margin_m > 0 || closest_margin_m > 0; }
   bool needs_search() const { return is_enabled() || contact_points; }
   float max_margin_m() const { return margin_m > closest_margin_m ? margin_m : closest_margin_m; }
 };
 
-/// The distance of two parts' triangles, of points where there are none; 0 where they touch or one
-/// solid holds the other. What stands below `level` is known where the triangles were asked
-/// (PairLevel::kTriangles), else it is NaN.
+/// Distance between the triangles of two parts (between points if there are none). 0 if they touch
+/// or one solid contains the other. Fields after `level` are known if triangles were tested
+/// (PairLevel::kTriangles); otherwise they are NaN.
 struct ProximityPair {
   PairKey pair;
-  float lo_m = 0, hi_m = 0;  ///< hold the distance; at most 1 mm apart by triangles
+  float lo_m = 0, hi_m = 0;  ///< distance bounds; by triangles at most 1 mm apart
   PairLevel level = PairLevel::kPartVolume;
 
   static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   static constexpr double kNoPosition = std::numeric_limits<double>::quiet_NaN();
-  /// Of part a and of part b, in the world: nearest to each other at hi_m; where they touch, twice
-  /// a point that both share.
+  /// Closest points of parts a and b, hi_m apart, world frame; a shared point if the parts touch.
   std::array<double, 3> point_a_m = {kNoPosition, kNoPosition, kNoPosition};
   std::array<double, 3> point_b_m = {kNoPosition, kNoPosition, kNoPosition};
-  /// Unit, from a to b: along the points; where they touch, along which b is out of a soonest.
+  /// Unit normal from a to b, along the points; if the parts touch, direction of least penetration.
   std::array<float, 3> normal = {kUnknown, kUnknown, kUnknown};
-  float depth_m = 0;  ///< of the convex hulls, along the normal; 0: apart (see hull_depth.h)
-  /// At which the material of the parts at the two points came nearer along the normal since the
-  /// last frame; NaN also where a body was not near anybody, or not there, in the last frame.
+  /// penetration depth of the convex hulls along the normal, >= 0; 0: apart (see hull_depth.h)
+  float depth_m = 0;
+  /// Speed at which the material at the two points approached along the normal since the last
+  /// frame. NaN if a body was absent, or not near another one, in the last frame.
   float closing_speed_mps = kUnknown;
 
-  /// At that speed; 0 where they touch, infinite where they do not come nearer, NaN where it is
-  /// unknown.
+  /// Time to contact at that speed: 0 if touching, infinite if not approaching, NaN if unknown.
   float time_to_contact_s() const {
     if (level == PairLevel::kTriangles && hi_m == 0) return 0;
     if (!(closing_speed_mps <= 0)) return hi_m / closing_speed_mps;
@@ -67,8 +65,7 @@ struct ProximityPair {
   }
 };
 
-/// A ProximityPair that volumes alone have bounded, as it is kept: a crowd has hundreds of
-/// thousands.
+/// Compact ProximityPair that was bounded by volumes only. A crowd has hundreds of thousands.
 struct DistanceBounds {
   PairKey pair;
   float lo_m = 0, hi_m = 0;
@@ -76,8 +73,7 @@ struct DistanceBounds {
   ProximityPair row() const { return {pair, lo_m, hi_m}; }
 };
 
-/// Rows as NearPairs, whatever they are kept as; a view. A row is made when it is asked for: keep
-/// the row, not its address.
+/// View of rows as ProximityPairs. A row is created on access: keep the row, not its address.
 class ProximityRows {
  public:
   class Iterator;
@@ -97,11 +93,11 @@ class ProximityRows {
 
  private:
   const ProximityPair* pairs_ = nullptr;
-  const DistanceBounds* intervals_ = nullptr;  ///< where pairs_ is none
+  const DistanceBounds* intervals_ = nullptr;  ///< used if pairs_ is null
   size_t size_ = 0;
 };
 
-/// Random access; what it refers to is made when it is asked for.
+/// Random access iterator. Rows are created on access.
 class ProximityRows::Iterator {
  public:
   using iterator_category = std::random_access_iterator_tag;
@@ -148,12 +144,12 @@ class ProximityRows::Iterator {
 inline ProximityRows::Iterator ProximityRows::begin() const { return {*this, 0}; }
 inline ProximityRows::Iterator ProximityRows::end() const { return {*this, size_}; }
 
-/// Where two parts touch and how deep, as a ProximityPair of theirs has it.
+/// Point, normal and penetration depth of a contact, as in its ProximityPair.
 struct ContactPoint {
   PairKey pair;
-  std::array<double, 3> point_m = {};  ///< that both share, in the world
-  std::array<float, 3> normal = {};    ///< unit: along which b is out of a soonest
-  float depth_m = 0;                   ///< of the convex hulls, along it
+  std::array<double, 3> point_m = {};  ///< point on both parts, world frame
+  std::array<float, 3> normal = {};    ///< unit direction of least penetration for part b
+  float depth_m = 0;                   ///< penetration depth of the convex hulls along the normal
 };
 
 }  // namespace throng

@@ -6,12 +6,12 @@
 
 #include "throng/pose_command_t.hpp"
 
-// control_example CHANNEL AVATAR SECONDS: an avatar in a circle of 3 m, at 1 m/s.
+// lcm_control_example CHANNEL AVATAR SECONDS: moves an avatar in a circle of 3 m, at 1 m/s.
 int main(int argc, char** argv) {
   lcm::LCM lcm("udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152");
   if (argc != 4 || !lcm.good()) return 3;
   throng::pose_command_t m{};
-  m.schema = 3;
+  m.schema = 1;
   m.count = 1;
   m.avatar = {std::atoi(argv[2])};
   for (; m.seq < int64_t{50} * std::atoi(argv[3]); ++m.seq) {

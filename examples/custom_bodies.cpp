@@ -1,4 +1,4 @@
-// Own bodies and own poses: nothing but culling. Somebody with a swinging arm walks past somebody.
+// Custom bodies and poses with culling alone. A body with a swinging arm passes another one.
 #include <cstdio>
 
 #include "culling/culling.h"
@@ -6,7 +6,7 @@
 using namespace throng;
 
 PartShape box(float x, float y, float z) {
-  PartShape shape;  // points are enough; triangles are for exact contacts
+  PartShape shape;  // points suffice; exact contacts need triangles
   for (int i = 0; i < 8; ++i)
     shape.points.emplace_back(i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z);
   return shape;
@@ -19,7 +19,7 @@ struct Skeleton : PoseSource {
     const Eigen::Isometry3d trunk(Eigen::Translation3d(0, 0, 1.2));
     const Eigen::Isometry3d shoulder(Eigen::Translation3d(0, 0.3, 0.3));
     const Eigen::AngleAxisd swing(swing_rad, Eigen::Vector3d::UnitY());
-    for (size_t i = 0; i < bodies.size(); ++i) {  // turned into world axes, about the root
+    for (size_t i = 0; i < bodies.size(); ++i) {  // in world axes, relative to the root
       const Eigen::Isometry3d root(roots[bodies[i]].world_from_root.cast<double>());
       out[2 * i] = to_part_pose(root * trunk);
       out[2 * i + 1] = to_part_pose(root * trunk * shoulder * swing);
@@ -29,7 +29,7 @@ struct Skeleton : PoseSource {
 
 int main() {
   const std::vector parts{box(0.15f, 0.25f, 0.4f), box(0.05f, 0.05f, 0.4f)};
-  const RootSphere sphere{{0, 0, 1.2f}, 1};  // of all postures
+  const RootSphere sphere{{0, 0, 1.2f}, 1};  // encloses all postures
   Workers workers(1);
   Culler culler({std::make_shared<BodyType>(parts, sphere, false)}, {}, workers);
   const std::vector<uint32_t> ids{0, 1};

@@ -1,5 +1,5 @@
-// An engine of one's own on the frames of `throng bench --export FOLDER`: here FCL's tree of boxes.
-// PROGRAM FOLDER writes FOLDER/found.csv, which `throng bench --check FOLDER/found.csv` judges.
+// A custom engine on the frames of `throng bench --export FOLDER`: FCL's tree of boxes. PROGRAM
+// FOLDER writes FOLDER/found.csv for `throng bench --check FOLDER/found.csv`.
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/narrowphase/collision_object.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <map>
 
-struct Box : fcl::CollisionGeometryd {  // a shape that is nothing but its box, with its numbers
+struct Box : fcl::CollisionGeometryd {  // a shape that is its bounding box, with indices
   unsigned frame, box, avatar;
   void computeLocalAABB() override {}
 };
@@ -18,7 +18,7 @@ bool append_pair(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* out) 
   const auto& j = static_cast<const Box&>(*b->collisionGeometry());
   if (i.avatar != j.avatar)
     *static_cast<std::ofstream*>(out) << i.frame << ',' << i.box << ',' << j.box << '\n';
-  return false;  // and go on
+  return false;  // continue
 }
 
 int main(int argc, char** argv) {
@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
   std::ofstream out(folder + "/found.csv");
   std::map<unsigned, std::deque<fcl::CollisionObjectd>> frames;
   std::string line;
-  for (std::getline(in, line); std::getline(in, line);) {  // the first is the header
+  for (std::getline(in, line); std::getline(in, line);) {  // skips the header
     const auto box = std::make_shared<Box>();
     fcl::AABBd& at = box->aabb_local;
     std::sscanf(line.c_str(), "%u,%u,%u,%*u,%lf,%lf,%lf,%lf,%lf,%lf", &box->frame, &box->box,

@@ -1,5 +1,5 @@
-// A volume of one's own on the workbench: the capsule, all points within a radius of a segment.
-// PROGRAM [PAIRS [SEED [FOLDER]]]; with THICKNESS=0.95 the capsule is too thin, which is caught.
+// A custom volume on the workbench: the capsule, all points within a radius of a segment.
+// PROGRAM [PAIRS [SEED [FOLDER]]]; THICKNESS=0.95 makes the capsule too thin, which is detected.
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdlib>
@@ -15,13 +15,13 @@ double distance(const Vector3d& p, const Vector3d& begin, const Vector3d& along)
 struct Capsule {
   Vector3f begin_m, end_m;
   float radius_m;
-  /// About the line along which the points scatter most, as short as its round ends allow.
+  /// Along the line of the largest variance, as short as the round ends allow.
   static Capsule fit(std::span<const Vector3f> points) {
     Eigen::Matrix3Xd p(3, points.size());
     for (Eigen::Index i = 0; i < p.cols(); ++i) p.col(i) = points[i].cast<double>();
     const Eigen::Matrix3Xd off = p.colwise() - p.rowwise().mean();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> scatter(off * off.transpose());
-    const Eigen::Matrix3Xd in = scatter.eigenvectors().transpose() * p;  // the line is its z axis
+    const Eigen::Matrix3Xd in = scatter.eigenvectors().transpose() * p;  // z along the line
     const Vector3d middle = 0.5 * (in.rowwise().minCoeff() + in.rowwise().maxCoeff());
     const Eigen::ArrayXd aside2 = (in.colwise() - middle).topRows<2>().colwise().squaredNorm();
     const Eigen::ArrayXd end = (aside2.maxCoeff() - aside2).sqrt(), z = in.row(2).transpose();
@@ -32,7 +32,7 @@ struct Capsule {
     };
     Capsule out{at(low), at(high), 0};
     const Vector3d begin = out.begin_m.cast<double>(), along = out.end_m.cast<double>() - begin;
-    for (Eigen::Index i = 0; i < p.cols(); ++i)  // the radius is measured on what is stored
+    for (Eigen::Index i = 0; i < p.cols(); ++i)  // measured on the rounded segment
       out.radius_m = std::max(out.radius_m, float(distance(p.col(i), begin, along)));
     const char* const thickness = std::getenv("THICKNESS");
     out.radius_m *= thickness != nullptr ? std::strtof(thickness, nullptr) : 1.000001f;
@@ -42,7 +42,7 @@ struct Capsule {
     return {placed_point(pose, scale, fitted.begin_m), placed_point(pose, scale, fitted.end_m),
             scale * fitted.radius_m};
   }
-  /// The least distance of two segments lies between two inner points, or at an end of one.
+  /// The distance of two segments is that of two inner points, or at an end of one.
   static bool overlaps(const Capsule& a, const Capsule& b, const Vector3f& a_to_b, float margin) {
     const Vector3d p = a.begin_m.cast<double>(), u = a.end_m.cast<double>() - p;
     const Vector3d q = (a_to_b + b.begin_m).cast<double>(),

@@ -12,17 +12,17 @@
 #include "throng/step_reply_t.hpp"
 #include "throng/step_request_t.hpp"
 
-// keep_distance [SLEEP_S]: drives the robot of keep_distance.yaml, slower the nearer somebody is.
-// The same law as keep_distance.py, and the same hash.
+// keep_distance [SLEEP_S]: controls the robot of keep_distance.yaml, slower near people. Same
+// control law and same hash as keep_distance.py.
 struct Controller {
   lcm::LCM lcm{"udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152"};
   double sleep_s = 0;
   bool is_over = false;
-  int64_t instance = 0;  // of the run
-  int64_t frame = -1;    // of the newest near rows
+  int64_t instance = 0;  // the followed run
+  int64_t frame = -1;    // frame of the latest proximity rows
   bool is_complete = false;
   int chunks = 0;
-  std::map<int, double> separation_m;  // how near each robot has somebody
+  std::map<int, double> separation_m;  // least distance of each robot
 
   void on_proximity(const lcm::ReceiveBuffer*, const std::string&,
                     const throng::proximity_t* message) {
@@ -34,24 +34,24 @@ struct Controller {
     is_complete = ++chunks == message->chunk_count;
     for (size_t i = 0; i < message->a.size(); ++i)
       for (const int body : {message->a[i], message->b[i]}) {
-        const double lo_m = message->lo_m[i];
+        const double lo_m = message->distance_lo_m[i];
         double& min_distance_m = separation_m.try_emplace(body, lo_m).first->second;
         min_distance_m = std::min(min_distance_m, lo_m);
       }
   }
 
-  // Full speed from 0.6 m on, none at 0.2 m; brakes with 4 m/s2, gets faster with 1 m/s2.
+  // Full speed from 0.6 m on, zero at 0.2 m; brakes at 4 m/s2, accelerates at 1 m/s2.
   void drive(const throng::step_request_t& request, throng::step_reply_t& answer, size_t i) const {
     double ahead = request.qw[i] > request.qz[i] ? 1 : -1;  // along x or against it
-    if (ahead * request.x_m[i] > 6) ahead = -ahead;         // it turns at the ends
+    if (ahead * request.x_m[i] > 6) ahead = -ahead;         // turns at the ends
     answer.qw[i] = ahead > 0 ? 1 : 0;
     answer.qz[i] = ahead > 0 ? 0 : 1;
     const auto found = separation_m.find(request.avatar[i]);
     const double min_distance_m = found == separation_m.end() ? 0.6 : found->second;
-    const double wanted_mps = 1.2 * std::min(std::max((min_distance_m - 0.2) / 0.4, 0.0), 1.0);
+    const double target_mps = 1.2 * std::min(std::max((min_distance_m - 0.2) / 0.4, 0.0), 1.0);
     const double last_mps = std::abs(static_cast<double>(request.vx_mps[i]));
     double speed_mps =
-        std::min({std::max(wanted_mps, last_mps - 4.0 / 60), last_mps + 1.0 / 60, 1.2});
+        std::min({std::max(target_mps, last_mps - 4.0 / 60), last_mps + 1.0 / 60, 1.2});
     speed_mps = std::max(speed_mps, 0.0);
     answer.x_m[i] += ahead * speed_mps / 60;
     answer.vx_mps[i] = static_cast<float>(ahead * speed_mps);
@@ -60,7 +60,7 @@ struct Controller {
   void on_request(const lcm::ReceiveBuffer*, const std::string&,
                   const throng::step_request_t* request) {
     if (request->is_first == 0 && !(frame == request->frame && is_complete)) {
-      std::printf("frame %lld: near rows were lost\n", static_cast<long long>(request->frame));
+      std::printf("frame %lld: proximity rows were lost\n", static_cast<long long>(request->frame));
       std::exit(1);
     }
     instance = request->instance;

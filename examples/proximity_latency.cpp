@@ -11,15 +11,16 @@
 #include "throng/proximity_t.hpp"
 #include "throng/stamp_t.hpp"
 
-// proximity_latency CHANNEL: how long after the start of culling near rows were sent on
-// CHANNEL_NEAR, and were here, of a run with --publish-for WHO:CHANNEL on the same machine.
+// proximity_latency CHANNEL: prints the time from the start of culling until proximity rows are
+// sent on CHANNEL_PROXIMITY and received, for a run with --publish-for WHO:CHANNEL on the same
+// machine.
 struct Latency {
   lcm::LCM lcm{"udpm://239.255.76.67:7684?ttl=0&recv_buf_size=2097152"};
   bool is_over = false;
-  int64_t frame = -1, received_ns = 0;  // of the newest whole near rows
+  int64_t frame = -1, received_ns = 0;  // latest complete proximity rows
   int64_t frames = 0, missing = 0, next_seq = 0;
   std::vector<double> sent_ms, here_ms, rows;
-  std::vector<double> tests[5];  // by stage of culling, see frame_stats_t
+  std::vector<double> tests[5];  // per stage of culling, see frame_stats_t
 
   void on_proximity(const lcm::ReceiveBuffer*, const std::string&,
                     const throng::proximity_t* message) {
@@ -46,7 +47,7 @@ struct Latency {
   }
 };
 
-// The least value that so many of all do not exceed.
+// Least value that is not exceeded by this share of all.
 static double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -58,18 +59,18 @@ int main(int argc, char** argv) {
   Latency latency;
   if (argc != 2 || !latency.lcm.good()) return 3;
   const std::string channel = argv[1];
-  latency.lcm.subscribe(channel + "_NEAR", &Latency::on_proximity, &latency);
+  latency.lcm.subscribe(channel + "_PROXIMITY", &Latency::on_proximity, &latency);
   latency.lcm.subscribe(channel + "_STAMP", &Latency::on_stamp, &latency);
   latency.lcm.subscribe("THRONG_FRAME_STATS", &Latency::on_frame_stats, &latency)
       ->setQueueCapacity(1000);
   latency.lcm.subscribe("THRONG_END", &Latency::on_end, &latency);
   while (!latency.is_over && latency.lcm.handle() == 0) {
   }
-  std::printf("%lld frames, %lld missing; near rows a frame: %.0f median, %.0f at most\n",
+  std::printf("%lld frames, %lld missing; proximity rows per frame: %.0f median, %.0f at most\n",
               static_cast<long long>(latency.frames), static_cast<long long>(latency.missing),
               quantile(latency.rows, 0.5), quantile(latency.rows, 1));
   std::printf(
-      "tests a frame, median: %.0f spheres, %.0f boxes of bodies, %.0f boxes, %.0f volumes, "
+      "tests per frame, median: %.0f spheres, %.0f boxes of bodies, %.0f boxes, %.0f volumes, "
       "%.0f triangles\n",
       quantile(latency.tests[0], 0.5), quantile(latency.tests[1], 0.5),
       quantile(latency.tests[2], 0.5), quantile(latency.tests[3], 0.5),
@@ -80,5 +81,5 @@ int main(int argc, char** argv) {
                 quantile(ms, 0.999), quantile(ms, 1));
   };
   line("sent", latency.sent_ms);
-  line("with the listener", latency.here_ms);
+  line("received", latency.here_ms);
 }

@@ -8,7 +8,7 @@ static void on_proximity(const lcm::ReceiveBuffer*, const std::string&,
   for (size_t i = 0; i < m->a.size(); ++i)
     std::printf("%.3f s: part %d of %d and part %d of %d are %.3f to %.3f m apart\n",
                 static_cast<double>(m->utime) * 1e-6, m->part_a[i], m->a[i], m->part_b[i], m->b[i],
-                static_cast<double>(m->lo_m[i]), static_cast<double>(m->hi_m[i]));
+                static_cast<double>(m->distance_lo_m[i]), static_cast<double>(m->distance_hi_m[i]));
 }
 
 int main() {

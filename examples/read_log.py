@@ -2,7 +2,7 @@ import struct, sys
 from throng import events_t
 
 with open(sys.argv[1], "rb") as log:
-    while head := log.read(28):  # magic, number, stamp, and the two lengths
+    while head := log.read(28):  # magic, event number, time stamp, and the two lengths
         channel_bytes, data_bytes = struct.unpack(">20xii", head)
         channel, data = log.read(channel_bytes), log.read(data_bytes)
         if channel == b"THRONG_EVENTS":

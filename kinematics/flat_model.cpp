@@ -16,8 +16,8 @@
 namespace throng {
 namespace {
 
-/// Below a picometre or a picoradian an offset is a rounding error of the file's decimals.
-constexpr double kNothing = 1e-12;
+/// Offsets below a picometre or a picoradian are rounding errors of the file's decimals.
+constexpr double kNegligible = 1e-12;
 
 Eigen::Vector3d to_eigen(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -29,15 +29,13 @@ Eigen::Isometry3d to_eigen(const KDL::Frame& frame) {
   return out;
 }
 
-/// The coordinate axis that v is parallel to, if any.
 std::optional<int> principal(const Eigen::Vector3d& v) {
   for (int k = 0; k < 3; ++k)
-    if (std::abs(std::abs(v[k]) - 1) < kNothing) return k;
+    if (std::abs(std::abs(v[k]) - 1) < kNegligible) return k;
   return std::nullopt;
 }
 
-/// The shortest turn from one unit vector to another that is not its opposite. Eigen's
-/// FromTwoVectors() does the same, and brings a singular value decomposition for opposites.
+/// Smallest rotation between unit vectors that are not opposite; avoids compiling Eigen's SVD.
 Eigen::Quaterniond turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const double s = std::sqrt((1 + to.dot(from)) * 2);
   const Eigen::Vector3d axis = from.cross(to);
@@ -47,7 +45,7 @@ Eigen::Quaterniond turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) 
   return q;
 }
 
-/// A joint as KDL has it: parent_from_child(q) = before * joint(q) * after.
+/// A joint as in KDL: parent_from_child(q) = before * joint(q) * after.
 struct FlatJoint {
   bool fixed = true;
   bool slides = false;
@@ -55,7 +53,7 @@ struct FlatJoint {
   Eigen::Isometry3d before = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d after = Eigen::Isometry3d::Identity();
   Drive drive;
-  double travel_m = 0;  ///< the most that a sliding joint moves away from zero
+  double travel_m = 0;  ///< maximum displacement of a sliding joint from zero
 };
 
 FlatJoint to_flat(const KDL::Segment& segment) {
@@ -88,7 +86,7 @@ class Flattener {
     }
     for (size_t i = 0; i < output_links.size(); ++i)
       nodes_[static_cast<size_t>(output_links[i])].outputs.push_back(static_cast<int>(i));
-    keep_what_outputs_need();
+    prune_to_outputs();
     reach_m_.assign(output_links.size(), 0.0f);
     visit(nodes_[0], Eigen::Isometry3d::Identity(), 0, 0);
   }
@@ -98,7 +96,7 @@ class Flattener {
     FlatJoint joint;
     std::vector<int> outputs;
     std::vector<int> children;  ///< those with outputs below, lightest subtree first
-    int weight = 0;             ///< links in the subtree that outputs need
+    int weight = 0;             ///< number of links in the subtree that outputs need
   };
 
   static size_t index(int i) { return static_cast<size_t>(i); }
@@ -122,8 +120,8 @@ class Flattener {
                                std::abs(multiplier * leader->upper + offset));
   }
 
-  void keep_what_outputs_need() {
-    for (size_t i = nodes_.size(); i-- > 0;) {  // children stand after their parents
+  void prune_to_outputs() {
+    for (size_t i = nodes_.size(); i-- > 0;) {  // children are stored after their parents
       Node& node = nodes_[i];
       std::stable_sort(node.children.begin(), node.children.end(), [&](int a, int b) {
         return nodes_[index(a)].weight < nodes_[index(b)].weight;
@@ -144,11 +142,10 @@ class Flattener {
     ops_.program.push_back(op);
   }
 
-  /// Applies the constant part that has gathered up, so that the running pose is exact again.
-  /// Returns how far that moves the origin.
+  /// Applies the accumulated constant part; returns the displacement of the origin.
   double flush(Eigen::Isometry3d& pending) {
     const double moved = flush_translation(pending);
-    if (!pending.linear().isIdentity(kNothing)) {
+    if (!pending.linear().isIdentity(kNegligible)) {
       Op op;
       op.kind = OpKind::kReorient;
       for (int r = 0; r < 3; ++r)
@@ -165,20 +162,19 @@ class Flattener {
     pending.translation().setZero();
     std::vector<int> along;
     for (int k = 0; k < 3; ++k)
-      if (std::abs(t[k]) > kNothing) along.push_back(k);
+      if (std::abs(t[k]) > kNegligible) along.push_back(k);
     constexpr OpKind kSingle[] = {OpKind::kMoveX, OpKind::kMoveY, OpKind::kMoveZ};
     if (along.size() == 1) push(kSingle[along[0]], 0, t);
     if (along.size() > 1) push(OpKind::kMove, 0, t);
     return t.norm();
   }
 
-  /// Appends what poses `node` and everything below it. `pending` is the constant part between the
-  /// running pose and the node's frame.
+  /// Appends the ops of a subtree. `pending`: constant part between running pose and node frame.
   void visit(const Node& node, Eigen::Isometry3d pending, int slot, double reach) {
     if (!node.outputs.empty()) reach += flush(pending);
     for (const int output : node.outputs) {
       push(OpKind::kEmit, output);
-      // Rounded up generously: float poses may stray by a few units in the last place per joint.
+      // Rounded up: float poses may deviate by a few units in the last place per joint.
       reach_m_[index(output)] = static_cast<float>(reach * (1 + 1e-5) + 1e-6);
     }
     if (node.children.size() > 1) {
@@ -215,8 +211,7 @@ class Flattener {
     }
   }
 
-  /// A rotation Q that makes the axis a coordinate axis: joint(q) = Q rotate_k(q) Q^T. Of those
-  /// that do, the one that costs the fewest reorientations.
+  /// A rotation Q with joint(q) = Q rotate_k(q) Q^T and the fewest reorientations.
   static Eigen::Matrix3d principal_frame(const FlatJoint& joint, const Eigen::Matrix3d& pending) {
     if (principal(pending * joint.axis)) return pending.transpose();  // none before, merged after
     Eigen::Matrix3d after = joint.after.linear();

@@ -1,8 +1,8 @@
-// The flat program that forward kinematics runs. Internal to the folder.
-// One rule: the scalar and the vector interpreter do every operation in the same order.
+// The flat program executed by forward kinematics. Internal to the folder.
+// Invariant: the scalar and the SIMD interpreter perform all operations in the same order.
 //
 // The running pose is [c0 c1 c2 | t]: three columns of a rotation and a translation. An op
-// multiplies it from the right, so each of its three rows can be worked on alone:
+// multiplies it from the right; its three rows are independent:
 //   kRotateZ   (c0, c1) <- (cos c0 + sin c1, cos c1 - sin c0), X and Y alike
 //   kSlide     t <- t + d (v0 c0 + v1 c1 + v2 c2)
 //   kMove*     the same with constants; kMoveX, kMoveY, kMoveZ where two of them are zero
@@ -39,30 +39,30 @@ struct Op {
   float values[9] = {};  ///< kMove*, kSlide: a vector; kReorient: F, row by row
 };
 
-/// What turns or slides a joint: multiplier * column + offset. The sign of an axis is in here too.
+/// Value of a joint: multiplier * column + offset. Includes the sign of the axis.
 struct Drive {
   int32_t column = 0;
   float multiplier = 1;
   float offset = 0;
 };
 
-/// At a branch the lightest subtree goes first and the heaviest needs no slot, so saved poses nest
-/// at most log2(links) deep.
+/// At a branch the lightest subtree comes first and the heaviest needs no slot: saved poses nest at
+/// most log2(links) deep.
 inline constexpr int kMaxSlots = 12;
-/// Sines, cosines and travels of a lane group stay on the stack: 48 kB with 16 lanes.
+/// Sines, cosines and travels of a lane group are stored on the stack: 48 kB with 16 lanes.
 inline constexpr int kMaxDrives = 256;
 
 struct FlatModel::Ops {
   std::vector<Op> program;
-  std::vector<Drive> angles;   ///< of kRotate*
-  std::vector<Drive> travels;  ///< of kSlide
+  std::vector<Drive> angles;   ///< angles of kRotate*
+  std::vector<Drive> travels;  ///< travels of kSlide
 };
 
-/// Where the posture rows of some avatars lie: one after the other, or each on its own.
+/// Posture rows of several avatars: contiguous or scattered.
 struct PostureRows {
   const float* first = nullptr;
   size_t row_floats = 0;
-  const float* const* each = nullptr;  ///< null: one after the other
+  const float* const* each = nullptr;  ///< null: contiguous
   const float* operator[](size_t i) const {
     return each == nullptr ? first + i * row_floats : each[i];
   }
@@ -71,7 +71,7 @@ struct PostureRows {
 void forward_kinematics_scalar(const FlatModel& model, const PostureRows& rows,
                                std::span<const RootFrame> roots, std::span<PartPose> poses);
 
-/// `target` is one that this machine has, not kBest and not kScalar.
+/// `target` is available on this machine, and neither kBest nor kScalar.
 void forward_kinematics_simd(const FlatModel& model, const PostureRows& rows,
                              std::span<const RootFrame> roots, std::span<PartPose> poses,
                              SimdTarget target);

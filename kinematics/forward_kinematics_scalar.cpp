@@ -1,4 +1,4 @@
-// One avatar after the other, op by op: the reference that the vector version equals to the bit.
+// Scalar reference for forward_kinematics_simd.cpp, which equals it to the bit.
 #include <array>
 
 #include "base/portable_math.h"
@@ -14,7 +14,7 @@ struct Row {
 };
 using RunningPose = std::array<Row, 3>;
 
-float driven(const Drive& drive, const float* posture) {
+float drive_value(const Drive& drive, const float* posture) {
   return posture[drive.column] * drive.multiplier + drive.offset;
 }
 
@@ -64,13 +64,14 @@ void pose_avatar(const FlatModel::Ops& ops, const float* posture, const RootFram
       case OpKind::kRotateX:
       case OpKind::kRotateY:
       case OpKind::kRotateZ: {
-        const FloatSinCos turn = float_sin_cos(driven(ops.angles[index], posture));
+        const FloatSinCos turn = float_sin_cos(drive_value(ops.angles[index], posture));
         const int k = static_cast<int>(op.kind) - static_cast<int>(OpKind::kRotateX);
         for (Row& row : pose) rotate(row, (k + 1) % 3, (k + 2) % 3, turn);
         break;
       }
       case OpKind::kSlide:
-        for (Row& row : pose) row.t += driven(ops.travels[index], posture) * along(row, op.values);
+        for (Row& row : pose)
+          row.t += drive_value(ops.travels[index], posture) * along(row, op.values);
         break;
       case OpKind::kMoveX:
         for (Row& row : pose) row.t += row.c[0] * op.values[0];

@@ -1,5 +1,5 @@
-// Avatars as lanes: the scalar program of forward_kinematics_scalar.cpp on 4, 8 or 16 at a time.
-// Postures are transposed on the way in, poses on the way out, four floats of four avatars at once.
+// Forward kinematics with 4, 8 or 16 avatars as lanes: the program of
+// forward_kinematics_scalar.cpp.
 #include <algorithm>
 #include <cstddef>
 
@@ -19,12 +19,11 @@ namespace {
 
 using D = Lanes;
 
-/// The same row of the running poses of kLanes avatars.
 struct Row {
   V x, y, z, t;
 };
 
-HWY_INLINE V driven(const Drive& drive, const float* columns) {
+HWY_INLINE V drive_value(const Drive& drive, const float* columns) {
   const D d;
   const V q = hn::Load(d, columns + static_cast<size_t>(drive.column) * kLanes);
   return hn::Add(hn::Mul(q, hn::Set(d, drive.multiplier)), hn::Set(d, drive.offset));
@@ -64,23 +63,21 @@ HWY_INLINE void root_pose(V x, V y, V z, V w, Row& a, Row& b, Row& c) {
   c = {hn::Sub(xz, wy), hn::Add(yz, wx), hn::Sub(one, hn::Add(xx, yy)), zero};
 }
 
-/// Where the poses of one output go: `to` is the first avatar's, the next avatar's follows after
-/// `stride` floats.
+/// Writes the poses of one output; the next avatar's is `stride` floats ahead.
 HWY_INLINE void emit_row(const Row& row, V scale, float* to, size_t stride) {
   const V pose[4] = {row.x, row.y, row.z, hn::Mul(row.t, scale)};
   store_rows(pose, [to, stride](size_t lane) HWY_ATTR { return to + lane * stride; });
 }
 
-/// One lane group: pointers to its avatars' rows, and where its poses go.
+/// A lane group: pointers to its avatars' rows and poses.
 struct Group {
   const float* postures[kLanes];
   const float* quaternions[kLanes];
   HWY_ALIGN float scales[kLanes];
   PartPose* poses;
-  size_t count;  ///< lanes that are avatars; the others repeat the last one
+  size_t count;  ///< number of avatars; the remaining lanes repeat the last one
 };
 
-/// Columns become vectors: `to` receives column_count * kLanes floats.
 HWY_INLINE void transpose_postures(const Group& group, size_t column_count, float* to) {
   const D d;
   if (column_count < 4) {
@@ -124,7 +121,7 @@ void run_program(const FlatModel::Ops& ops, const Group& group, size_t column_co
   transpose_postures(group, column_count, columns);
   for (size_t i = 0; i < ops.angles.size(); ++i) {
     V sin, cos;
-    float_sin_cos(driven(ops.angles[i], columns), sin, cos);
+    float_sin_cos(drive_value(ops.angles[i], columns), sin, cos);
     hn::Store(sin, d, sines + i * kLanes);
     hn::Store(cos, d, cosines + i * kLanes);
   }
@@ -169,7 +166,7 @@ void run_program(const FlatModel::Ops& ops, const Group& group, size_t column_co
       }
       case OpKind::kSlide: {
         const V x = hn::Set(d, f[0]), y = hn::Set(d, f[1]), z = hn::Set(d, f[2]);
-        const V travel = driven(ops.travels[index], columns);
+        const V travel = drive_value(ops.travels[index], columns);
         a.t = hn::Add(a.t, hn::Mul(travel, along(a, x, y, z)));
         b.t = hn::Add(b.t, hn::Mul(travel, along(b, x, y, z)));
         c.t = hn::Add(c.t, hn::Mul(travel, along(c, x, y, z)));

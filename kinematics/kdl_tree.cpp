@@ -16,7 +16,6 @@ KDL::Frame to_kdl(const Eigen::Isometry3d& pose) {
           to_kdl(Eigen::Vector3d(pose.translation()))};
 }
 
-/// KDL gives a joint's origin and axis in the parent link's frame.
 KDL::Joint to_kdl(const Joint& joint) {
   const KDL::Frame parent_from_joint = to_kdl(joint.parent_from_joint);
   const KDL::Vector axis = parent_from_joint.M * to_kdl(Eigen::Vector3d(joint.axis.normalized()));
@@ -41,7 +40,7 @@ KDL::Tree to_kdl(const Robot& robot) {
     const std::string& child = robot.links[static_cast<size_t>(joint.child_link)].name;
     const KDL::Segment segment(child, to_kdl(joint), to_kdl(joint.parent_from_joint));
     if (!tree.addSegment(segment, parent))
-      throw std::logic_error(fmt::format("KDL refuses the link {} below {}", child, parent));
+      throw std::logic_error(fmt::format("KDL rejects the link {} below {}", child, parent));
   }
   return tree;
 }

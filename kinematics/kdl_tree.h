@@ -1,6 +1,7 @@
-// A checked robot as a KDL::Tree. Internal to the folder: KDL stays behind kinematics' headers.
-// One rule: segments are named after links and joints after joints; KDL renumbers joints when a
-// tree is copied, so look them up by name.
+// to_kdl() converts a checked robot to a KDL::Tree. Internal to the folder: keeps KDL out of the
+// public headers.
+// Segments are named after links and joints after joints. KDL renumbers joints when it copies a
+// tree; look them up by name.
 #pragma once
 
 #include <kdl/tree.hpp>
@@ -9,7 +10,7 @@
 
 namespace throng {
 
-/// Mimic joints become joints of their own; whoever fills a KDL::JntArray applies the mimic.
+/// Mimic joints become independent joints; the caller applies the mimic to a KDL::JntArray.
 KDL::Tree to_kdl(const Robot& robot);
 
 }  // namespace throng

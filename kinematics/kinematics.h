@@ -1,5 +1,4 @@
-// Kinematics: a URDF becomes a checked robot, a KDL tree, and flat arrays that pose many avatars at
-// once.
+// Public header of the folder: checked robots from URDFs, and flat arrays that pose avatars.
 #pragma once
 
 #include "kinematics/flat_model.h"

@@ -15,12 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The text between <name> and </name> of a package.xml, or "".
+/// Returns the text between <name> and </name> of a package.xml, or "".
 std::string name_in_package_xml(const fs::path& file) {
   std::ifstream in(file);
-  constexpr size_t kEnough = 65536;  // a manifest is a page; do not read a disguised disk image
-  std::string text(kEnough, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(kEnough));
+  constexpr size_t kMaxManifestBytes =
+      65536;  // a manifest is one page; limits the read for any other file
+  std::string text(kMaxManifestBytes, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(kMaxManifestBytes));
   text.resize(static_cast<size_t>(in.gcount()));
   const size_t start = text.find("<name>");
   const size_t end = text.find("</name>");
@@ -31,7 +32,7 @@ std::string name_in_package_xml(const fs::path& file) {
   return name;
 }
 
-/// The folder of `package` as seen from `folder`: itself, or the one of that name inside.
+/// Returns the folder of `package` as seen from `folder`: itself, or its subfolder of that name.
 std::optional<fs::path> package_at(const fs::path& folder, const std::string& package) {
   std::error_code ignored;
   if (fs::is_directory(folder / package, ignored)) return folder / package;
@@ -40,7 +41,7 @@ std::optional<fs::path> package_at(const fs::path& folder, const std::string& pa
   return std::nullopt;
 }
 
-/// %20 and its like as the characters that they stand for; what is no such code stays.
+/// Decodes %20 and other codes; anything else remains.
 std::string decoded(std::string_view text) {
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -57,8 +58,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-/// Its scheme in lower case and what follows; a plain path has none. The slashes behind the colon
-/// belong to what follows.
+/// Scheme in lower case, empty for a plain path; the rest includes the slashes after the colon.
 struct Uri {
   std::string scheme;
   std::string rest;
@@ -75,7 +75,7 @@ Uri split(std::string_view uri) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
   });
   const bool has_authority = uri.substr(colon + 1, 2) == "//";
-  // "C:/robot" of Windows is no path here, but no address either.
+  // "C:/robot" of Windows is no valid path here, but no address either.
   if (!is_scheme ||
       (!has_authority && scheme != "file" && scheme != "package" && scheme != "model"))
     return {"", std::string(uri)};
@@ -86,7 +86,7 @@ std::string without_slashes(std::string_view text) {
   return std::string(text.substr(std::min(text.find_first_not_of('/'), text.size())));
 }
 
-/// PACKAGE/PATH, or nothing. The first package that may be meant, if none has the file.
+/// Resolves PACKAGE/PATH, in the first matching package if none has the file.
 std::optional<fs::path> in_package(const std::string& rest, const fs::path& urdf_file) {
   const size_t slash = rest.find('/');
   const std::string package = rest.substr(0, slash);
@@ -94,7 +94,7 @@ std::optional<fs::path> in_package(const std::string& rest, const fs::path& urdf
   const fs::path inside = without_slashes(rest.substr(slash));
   std::error_code ignored;
   std::optional<fs::path> first_found;
-  // A folder that holds the file wins over a folder that has the right name only.
+  // A folder with the file takes precedence over one with only the right name.
   const auto holds_file = [&](const fs::path& folder) {
     const auto found = package_at(folder, package);
     if (found && !first_found) first_found = *found / inside;
@@ -112,7 +112,7 @@ std::optional<fs::path> in_package(const std::string& rest, const fs::path& urdf
     for (std::string entry; std::getline(list, entry, ':');)
       if (!entry.empty() && holds_file(entry)) return first_found;
   }
-  // What ROS 2 installs of a package lies in PREFIX/share/PACKAGE.
+  // ROS 2 installs a package to PREFIX/share/PACKAGE.
   if (const char* prefixes = std::getenv("AMENT_PREFIX_PATH")) {
     std::istringstream list(prefixes);
     for (std::string entry; std::getline(list, entry, ':');)
@@ -123,8 +123,7 @@ std::optional<fs::path> in_package(const std::string& rest, const fs::path& urdf
   return first_found;
 }
 
-/// Of the path after file:, the slashes included: file:///PATH, file:/PATH, file://localhost/PATH,
-/// and as some write it file://PATH beside the URDF.
+/// Resolves file:///PATH, file:/PATH, file://localhost/PATH, and file://PATH relative to the URDF.
 fs::path of_file(std::string rest, const fs::path& urdf_file) {
   constexpr std::string_view kHere = "//localhost/";
   if (rest.starts_with(kHere)) rest.erase(0, kHere.size() - 1);
@@ -144,7 +143,7 @@ fs::path resolved(const Uri& uri, const fs::path& urdf_file) {
   fs::path folder = fs::absolute(urdf_file, ignored).lexically_normal();
   while (folder.has_relative_path()) {
     folder = folder.parent_path();
-    if (fs::exists(folder / path, ignored)) return folder / path;  // at last from the disk's root
+    if (fs::exists(folder / path, ignored)) return folder / path;  // ends at the disk's root
   }
   return found.value_or(fs::path(uri.scheme + ":///" + path));
 }
@@ -162,7 +161,7 @@ fs::path resolve_mesh(const std::string& uri, const fs::path& urdf_file) {
                      in_quotes(uri));
   const Uri as_written = split(uri);
   const Uri in_characters{as_written.scheme, decoded(as_written.rest)};
-  // A URI is coded, a path is not, and some that write either do not know.
+  // A URI is percent-encoded and a path is not, but some files confuse the two.
   const bool is_path = as_written.scheme.empty();
   const fs::path first = resolved(is_path ? as_written : in_characters, urdf_file);
   if (as_written.rest == in_characters.rest) return first;

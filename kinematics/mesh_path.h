@@ -1,6 +1,6 @@
-// Where the meshes lie that a URDF names: package://, model://, file:// and plain paths.
-// One rule: looks at the disk only for folders, package.xml and whether a file is there; what is in
-// it is the reader's question.
+// resolve_mesh() finds the meshes that a URDF names: package://, model://, file:// and plain paths.
+// Invariant: it checks only whether folders, package.xml and files exist; their content is checked
+// by readers.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@
 
 namespace throng {
 
-/// Whether resolve_mesh() takes it: a path, or a URI of a scheme above.
+/// Returns whether resolve_mesh() accepts it: a path, or a URI with one of these schemes.
 bool is_mesh_uri(std::string_view uri);
 
-/// The file a <mesh filename=...> means. A package is searched upwards from the URDF (the folder of
-/// that name, a folder inside it of that name, or one whose package.xml has the name), then in
-/// $ROS_PACKAGE_PATH, then as PREFIX/share/PACKAGE in $AMENT_PREFIX_PATH. With three slashes the
-/// first folder of the path is taken for the package, and a path from the root of the disk is tried
-/// last. %20 and its like stand for characters, unless a file is called so. An unknown package
-/// leaves the URI as it is. Throws InputError for web addresses.
+/// Returns the file of a <mesh filename=...>. A package is searched for upwards from the URDF: a
+/// folder or subfolder of that name, or one whose package.xml has the name. Then in
+/// $ROS_PACKAGE_PATH, then as PREFIX/share/PACKAGE in $AMENT_PREFIX_PATH. After three slashes, the
+/// first folder of the path is taken as the package; last, the path is tried from the disk's root.
+/// Codes like %20 are decoded, unless a file has that literal name. An unknown package leaves the
+/// URI unchanged. Throws InputError for web addresses.
 std::filesystem::path resolve_mesh(const std::string& uri, const std::filesystem::path& urdf_file);
 
 }  // namespace throng

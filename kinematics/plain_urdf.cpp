@@ -53,7 +53,6 @@ class Writer {
  private:
   const XmlElement& at(int element) const { return elements_[static_cast<size_t>(element)]; }
 
-  /// The start of a tag with those of the attributes that the element has.
   void open(std::string_view tag, int element, std::initializer_list<std::string_view> attributes,
             std::string_view more = "") {
     out_ += fmt::format("<{}", tag);
@@ -63,7 +62,6 @@ class Writer {
     out_ += fmt::format("{}>", more);
   }
 
-  /// The same of a child, if there is one.
   void write_child(int element, std::string_view tag,
                    std::initializer_list<std::string_view> attributes, std::string_view more = "") {
     const int child = child_of(elements_, element, tag);
@@ -102,7 +100,7 @@ class Writer {
       write_child(joint, "axis", {"xyz"});
       write_child(joint, "mimic", {"joint", "multiplier", "offset"});
     }
-    // urdfdom insists on all four, and Throng uses two.
+    // urdfdom requires all four, Throng uses two.
     constexpr std::string_view kForces = " effort=\"0\" velocity=\"0\"";
     if (type == "revolute" || type == "prismatic") {
       write_child(joint, "limit", {"lower", "upper"}, kForces);
@@ -124,15 +122,14 @@ std::string plain_urdf(const std::vector<XmlElement>& elements, const UrdfCheckR
 
 namespace {
 
-/// A page; the rest is a number.
+/// One page; further notes are only counted.
 constexpr size_t kMaxIgnoredNotes = 40;
 
-/// Finds the idle tags of links.
 class IgnoredTags {
  public:
   explicit IgnoredTags(const std::vector<XmlElement>& elements) : elements_(elements) {}
 
-  /// Why a child of a link is idle, or "".
+  /// Returns why a child of a link can be ignored, or "".
   std::string reason_for(int child) const {
     const std::string_view name = at(child).name;
     if (name == "visual" || name == "collision") return without_surface(child);
@@ -143,8 +140,7 @@ class IgnoredTags {
  private:
   const XmlElement& at(int element) const { return elements_[static_cast<size_t>(element)]; }
 
-  /// How many of the sizes in an attribute are above 0; nothing if they are not what they should
-  /// be.
+  /// Returns how many of the sizes in an attribute are above 0, or nothing if they are malformed.
   std::optional<size_t> sizes_above_zero(int shape, std::string_view attribute,
                                          size_t count) const {
     const std::string* text = at(shape).attribute(attribute);

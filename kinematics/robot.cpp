@@ -23,7 +23,6 @@
 namespace throng {
 namespace {
 
-/// Collects what urdfdom would have printed.
 class Messages : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -63,7 +62,7 @@ Eigen::Isometry3d to_eigen(const urdf::Pose& pose) {
   return out;
 }
 
-/// What urdfdom 3 does not read: the turn of an <origin> as a quaternion.
+/// Applies the rotation of an <origin> given as a quaternion, which urdfdom 3 does not read.
 void turn_by_quaternion(const std::vector<XmlElement>& elements, int owner,
                         Eigen::Isometry3d& pose) {
   const int origin = child_of(elements, owner, "origin");
@@ -108,8 +107,7 @@ Geometry to_geometry(const urdf::Geometry& shape, const urdf::Pose& origin,
   return out;
 }
 
-/// Throws InputError unless urdfdom has read all shapes that it was given: it drops what it cannot
-/// read.
+/// Converts all shapes; throws InputError if urdfdom has dropped some.
 template <typename Shapes>
 std::vector<Geometry> to_geometries(const Shapes& shapes, std::string_view tag,
                                     const std::vector<XmlElement>& elements,
@@ -178,7 +176,7 @@ Joint to_joint(const urdf::Joint& joint, const std::vector<XmlElement>& elements
 
 bool is_spherical(const XmlElement& joint) { return *joint.attribute("type") == "spherical"; }
 
-/// NAME_x, which no other thing of the robot is called.
+/// Returns NAME_x, extended if another joint or link has that name.
 std::string name_along(const std::string& name, char axis,
                        const std::map<std::string, int>& others) {
   std::string along = name + "_" + axis;
@@ -186,7 +184,7 @@ std::string name_along(const std::string& name, char axis,
   return along;
 }
 
-/// A spherical joint is three that turn, one after the other: about x, y and z of its frame.
+/// Returns one of the three joints that replace a spherical one: about x, y or z of its frame.
 Joint turn_of(const Joint& spherical, char axis, const std::map<std::string, int>& joints) {
   Joint out;
   out.name = name_along(spherical.name, axis, joints);
@@ -198,14 +196,13 @@ Joint turn_of(const Joint& spherical, char axis, const std::map<std::string, int
   return out;
 }
 
-/// What lies between them.
+/// Returns the link between two of these joints.
 Link frame_of(const Joint& spherical, char axis, const std::map<std::string, int>& links) {
   Link out;
   out.name = name_along(spherical.name, axis, links);
   return out;
 }
 
-/// The robot's own <link> or <joint> tags that are read, by name.
 std::map<std::string, int> named(const std::vector<XmlElement>& elements,
                                  const UrdfCheckResult& use, std::string_view tag) {
   std::map<std::string, int> out;
@@ -215,7 +212,7 @@ std::map<std::string, int> named(const std::vector<XmlElement>& elements,
   return out;
 }
 
-/// Joints in depth-first order from the root, siblings as they stand in the file.
+/// Returns joints in depth-first order from the root, siblings as in the file.
 std::vector<std::string> joints_from_root(const std::vector<XmlElement>& elements,
                                           const UrdfCheckResult& use,
                                           const urdf::ModelInterface& model) {
@@ -237,7 +234,6 @@ std::vector<std::string> joints_from_root(const std::vector<XmlElement>& element
   return order;
 }
 
-/// Both readings of the same names have to agree.
 void require_names(const urdf::ModelInterface& model, const std::map<std::string, int>& links,
                    const std::map<std::string, int>& joints, const std::string& file,
                    const std::string& errors) {
@@ -251,7 +247,7 @@ void require_names(const urdf::ModelInterface& model, const std::map<std::string
                     errors.empty() ? "" : ": ", errors));
 }
 
-/// A name that poses nothing refuses nothing.
+/// Returns the robot's name, or a substitute: no pose depends on it, so a bad name is no error.
 std::string name_of_robot(const XmlElement& robot, const std::filesystem::path& file,
                           std::vector<std::string>& notes) {
   const std::string* name = robot.attribute("name");
@@ -260,7 +256,7 @@ std::string name_of_robot(const XmlElement& robot, const std::filesystem::path& 
   const bool is_blank = name == nullptr || name->find_first_not_of(' ') == std::string::npos;
   std::string other = name_after(is_blank ? file.stem().string() : *name);
   if (!defect_of_name(other).empty()) other = "robot";
-  notes.push_back(fmt::format("a name of the robot: {}, so that it is called '{}'", defect, other));
+  notes.push_back(fmt::format("name of the robot: {}; it is called '{}'", defect, other));
   return other;
 }
 
@@ -270,7 +266,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
                  std::vector<std::string>* assumptions) {
   std::vector<std::string> notes;
   std::string text = whole;
-  // Programs in C that write a string with its end do this.
+  // Written by C programs that include a string's terminator.
   while (!text.empty() && text.back() == '\0') text.pop_back();
   if (text.find('<') == std::string::npos) text = whole;
   if (text.size() < whole.size())
@@ -288,7 +284,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
   messages.errors = one_line(messages.errors);
   if (!model || !model->getRoot())
     throw InputError(file.string(), "a URDF that urdfdom reads",
-                     messages.errors.empty() ? "one that it refuses" : messages.errors);
+                     messages.errors.empty() ? "one that it rejects" : messages.errors);
   const std::map<std::string, int> links = named(elements, use, "link");
   const std::map<std::string, int> joints = named(elements, use, "joint");
   require_names(*model, links, joints, file.string(), messages.errors);
@@ -322,7 +318,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
   }
   for (Joint& joint : robot.joints) {
     const auto read = model->joints_.find(joint.name);
-    if (read == model->joints_.end()) continue;  // one of three that a spherical joint became
+    if (read == model->joints_.end()) continue;  // one of three joints that replace a spherical one
     const auto& mimic = read->second->mimic;
     if (!mimic || joint.kind == Joint::Kind::kFixed) continue;
     joint.mimic = {joint_index.at(mimic->joint_name), mimic->multiplier, mimic->offset};
@@ -333,7 +329,7 @@ Robot parse_urdf(const std::string& whole, const std::filesystem::path& file,
   };
   add(use.notes);
   add(unused_in_urdf(elements));
-  if (!messages.errors.empty()) add({"urdfdom says: " + escaped(messages.errors)});
+  if (!messages.errors.empty()) add({"urdfdom reports: " + escaped(messages.errors)});
   if (assumptions != nullptr)
     assumptions->insert(assumptions->end(), use.assumptions.begin(), use.assumptions.end());
   return robot;
@@ -364,7 +360,7 @@ bool is_urdf(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, error)) return false;
   std::ifstream in(file, std::ios::binary);
   std::string head;
-  // A page says whether it is XML at all; notices of copyright may be long.
+  // One page usually shows whether it is XML; copyright notices may be longer.
   for (const size_t bytes : {size_t{4096}, size_t{1} << 20}) {
     const size_t had = head.size();
     head.resize(bytes);

@@ -1,6 +1,5 @@
-// A robot (or a person) as its URDF describes it, checked.
-// One rule: a Robot that exists is sound - one root, every link reachable, unit axes, lower <=
-// upper.
+// Robot is a robot or person as described by its URDF, checked.
+// Invariant: one root, every link reachable, unit axes, lower <= upper.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -50,26 +49,26 @@ struct Joint {
 };
 
 struct Robot {
-  std::string name;           ///< the file's, without its extension, where the URDF has none
+  std::string name;           ///< the file name without extension if the URDF has no name
   std::vector<Link> links;    ///< parents before children; links[0] is the root
   std::vector<Joint> joints;  ///< joints[i].child_link == i + 1
-  /// What the URDF says that we skip or do not use, a line each.
+  /// One line for each statement of the URDF that is skipped or not used.
   std::vector<std::string> notes;
 };
 
-/// Reads and checks a URDF file. The text is checked for size, depth, two parents, loops, zero
-/// axes, negative mass, lower > upper, empty names and so on, and urdfdom sees only what is read of
-/// it. Throws InputError naming file, line where known, expected and found.
+/// Reads and checks a URDF file: size, depth, two parents, loops, zero axes, lower > upper and
+/// more. urdfdom gets only the parts that are read. Throws InputError naming file, line where
+/// known, expected and found.
 Robot read_urdf(const std::filesystem::path& file);
 
-/// Whether a regular file is an XML text with the root element <robot>, whatever it is called.
+/// Returns whether a regular file, of any name, is an XML text with the root element <robot>.
 bool is_urdf(const std::filesystem::path& file);
 
-/// The text of a URDF file, its size checked. Throws InputError.
+/// Returns the text of a URDF file after checking its size. Throws InputError.
 std::string read_urdf_text(const std::filesystem::path& file);
 
-/// The same as read_urdf() from text; `file` names it in errors and anchors relative mesh paths.
-/// What the URDF leaves open, and how it is read, is added to `assumptions`, a line each.
+/// Same as read_urdf(), from text; `file` names it in errors and anchors relative mesh paths.
+/// Appends to `assumptions` one line for each gap in the URDF and its interpretation.
 Robot parse_urdf(const std::string& text, const std::filesystem::path& file,
                  std::vector<std::string>* assumptions = nullptr);
 

@@ -28,7 +28,7 @@ class Check {
 
   UrdfCheckResult run() {
     check_root();
-    refuse_xacro(elements_, file_);
+    reject_xacro(elements_, file_);
     for_children(0, [&](int child) {
       if (at(child).name == "link") add(child, links_, "link", kMaxLinks);
       if (at(child).name == "joint") add(child, joints_, "joint", kMaxLinks);
@@ -39,7 +39,7 @@ class Check {
     for (const auto& [name, joint] : joints_) check_joint(name, joint);
     for (const auto& [name, joint] : joints_) check_mimic(name, joint);
     check_tree();
-    tell_assumptions();
+    list_assumptions();
     return std::move(use_);
   }
 
@@ -64,7 +64,7 @@ class Check {
     return *value;
   }
 
-  /// `count` finite numbers with absolute values up to `limit`.
+  /// Returns `count` finite numbers with absolute values up to `limit`.
   std::vector<double> numbers(int element, std::string_view attribute, size_t count,
                               double limit) const {
     const std::string& text = required(element, attribute);
@@ -102,7 +102,7 @@ class Check {
     return child_of(elements_, link, "visual") >= 0 || child_of(elements_, link, "collision") >= 0;
   }
 
-  /// A <link> of the robot that <parent> or <child> names, or -1.
+  /// Returns the <link> of the robot that <parent> or <child> names, or -1.
   int named_end(int joint, std::string_view end) const {
     const int element = child_of(elements_, joint, end);
     const std::string* name = element < 0 ? nullptr : at(element).attribute("link");
@@ -115,7 +115,6 @@ class Check {
     return type != nullptr && (*type == "floating" || *type == "planar");
   }
 
-  /// The links from `link` downwards.
   std::set<int> links_below(int link, const std::map<int, std::vector<int>>& children) const {
     std::set<int> below{link};
     std::vector<int> pending{link};
@@ -129,9 +128,9 @@ class Check {
     return below;
   }
 
-  /// An avatar's root moves freely. So a joint of several degrees of freedom between a frame of the
-  /// world and the robot says nothing new: the robot is what lies below, where nothing else has a
-  /// shape. Likewise a part without shapes may hang on one.
+  /// Cuts off a fixed frame above a free joint. An avatar's root moves freely; hence a joint of
+  /// several degrees of freedom between a world frame and the robot adds nothing. The robot is the
+  /// side below, if the other side has no shape. Likewise a side below without shapes is cut off.
   void cut_at_free_joints() {
     std::map<int, std::vector<int>> children;
     std::vector<int> free;
@@ -146,7 +145,7 @@ class Check {
     for (const int joint : free) {
       if (use_.skipped[static_cast<size_t>(joint)]) continue;
       const std::set<int> below = links_below(named_end(joint, "child"), children);
-      if (below.count(named_end(joint, "parent")) != 0) continue;  // a loop, which is refused
+      if (below.count(named_end(joint, "parent")) != 0) continue;  // a loop, rejected later
       size_t shapes_below = 0;
       size_t shapes_elsewhere = 0;
       for (const auto& [name, link] : links_)
@@ -157,13 +156,14 @@ class Check {
   }
 
   void keep_one_side(int joint, const std::set<int>& below, bool keeps_below) {
-    for (const auto& [name, other] : joints_) {  // one that also joins both sides stays, refused
+    for (const auto& [name, other] :
+         joints_) {  // a second joint between both sides: rejected later
       const bool is_below = below.count(named_end(other, "parent")) != 0;
       if (other != joint && is_below != (below.count(named_end(other, "child")) != 0)) return;
     }
     const std::string base = in_quotes(link_name(named_end(joint, "child")));
     use_.notes.push_back(fmt::format(
-        "joint {} of type {}, line {}: skipped with all {}, where nothing has a shape{}",
+        "joint {} of type {}, line {}: skipped with all links {}, none of which has a shape{}",
         in_quotes(*at(joint).attribute("name")), in_quotes(*at(joint).attribute("type")),
         at(joint).line, keeps_below ? "above " + base : "from " + base + " on",
         keeps_below ? "; the robot's root is " + base + ", and moves freely" : ""));
@@ -187,7 +187,7 @@ class Check {
     const std::string& name = *at(element).attribute("name");
     const auto [entry, is_new] = into.emplace(name, element);
     if (!is_new)
-      fail(element, fmt::format("each {} name once", what),
+      fail(element, fmt::format("unique {} names", what),
            fmt::format("{} again, first on line {}", in_quotes(name), at(entry->second).line));
     if (static_cast<int>(into.size()) > cap)
       fail(element, fmt::format("at most {} {}s", cap, what), "more");
@@ -223,21 +223,20 @@ class Check {
     });
   }
 
-  /// What is only drawn, and not used beside collision geometry, refuses no robot.
+  /// Checks a <visual> that is not used because of <collision>; a defect of it is only noted.
   void skip_unsound(const std::string& link, int visual) {
     try {
       check_shape(visual);
     } catch (const InputError& error) {
       use_.skipped[static_cast<size_t>(visual)] = true;
-      constexpr size_t kMaxNotes = 40;  // a page
+      constexpr size_t kMaxNotes = 40;  // one page
       if (++unsound_visuals_ > kMaxNotes) return;
       use_.notes.push_back(fmt::format(
-          "<visual> of link {}, line {}: skipped, its <collision> counts: {}", in_quotes(link),
+          "<visual> of link {}, line {}: skipped in favour of <collision>: {}", in_quotes(link),
           at(visual).line, std::string(error.what()).substr(error.where().size() + 2)));
     }
   }
 
-  /// The mass is all that is read.
   void check_inertial(int inertial) const {
     const int mass = child_of(elements_, inertial, "mass");
     if (mass < 0) return;
@@ -248,7 +247,7 @@ class Check {
 
   void positive(int element, std::string_view attribute, size_t count) const {
     const auto sizes = numbers(element, attribute, count, kMaxLength_m);
-    // A float has to hold it and its square, so that no volume computed from it is empty.
+    // A float must represent it and its square; otherwise volumes computed from it are empty.
     if (std::any_of(sizes.begin(), sizes.end(), [](double size) { return size < 1e-9; }))
       fail(element, fmt::format("a positive {} of <{}>", attribute, at(element).name),
            in_quotes(required(element, attribute)));
@@ -293,8 +292,9 @@ class Check {
     const std::string& type = required(joint, "type");
     if (type == "floating" || type == "planar")
       fail(joint, "fixed, revolute, continuous or prismatic joints",
-           fmt::format("{}: it has several degrees of freedom; the root link moves freely already, "
-                       "and elsewhere a chain of single joints says the same",
+           fmt::format("{}: it has several degrees of freedom; omit it at the root link, which "
+                       "moves freely, "
+                       "and elsewhere use a chain of single joints",
                        in_quotes(type)));
     static const std::vector<std::string> known{"fixed", "revolute", "continuous", "prismatic",
                                                 "spherical"};
@@ -344,7 +344,7 @@ class Check {
     if (kind == "revolute" || kind == "prismatic") check_limit(name, joint, kind);
   }
 
-  /// It becomes three joints with two more links, whose names are longer.
+  /// A spherical joint becomes three joints and two more links with longer names.
   void add_spherical(const std::string& name, int joint) {
     constexpr size_t kMaxBytes = kMaxNameBytes - 8;
     if (name.size() > kMaxBytes)
@@ -356,7 +356,7 @@ class Check {
            "more");
   }
 
-  /// A joint that follows another has no say in how far it moves.
+  /// The leader determines the range of a joint that mimics another.
   bool follows(int joint) const { return child_of(elements_, joint, "mimic") >= 0; }
 
   void check_limit(const std::string& name, int joint, const std::string& kind) {
@@ -387,12 +387,11 @@ class Check {
     use_.assumptions.push_back(fmt::format("{}: {}", what, names));
   }
 
-  void tell_assumptions() {
+  void list_assumptions() {
     assume(spherical_, "spherical joints are read as three continuous ones, about x, y and z");
-    assume(unlimited_, "revolute joints without <limit> turn as continuous ones do");
+    assume(unlimited_, "revolute joints without <limit> are read as continuous ones");
     assume(fixed_, "prismatic joints without <limit> stay at 0 m");
-    assume(stuck_,
-           "joints whose <limit> has neither lower nor upper, which are then 0, do not move");
+    assume(stuck_, "joints without lower and upper in <limit> do not move, because both are 0");
   }
 
   bool is_of_one_number(int joint) const {
@@ -404,7 +403,7 @@ class Check {
     int mimic = child_of(elements_, joint, "mimic");
     if (mimic < 0 || !is_of_one_number(joint)) return;
     for (const char* factor : {"multiplier", "offset"}) number_or(mimic, factor, 0, kMaxLength_m);
-    // Follows the leaders; more steps than joints means that they run in a circle.
+    // Follows the leaders; more steps than joints mean a cycle.
     for (size_t steps = 0; mimic >= 0; ++steps) {
       const std::string& leader = required(mimic, "joint");
       const auto entry = joints_.find(leader);
@@ -416,7 +415,7 @@ class Check {
              fmt::format("{}, which is {}", in_quotes(leader), kind_of(entry->second)));
       if (steps > joints_.size() || leader == name)
         fail(child_of(elements_, joint, "mimic"), "a mimic chain that ends at a free joint",
-             fmt::format("a circle through {}", in_quotes(name)));
+             fmt::format("a cycle through {}", in_quotes(name)));
       mimic = child_of(elements_, entry->second, "mimic");
     }
   }
@@ -437,7 +436,7 @@ class Check {
       size_t steps = 0;
       for (int up = link; up != root; up = parent_link_.at(up)) {
         depth += spherical_.count(joint_above_.at(up)) != 0 ? 3 : 1;
-        // A loop is longer than any chain, so this names it unless there are more links than that.
+        // A loop exceeds any chain, and is reported as such.
         if (++steps > links_.size())
           fail(link,
                fmt::format("every link below the root {}", in_quotes(*at(root).attribute("name"))),
@@ -487,13 +486,12 @@ UrdfCheckResult check_urdf(const std::vector<XmlElement>& elements, const std::s
 
 namespace {
 
-[[noreturn]] void refuse(const XmlElement& element, const std::string& file,
+[[noreturn]] void reject(const XmlElement& element, const std::string& file,
                          const std::string& found) {
   throw InputError(at_line(file, element.line), "plain URDF",
                    found + "; expand it first: xacro FILE > robot.urdf");
 }
 
-/// What the names of xacro's own tags begin with.
 std::vector<std::string> prefixes_of(const XmlElement& robot) {
   std::vector<std::string> prefixes{"xacro:"};
   for (const auto& [attribute, value] : robot.attributes)
@@ -509,7 +507,7 @@ bool is_substitution(const std::string& value, std::string_view open, char close
 
 struct Use {
   std::string_view tag;
-  std::string_view note;  ///< empty: used, or told under its owner
+  std::string_view note;  ///< empty: used, or reported with the parent tag
 };
 
 constexpr std::array kKnownTags{
@@ -544,7 +542,7 @@ constexpr std::array kKnownTags{
 
 }  // namespace
 
-void refuse_xacro(const std::vector<XmlElement>& elements, const std::string& file) {
+void reject_xacro(const std::vector<XmlElement>& elements, const std::string& file) {
   const std::vector<std::string> prefixes = prefixes_of(elements[0]);
   std::vector<bool> is_used(elements.size(), false);
   is_used[0] = true;
@@ -552,21 +550,21 @@ void refuse_xacro(const std::vector<XmlElement>& elements, const std::string& fi
     const std::string_view name = elements[i].name;
     for (const std::string& prefix : prefixes)
       if (name.starts_with(prefix))
-        refuse(elements[i], file, fmt::format("<{}>", escaped(name.substr(0, 60))));
+        reject(elements[i], file, fmt::format("<{}>", escaped(name.substr(0, 60))));
     if (i > 0)
       is_used[i] = elements[i].parent == 0 ? name == "link" || name == "joint"
                                            : is_used[static_cast<size_t>(elements[i].parent)];
     if (!is_used[i]) continue;
     for (const auto& [attribute, value] : elements[i].attributes)
       if (is_substitution(value, "${", '}') || is_substitution(value, "$(", ')'))
-        refuse(elements[i], file,
+        reject(elements[i], file,
                fmt::format("{}={}", escaped(attribute.substr(0, 60)), in_quotes(value)));
   }
 }
 
 std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements) {
   std::map<std::string, std::pair<int, std::string_view>> counts;
-  std::vector<bool> is_reported(elements.size(), false);  // an unused tag speaks for all inside it
+  std::vector<bool> is_reported(elements.size(), false);  // an unused tag covers those inside it
   for (size_t i = 1; i < elements.size(); ++i) {
     const size_t parent = static_cast<size_t>(elements[i].parent);
     is_reported[i] = is_reported[parent];
@@ -581,7 +579,7 @@ std::vector<std::string> unused_in_urdf(const std::vector<XmlElement>& elements)
                       .first->second;
     ++entry.first;
   }
-  constexpr size_t kMaxTags = 60;  // a page; the rest is a number
+  constexpr size_t kMaxTags = 60;  // one page; the rest is counted
   std::vector<std::string> notes;
   for (const auto& [tag, count] : counts) {
     if (notes.size() == kMaxTags) {

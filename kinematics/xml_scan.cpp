@@ -34,7 +34,7 @@ void append_utf8(std::string& out, uint32_t code) {
   }
 }
 
-/// Appends what "&entity;" stands for; false if we do not know it.
+/// Appends the character of "&entity;"; returns false for an unknown entity.
 bool append_entity(std::string& out, std::string_view entity) {
   constexpr std::pair<std::string_view, char> kNamed[] = {
       {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
@@ -84,7 +84,7 @@ class Scanner {
     throw InputError(at_line(file_, line), expected, found);
   }
 
-  /// Names come from the file: cut, so that an error stays one line.
+  /// Shortens a name from the file for use in an error.
   static std::string shown(std::string_view name) { return std::string(name.substr(0, 60)); }
 
   char here() const { return at_ < text_.size() ? text_[at_] : '\0'; }
@@ -102,7 +102,7 @@ class Scanner {
     if (text_.substr(at_, start.size()) != start) return false;
     const size_t found = text_.find(end, at_ + start.size());
     if (found == std::string_view::npos)
-      fail(line_, fmt::format("'{}' to end what '{}' begins", end, start), "the end of the file");
+      fail(line_, fmt::format("'{}' to close '{}'", end, start), "the end of the file");
     advance(found + end.size() - at_);
     return true;
   }
@@ -191,7 +191,7 @@ class Scanner {
           append_entity(decoded, raw.substr(i + 1, semicolon - i - 1)))
         i = semicolon;
       else
-        decoded.push_back(is_space(raw[i]) ? ' ' : raw[i]);  // as XML 1.0, 3.3.3 has it
+        decoded.push_back(is_space(raw[i]) ? ' ' : raw[i]);  // as in XML 1.0, 3.3.3
     }
     advance(end + 1 - at_);
     return decoded;

@@ -1,6 +1,6 @@
-// A first look at an XML text, before a parser that recurses is let loose on it.
-// One rule: never recurses, never trusts a size; what it returns is well nested and within the
-// caps.
+// scan_xml() checks an XML text before a recursive parser reads it.
+// Invariant: it does not recurse and does not trust stated sizes; its result is well nested and
+// within the limits.
 #pragma once
 
 #include <string>
@@ -10,18 +10,17 @@
 
 namespace throng {
 
-/// One start tag. Elements stand in document order, so a parent comes before its children.
+/// One start tag. Elements are in document order: a parent comes before its children.
 struct XmlElement {
   std::string_view name;  ///< points into the scanned text
   std::vector<std::pair<std::string_view, std::string>>
       attributes;   ///< values with entities decoded
-  int line = 1;     ///< of the '<'
+  int line = 1;     ///< line of the '<'
   int parent = -1;  ///< index of the enclosing element
   int first_child = -1;
   int next_sibling = -1;
-  size_t end = 0;  ///< offset behind the tag that closes it
+  size_t end = 0;  ///< offset behind the closing tag
 
-  /// The attribute's value, or null if it is not there.
   const std::string* attribute(std::string_view attribute_name) const;
 };
 
@@ -29,21 +28,21 @@ struct XmlLimits {
   size_t bytes;
   int depth;
   int elements;
-  size_t value_bytes;  ///< of one attribute
-  size_t attributes;   ///< of one tag
-  size_t name_bytes;   ///< of a tag or an attribute
+  size_t value_bytes;  ///< maximum length of an attribute's value
+  size_t attributes;   ///< maximum number of attributes per tag
+  size_t name_bytes;   ///< maximum length of a tag's or an attribute's name
 };
 
-/// Tags, attributes and line numbers of `text`; character data is skipped. Throws InputError
-/// "file:line: ..." for text that is not XML, badly nested, or over a cap.
+/// Returns tags, attributes and line numbers of `text`; character data is skipped. Throws
+/// InputError "file:line: ..." for text that is not XML, badly nested, or over a limit.
 std::vector<XmlElement> scan_xml(std::string_view text, const std::string& file,
                                  const XmlLimits& limits);
 
-/// The name of the first start tag of `text`, which may be the head of a longer one; empty if the
-/// text begins otherwise than an XML text does, or ends before.
+/// Returns the name of the first start tag of `text`, which may be the head of a longer text. Empty
+/// if the text does not begin like XML, or ends before.
 std::string_view root_tag_of(std::string_view text);
 
-/// First child of that name, or -1.
+/// Returns the first child with this name, or -1.
 int child_of(const std::vector<XmlElement>& elements, int parent, std::string_view name);
 
 }  // namespace throng

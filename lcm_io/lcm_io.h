@@ -1,4 +1,4 @@
-// LCM: runs as messages - sent, logged, checked and read again - and avatars that messages drive.
+// lcm_io publishes, logs, checks and reads runs as LCM messages, and controls avatars by messages.
 #pragma once
 
 #include "lcm_io/codec/run_reader.h"

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
-"""Derive from the .lcm files what lcm-gen does not make.
+"""Generates code from the .lcm files in addition to lcm-gen.
 
 generate.py FOLDER FILE.lcm ...
 
-Writes into FOLDER/throng: `channels.hpp` (the channels of a run), `messages.hpp` (all types, by channel and as lists),
-`layouts.hpp` (a walk over the encoded bytes of each type, its rules, the columns of its CSV table); into FOLDER:
-`_messages.pyi` (the classes for Python). The build runs it.
+Writes into FOLDER/throng: `channels.hpp` (channels of a run), `messages.hpp` (all types, by channel and as lists) and
+`layouts.hpp` (for each type a walk over the encoded bytes, its rules and the columns of its CSV table). Writes into
+FOLDER: `_messages.pyi` (type hints for Python). The build runs it.
 
-A .lcm file states in comments that begin with `//!` what a layout does not say:
+Comments that begin with `//!` add properties to a .lcm file:
 
-  //! channel NAME             above the struct: the channel of a run that the type belongs on; its fields begin as
-                               those of every message. `//! channel NAME on request`: only some runs have it
-  //! csv                      above the struct: `throng export --csv` has a table of it, a column a field; where
-                               fields are lists, a row an item
-  //! each NAME, NAME, ...     below a field of fixed length: what its items are called
-  //! RULE                     below a field: what has to hold, of fields, numbers and operators of C++; may chain
-                               comparisons (`0 <= a < b`); of lists it holds for each item
+  //! channel NAME             above the struct: channel of the type in a run; the type begins with the common header.
+                               `//! channel NAME on request`: sent by some runs only
+  //! csv                      above the struct: `throng export --csv` has a table of it, with one column per field;
+                               if fields are lists, with one row per item
+  //! each NAME, NAME, ...     below a field of fixed length: names of its items
+  //! RULE                     below a field: a condition of fields, numbers and operators of C++, for lists on each
+                               item; comparisons may be chained (`0 <= a < b`)
 """
 import os
 import re
@@ -24,7 +24,7 @@ import sys
 SIZES = {"int8_t": 1, "byte": 1, "boolean": 1, "int16_t": 2, "int32_t": 4, "float": 4, "int64_t": 8, "double": 8}
 HEADER = [("int64_t", "utime"), ("int64_t", "run_id"), ("int64_t", "instance"), ("int64_t", "frame"),
           ("int64_t", "seq"), ("int32_t", "chunk"), ("int32_t", "chunk_count"), ("int32_t", "schema")]
-# An empty string is its length and a zero.
+# Length and terminating zero of an empty string.
 MIN_STRING_BYTES = 5
 
 
@@ -44,7 +44,7 @@ class Struct:
     def __init__(self, file):
         self.file = file
         self.name, self.channel, self.on_request, self.csv = "", "", False, False
-        self.fields, self.rules = [], []  # of rules (line, text)
+        self.fields, self.rules = [], []  # rules are (line, text)
 
     def fail(self, line, expected, found):
         sys.exit(f"{self.file}:{line}: expected {expected}, found '{found}'")
@@ -60,7 +60,7 @@ class Struct:
 
 
 def note(struct, number, text):
-    """A comment that begins with //!."""
+    """Reads a comment that begins with //!."""
     channel = re.fullmatch(r"channel ([A-Z_]+)( on request)?", text)
     if channel:
         struct.channel, struct.on_request = channel[1], bool(channel[2])
@@ -69,7 +69,7 @@ def note(struct, number, text):
     elif text.startswith("each "):
         names = [name.strip() for name in text[5:].split(",")]
         if not struct.fields or struct.fields[-1].items() != len(names):
-            struct.fail(number, "as many names as the field above has items", text)
+            struct.fail(number, "one name per item of the field above", text)
         struct.fields[-1].each = names
     else:
         struct.rules.append((number, text))
@@ -118,7 +118,7 @@ class Types:
         return 1 + max(map(self.depth, inner)) if inner else 0
 
     def min_bytes(self, field):
-        """Of one item."""
+        """Returns the minimum size of one item."""
         if field.type == "string":
             return MIN_STRING_BYTES
         if field.type in SIZES:
@@ -127,7 +127,7 @@ class Types:
         return sum(0 if part.is_list() else self.min_bytes(part) * part.items() for part in inner.fields)
 
     def is_fixed(self, field):
-        """Whether every item has the same size."""
+        """Returns whether all items have the same size."""
         if field.type in self.by_name:
             return all(self.is_fixed(part) and not part.is_list() for part in self.by_name[field.type].fields)
         return field.type in SIZES
@@ -140,7 +140,7 @@ class Types:
                                          if field.type in self.by_name)
 
     def messages(self):
-        """Types that are no part of another."""
+        """Returns the types that are not part of another."""
         inner = {field.type for struct in self.structs for field in struct.fields}
         return [struct for struct in self.structs if struct.name not in inner]
 
@@ -149,7 +149,7 @@ class Types:
 
 
 def constant(channel):
-    """THRONG_FRAME_STATS is kFrameStats."""
+    """Returns kFrameStats for THRONG_FRAME_STATS."""
     return "k" + "".join(word.capitalize() for word in channel.split("_")[1:])
 
 
@@ -173,7 +173,7 @@ def channels(types):
 
 namespace throng {{
 
-/// The channels of a run, by name.
+/// Channels of a run, sorted by name.
 enum class Channel : uint8_t {{
 {wrapped(constant(struct.channel) for struct in known)}
 }};
@@ -183,7 +183,7 @@ inline constexpr std::array<Channel, kChannelCount> kAllChannels = {{
 inline constexpr std::array<std::string_view, kChannelCount> kChannelNames = {{
 {wrapped(names)}}};
 
-/// Whether only runs that were on_request for it say something on the channel.
+/// Returns whether only some runs send on the channel, on request.
 constexpr bool is_on_request([[maybe_unused]] Channel channel) {{ return {" || ".join(on_request) or "false"}; }}
 
 }}  // namespace throng
@@ -196,17 +196,17 @@ def messages(types):
                       for struct in types.on_channels()[:-1])
     last = types.on_channels()[-1].name
     lines = ["#include <cstddef>\n", '#include "throng/channels.hpp"', includes, "", "namespace throng {", "",
-             "/// X(TYPE) for every message, and for every type that messages are made of.",
+             "/// X(TYPE) for every message, and for every type.",
              "#define THRONG_MESSAGES(X) " + " ".join(f"X({struct.name})" for struct in types.messages()),
              "#define THRONG_TYPES(X) " + " ".join(f"X({struct.name})" for struct in types.structs), "",
-             "/// The channel of a run that a type belongs on.", "template <class Message>",
+             "/// Channel of a type, or -1.", "template <class Message>",
              "inline constexpr int kChannelOf = -1;"]
     lines += [f"template <>\ninline constexpr int kChannelOf<{struct.name}> = static_cast<int>(Channel::{constant(struct.channel)});"
               for struct in types.on_channels()]
-    lines += ["", "/// f.operator()<TYPE>() of the type that belongs on the channel.", "template <class Function>",
+    lines += ["", "/// Calls f.operator()<TYPE>() with the type of the channel.", "template <class Function>",
               "decltype(auto) with_type_of(Channel channel, Function&& f) {", "  switch (channel) {", cases, "    default:",
               f"      return f.template operator()<{last}>();", "  }", "}", "",
-              "/// Encoded bytes, fingerprint included: without rows, and of a row of a message that has lists of one count.",
+              "/// Encoded bytes with fingerprint: without rows, and per row, for messages whose lists have one length.",
               "template <class Message>", "inline constexpr size_t kFixedBytes = 0;", "template <class Message>",
               "inline constexpr size_t kRowBytes = 0;"]
     for struct in types.messages():
@@ -224,7 +224,7 @@ def messages(types):
 
 
 def walk(types, struct):
-    """Steps over the fields, those of fixed size that follow one another in one step."""
+    """Generates a walk over the fields; consecutive fields of fixed size are one step."""
     lines, fixed, rows = [], 0, {}
 
     def flush():
@@ -256,7 +256,7 @@ def walk(types, struct):
 
 
 def condition(text):
-    """C++ of a rule, with chained comparisons taken apart."""
+    """Returns a rule in C++, with chained comparisons split."""
     parts = re.split(r"\s(<=|<|>=|>)\s", text)
     if len(parts) <= 3 or "&&" in text or "||" in text:
         return text
@@ -301,7 +301,7 @@ def rules(types, struct):
 
 
 def table(struct):
-    """Columns of the message's own fields, and what adds the cells of a row."""
+    """Generates the columns of the fields after the header, and a function that adds the cells of a row."""
     columns, cells = [], []
     lengths = {field.length for field in struct.lists()}
     if len(lengths) > 1:
@@ -335,19 +335,19 @@ def layouts(types):
 
 namespace throng {
 
-// walk(CURSOR, TYPE): steps over the encoded fields behind the fingerprint.
+// walk(CURSOR, TYPE) steps over the encoded fields after the fingerprint.
 """]
     parts += [walk(types, struct) for struct in types.structs]
-    parts.append("// The first rule of its .lcm file that a message breaks, or \"\".\n")
+    parts.append("// Returns the first broken rule of the .lcm file, or \"\".\n")
     parts += [rules(types, struct) for struct in types.structs]
-    parts.append("// Tables of CSV: their columns behind frame and time_s, how many rows a message has, the cells of one.\n")
+    parts.append("// CSV tables: columns after frame and time_s, number of rows of a message, cells of a row.\n")
     parts += [table(struct) for struct in types.on_channels() if struct.csv]
     parts.append("}  // namespace throng\n")
     return "\n".join(parts)
 
 
 def write_changed(path, text):
-    """Leaves a file that is so already as old as it is: what includes it is not built again."""
+    """Keeps an unchanged file and its date, to avoid rebuilds."""
     if os.path.exists(path):
         with open(path, encoding="utf-8") as file:
             if file.read() == text:
@@ -366,7 +366,7 @@ def main():
         path = os.path.join(folder, name)
         os.makedirs(os.path.dirname(path), exist_ok=True)
         if name.endswith(".hpp"):
-            text = "// Made from the .lcm files by lcmtypes/generate.py.\n#pragma once\n\n" + text
+            text = "// Generated from the .lcm files by lcmtypes/generate.py.\n#pragma once\n\n" + text
         write_changed(path, text)
 
 

@@ -1,6 +1,5 @@
-// Arrays of numpy over memory that C++ filled.
-// One rule: an array owns what it shows, or shares it with others that do: none can outlive its
-// memory.
+// Numpy arrays over memory filled by C++.
+// Invariant: an array owns or shares its memory, so no array outlives it.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -14,7 +13,7 @@
 
 namespace throng {
 
-/// Shows the values without copying them; they live as long as the array, or a part of it.
+/// Wraps the values without a copy; they live as long as the array or a view of it.
 template <typename T>
 pybind11::array_t<T> array_over(std::shared_ptr<std::vector<T>> values,
                                 std::vector<pybind11::ssize_t> shape = {}) {
@@ -31,12 +30,12 @@ pybind11::array_t<T> array_of(std::vector<T> values, std::vector<pybind11::ssize
   return array_over(std::make_shared<std::vector<T>>(std::move(values)), std::move(shape));
 }
 
-/// Nobody writes into an array that others may hold, too.
+/// Makes an array read-only, because others may share its memory.
 inline void forbid_writing(pybind11::array& array) {
   array.attr("flags").attr("writeable") = false;
 }
 
-/// 16 numbers, row by row. `scale` is the body's: it is not part of the matrix.
+/// Writes 16 numbers, row by row. The matrix does not include the body's scale.
 inline void put_matrix(const PartPose& pose, const Eigen::Vector3d& root_m, double* out) {
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 4; ++c) out[4 * r + c] = static_cast<double>(pose.rows[r][c]);
@@ -46,7 +45,7 @@ inline void put_matrix(const PartPose& pose, const Eigen::Vector3d& root_m, doub
   out[15] = 1;
 }
 
-/// An array of numbers of any type, as doubles in rows one after another.
+/// An array of any number type, converted to doubles in row-major order.
 using DoubleArray =
     pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
 

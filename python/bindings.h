@@ -1,4 +1,4 @@
-// What the module consists of: each file of the folder adds what it binds.
+// Functions that bind the parts of the module; each file of the folder defines its own.
 #pragma once
 
 #include <pybind11/pybind11.h>

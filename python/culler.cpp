@@ -1,4 +1,4 @@
-// throng.Culler: own bodies and own poses, without any scene.
+// throng.Culler: culling of custom bodies in custom poses.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -38,7 +38,6 @@ ShapePtr shape_of_model(const Model& model) {
   return shape;
 }
 
-/// One part of numpy arrays.
 PartShape part_of(
     size_t number, const DoubleArray& points,
     const std::optional<py::array_t<int64_t, py::array::c_style | py::array::forcecast>>&
@@ -85,8 +84,8 @@ ShapePtr shape_of_parts(const py::list& parts, std::vector<std::string> names, b
   return shape;
 }
 
-/// A culler whose bodies may be posed in any way: where they reach farther than before, it is made
-/// anew with larger spheres, and goes on.
+/// PosedCuller culls bodies in any pose. If a body reaches farther than before, it rebuilds the
+/// culler with larger spheres and transfers the state.
 class PosedCuller {
  public:
   PosedCuller(std::vector<ShapePtr> shapes, const PartVolumes& volumes,
@@ -97,7 +96,7 @@ class PosedCuller {
         workers_(threads),
         parts_(shapes_),
         reach_m_(shapes_.size(), 0) {
-    make();  // says at once what is wrong with the shapes
+    make();  // reports invalid shapes at once
   }
 
   void step(std::span<const double> matrices, size_t stride, std::span<const uint32_t> ids,
@@ -125,14 +124,14 @@ class PosedCuller {
   int64_t frame() const { return frame_; }
   const std::vector<std::shared_ptr<const BodyShape>>& shapes() const { return shapes_; }
 
-  /// How long the last step took, by the clock.
   double step_s = std::numeric_limits<double>::infinity();
-  /// A step goes on, in another thread or after Ctrl-C.
+  /// A step is running, in another thread or after Ctrl-C.
   std::atomic<bool> is_busy{false};
   void expect_idle() const {
     if (is_busy)
       throw std::runtime_error(
-          "a step of this culler still goes on, in another thread or interrupted: one at a time");
+          "a step of this culler is still running, in another thread or interrupted; use one "
+          "thread at a time");
   }
 
  private:
@@ -182,7 +181,7 @@ using Numbers = py::array_t<T, py::array::c_style | py::array::forcecast>;
 void require_bodies(const PosedCuller& culler, const Numbers<int64_t>& ids,
                     const Numbers<int64_t>& types, const DoubleArray& scales) {
   if (ids.size() != types.size() || ids.size() != scales.size())
-    throw InputError("ids, types, scales", "one of each a body",
+    throw InputError("ids, types, scales", "one of each per body",
                      fmt::format("{}, {} and {}", ids.size(), types.size(), scales.size()));
   for (py::ssize_t i = 0; i < ids.size(); ++i) {
     const int64_t id = ids.data()[i], type = types.data()[i];
@@ -193,7 +192,7 @@ void require_bodies(const PosedCuller& culler, const Numbers<int64_t>& ids,
     if (type < 0 || type >= static_cast<int64_t>(culler.shapes().size()))
       throw InputError(fmt::format("types[{}]", i),
                        fmt::format("0 to {}", culler.shapes().size() - 1), fmt::format("{}", type));
-    // As the culler does, before its bodies are posed.
+    // The same check as in the culler, made before its bodies are posed.
     if (!(scales.data()[i] >= 1 / kMaxDescribed && scales.data()[i] <= kMaxDescribed))
       throw InputError(fmt::format("scales[{}]", i),
                        fmt::format("a number from {:g} to {:g}", 1 / kMaxDescribed, kMaxDescribed),
@@ -208,11 +207,11 @@ std::vector<EventRow> latest_events(const PosedCuller& culler) {
 
 using CullerPtr = std::shared_ptr<PosedCuller>;
 
-/// A step of so few bodies takes about as long as the last, however they are posed.
+/// A step of so few bodies takes about as long as the last one, in any pose.
 constexpr size_t kFewBodies = 100;
 constexpr double kShort_s = 1e-3;
 
-/// Others may run Python meanwhile, but not this culler.
+/// Marks the culler as busy while the interpreter's lock is released.
 class BusyGuard {
  public:
   explicit BusyGuard(CullerPtr culler) : culler_(std::move(culler)) {
@@ -229,7 +228,7 @@ class BusyGuard {
   CullerPtr culler_;
 };
 
-/// What a step takes. It may go on where nobody waits for it.
+/// Data of a step, which may complete after the caller has stopped waiting.
 struct StepWork {
   explicit StepWork(const CullerPtr& culler) : guard(culler) {}
   BusyGuard guard;
@@ -253,7 +252,7 @@ py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbe
   work->ids.assign(ids.data(), ids.data() + ids.size());
   work->types.assign(types.data(), types.data() + types.size());
   work->scales.assign(scales.data(), scales.data() + scales.size());
-  // Taken within the turn: the next may begin as soon as this one is over.
+  // Copied within the step, because the next one may begin directly after it.
   const auto events = std::make_shared<std::vector<EventRow>>();
   const bool is_short = work->ids.size() <= kFewBodies && culler->step_s < kShort_s;
   std::function<void(WorkState&)> stepping = [shared = std::move(work), events](WorkState&) {
@@ -270,16 +269,18 @@ py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbe
   return array_over(events);
 }
 
-CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
+CullerPtr new_culler(std::vector<ShapePtr> shapes, py::dict options_dict) {
   if (shapes.empty()) throw InputError("bodies", "at least one kind of body", "none");
-  const auto taken = [&given](const char* name) { return given.attr("pop")(name).cast<double>(); };
-  const double closest_margin_m = taken("body_near");
+  const auto taken = [&options_dict](const char* name) {
+    return options_dict.attr("pop")(name).cast<double>();
+  };
+  const double closest_margin_m = taken("closest_parts");
   const double step_s = taken("step_s");
   const double max_m = static_cast<double>(kMaxProximity_m);
-  require_number("body_near", closest_margin_m, 0, max_m, false,
+  require_number("closest_parts", closest_margin_m, 0, max_m, false,
                  fmt::format("metres from 0 to {}", max_m));
   require_number("step_s", step_s, 0, 1e6, true, "a number of seconds above 0");
-  const RunRequest request = request_of(given);
+  const RunRequest request = request_of(options_dict);
   const PartVolumes volumes = request.options.part_volume.value_or(PartVolumes());
   std::vector<std::string> part_names;
   for (const ShapePtr& shape : shapes)
@@ -297,7 +298,7 @@ CullerPtr made(std::vector<ShapePtr> shapes, py::dict given) {
   });
 }
 
-/// Of a culler that is idle.
+/// Wraps a function that requires an idle culler.
 template <typename Function>
 auto idle(const Function& function) {
   return [function](const PosedCuller& culler) {
@@ -316,11 +317,11 @@ void bind_culler(py::module_& module) {
   module.def("body_of_model", shape_of_model);
   module.def("body_of_parts", shape_of_parts);
   py::class_<PosedCuller, CullerPtr>(module, "Culler")
-      .def(py::init(&made), py::arg("bodies"), py::arg("options"))
+      .def(py::init(&new_culler), py::arg("bodies"), py::arg("options"))
       .def("contact_points", idle([](const PosedCuller& culler) {
              return array_of(contact_point_rows(culler.culler().contact_points()));
            }))
-      .def("near", idle([](const PosedCuller& culler) {
+      .def("proximity", idle([](const PosedCuller& culler) {
              return array_of(proximity_rows(culler.culler().proximity_pairs()));
            }))
       .def("closest_parts", idle([](const PosedCuller& culler) {

@@ -16,9 +16,9 @@ namespace py = pybind11;
 namespace throng {
 namespace {
 
-/// Until a signal is seen, at most.
+/// Maximum time until a signal is handled.
 constexpr auto kPatience = std::chrono::milliseconds(50);
-/// For work that nobody wants any more.
+/// Time to wait for abandoned work.
 constexpr auto kAbandonWait = std::chrono::milliseconds(100);
 
 struct Job {
@@ -34,7 +34,7 @@ struct Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    work = nullptr;  // what it owns goes in this thread
+    work = nullptr;  // destroys what it owns in this thread
     const std::lock_guard lock(mutex);
     is_over = true;
     changed.notify_all();
@@ -50,19 +50,19 @@ struct AbandonedJob {
   std::thread thread;
 };
 
-/// Those who have been left, until the interpreter ends. With the interpreter's lock held.
+/// Abandoned work, until the interpreter ends. Requires the interpreter's lock.
 std::vector<AbandonedJob>& abandoned_jobs() {
   static std::vector<AbandonedJob> jobs;
   return jobs;
 }
 
-/// Destructors of what is static would pull the ground from under a thread that still works.
+/// Exits without destructors of static objects, which a running thread may still use.
 void leave_now(int exit_code, void*) {
   std::fflush(nullptr);
   _exit(exit_code);
 }
 
-/// With the interpreter's lock held. Throws what Python raised.
+/// Requires the interpreter's lock. Throws exceptions raised in Python.
 void poll(const Job& job, const py::object& progress, int64_t& reported) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   const int64_t done = job.state.done;

@@ -1,6 +1,7 @@
-// Long work with the interpreter free for others, which Ctrl-C ends within a fraction of a second.
-// One rule: the work runs in a thread of its own and touches nothing of Python's; the caller's
-// thread waits for it, lets signals in, and tells how far it is.
+// Interrupts runs long work without the interpreter's lock; Ctrl-C ends the wait within a fraction
+// of a second.
+// Invariant: the work runs in its own thread and uses no Python objects; the caller's thread waits
+// for it, handles signals and reports progress.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -12,29 +13,27 @@
 
 namespace throng {
 
-/// What the two threads tell each other.
 struct WorkState {
-  std::atomic<bool> stop{false};   ///< the caller wants no more of it
-  std::atomic<int64_t> done{0};    ///< frames
-  std::atomic<int64_t> frames{0};  ///< in all; 0: not known yet
+  std::atomic<bool> stop{false};
+  std::atomic<int64_t> done{0};
+  std::atomic<int64_t> frames{0};  ///< frames in all; 0: unknown
 };
 
-/// What becomes of work that is not over when nobody wants it any more.
+/// What to do with unfinished work that the caller abandons.
 enum class AbandonPolicy {
-  kStop,         ///< it looks at `signs.stop` often, and is waited for
-  kJoinBriefly,  ///< it is waited for a moment: a frame is over by then, or ends by itself
-  kDetach        ///< it ends by itself
+  kStop,         ///< wait for it; it checks `stop` often
+  kJoinBriefly,  ///< wait briefly: it completes its frame, or continues alone
+  kDetach        ///< it continues alone
 };
 
-/// Calls `work` and returns when it has returned; rethrows what it throws. `progress` is called
-/// with (done, frames) a few times a second, unless it is None. After a signal whose handler
-/// raises, or where `progress` does, `signs.stop` is set. Work that may end by itself has to own
-/// all that it touches.
+/// Runs `work`, returns when it has returned, and rethrows its exceptions. Calls `progress` with
+/// (done, frames) a few times per second, unless it is None. Sets `stop` if a signal handler or
+/// `progress` raises. Work that may continue alone must own all data it uses.
 void run_in_thread(std::function<void(WorkState&)> work, const pybind11::object& progress,
                    AbandonPolicy policy);
 
-/// The same within the caller's thread: for work that is over before anybody could want to stop it.
-/// The other thread costs some ten microseconds, and the caches of its processor.
+/// Runs work in the caller's thread, for work too short to be interrupted. Another thread would
+/// cost some ten microseconds, and cold caches.
 template <typename Work>
 void run_inline(const Work& work) {
   WorkState state;
@@ -42,7 +41,7 @@ void run_inline(const Work& work) {
   work(state);
 }
 
-/// The same for work of one result that nobody can stop half-way, but anybody may stop waiting for.
+/// Runs work with one result that cannot be stopped; the caller may stop waiting for it.
 template <typename Result, typename Work>
 Result result_from_thread(const Work& work) {
   const auto made = std::make_shared<std::optional<Result>>();
@@ -51,8 +50,8 @@ Result result_from_thread(const Work& work) {
   return std::move(**made);
 }
 
-/// Before the interpreter ends: waits a moment for what was left to end. Where that goes on, the
-/// process ends without it once Python has.
+/// Waits briefly for abandoned work before the interpreter ends. If some continues, the process
+/// exits directly after Python's shutdown.
 void join_abandoned_jobs();
 
 }  // namespace throng

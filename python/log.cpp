@@ -1,4 +1,4 @@
-// What a log says: read_log, check, render, the page.
+// read_log, check, render and the page of a log.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -34,18 +34,18 @@ namespace fs = std::filesystem;
 namespace throng {
 namespace {
 
-/// The events, places and counters of the first run of a log. What a message cannot be believed is
-/// left out, and how much was left out is known; `throng check` judges logs.
+/// Events, positions and counters of the first run of a log. Invalid messages are left out and
+/// counted; `throng check` reports them in full.
 struct LogArrays {
   RunFacts facts;
   std::vector<EventRow> events;
   std::vector<PositionRow> positions;
   std::vector<FrameRow> frames;
-  int64_t end_frame = 0;  ///< where the run is over, as far as the log goes
-  bool finished = false;  ///< the run said that it was
-  std::string hash;       ///< of its end; "" where it is cut off
-  int64_t left_out = 0;   ///< messages that were damaged
-  /// What is missing or altered before the log ends, a sentence each.
+  int64_t end_frame = 0;
+  bool finished = false;  ///< the log contains the end of the run
+  std::string hash;       ///< at the end; "" if the log is cut off
+  int64_t left_out = 0;
+  /// Missing or altered parts before the end of the log, one sentence each.
   std::vector<std::string> damage;
 };
 
@@ -72,10 +72,9 @@ RunFacts facts_of(const run_description_t& run, int64_t run_id) {
   return facts;
 }
 
-/// Reads one run, message after message.
-class Reading {
+class LogRecorder {
  public:
-  Reading(LogArrays& out, std::optional<double> fps, bool positions)
+  LogRecorder(LogArrays& out, std::optional<double> fps, bool positions)
       : out_(out), fps_(fps), stores_positions_(positions) {}
 
   void take(std::string_view name, std::span<const uint8_t> bytes) {
@@ -88,11 +87,11 @@ class Reading {
     }
     const std::pair id(header.run_id, header.instance);
     if (!id_) id_ = id;
-    if (id != *id_) return;  // another run in the same file
+    if (id != *id_) return;
     if (!take(*channel, header, bytes)) ++out_.left_out;
   }
 
-  /// Who is who; null until the log says it.
+  /// Description of the run; null until the log contains it.
   const run_description_t* run() const { return reader_.run(); }
   int64_t run_id() const { return id_ ? id_->first : 0; }
 
@@ -159,11 +158,12 @@ class Reading {
     row.persisting = frame_stats_.persisting;
     row.posed_bodies = frame_stats_.posed_bodies;
     row.frame_ms = frame_stats_.frame_ns * 1e-6;
-    int64_t* const to[][3] = {{&row.avatar_updates, &row.avatar_tests, &row.avatar_passed},
-                              {&row.body_box_updates, &row.body_box_tests, &row.body_box_passed},
-                              {&row.part_box_updates, &row.part_box_tests, &row.part_box_passed},
-                              {&row.part_updates, &row.part_tests, &row.part_passed},
-                              {&row.exact_updates, &row.exact_tests, &row.exact_passed}};
+    int64_t* const to[][3] = {
+        {&row.body_sphere_updates, &row.body_sphere_tests, &row.body_sphere_passed},
+        {&row.body_box_updates, &row.body_box_tests, &row.body_box_passed},
+        {&row.part_box_updates, &row.part_box_tests, &row.part_box_passed},
+        {&row.part_volume_updates, &row.part_volume_tests, &row.part_volume_passed},
+        {&row.triangles_updates, &row.triangles_tests, &row.triangles_passed}};
     static_assert(std::size(to) == kCullingStageCount);
     for (size_t i = 0; i < kCullingStageCount; ++i) {
       *to[i][0] = frame_stats_.updates[i];
@@ -192,32 +192,32 @@ class Reading {
   end_t end_{};
 };
 
-/// Throws InputError where the file is no log, or says of no run. `fps`: see position_interval();
-/// without, every state that there is.
+/// Throws InputError if the file is not a log or contains no run. `fps`: see position_interval();
+/// without it, all states.
 LogArrays read_log(const std::filesystem::path& file, std::optional<double> fps, bool positions,
                    WorkState& state) {
   LogArrays out;
   LogReader log(file);
-  Reading reading(out, fps, positions);
+  LogRecorder recorder(out, fps, positions);
   state.frames = static_cast<int64_t>(log.size());
   LogEvent event;
   LogGaps gaps;
   while (!state.stop && gaps.next(log, event)) {
-    reading.take(event.channel, event.data);
+    recorder.take(event.channel, event.data);
     state.done = static_cast<int64_t>(event.offset + event.bytes);
   }
-  if (reading.run() == nullptr)
+  if (recorder.run() == nullptr)
     throw InputError(file.string(), "a run's description", gaps.found_no_description());
   out.left_out += gaps.damaged_places();
   out.damage = gaps.describe_damage();
-  out.facts = facts_of(*reading.run(), reading.run_id());
+  out.facts = facts_of(*recorder.run(), recorder.run_id());
   return out;
 }
 
 py::dict read(const fs::path& file, std::optional<double> fps, bool positions,
               const py::object& progress) {
   if (fps)
-    require_number("trajectory_fps", *fps, 0, 1e4, true, "a number of frames a second above 0");
+    require_number("trajectory_fps", *fps, 0, 1e4, true, "a number of frames per second above 0");
   const auto log = std::make_shared<LogArrays>();
   run_in_thread([log, file, fps,
                  positions](WorkState& state) { *log = read_log(file, fps, positions, state); },

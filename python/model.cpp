@@ -1,4 +1,4 @@
-// throng.Model: a URDF and its meshes, and kinematics of many postures at once.
+// throng.Model: a URDF with meshes, and kinematics of many postures at once.
 #include "avatars/model/model.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ namespace py = pybind11;
 namespace throng {
 namespace {
 
-using ModelPtr = std::shared_ptr<Model>;  // never changed: pybind11 holds no pointers to const
+using ModelPtr = std::shared_ptr<Model>;  // never modified: pybind11 holds no pointers to const
 
 std::shared_ptr<Model> opened(const std::filesystem::path& urdf) {
   const std::filesystem::path file = urdf == "adult" ? adult_urdf() : urdf;
@@ -67,7 +67,7 @@ py::array triangles(const Mesh& mesh) {
   return array_of(std::move(values), {static_cast<py::ssize_t>(mesh.triangles.size()), 3});
 }
 
-/// What a row of an array has to be.
+/// Throws InputError unless the array has that many rows and columns.
 void require_rows(const char* name, const DoubleArray& array, py::ssize_t rows,
                   py::ssize_t columns) {
   const bool fits = columns == 0
@@ -85,11 +85,10 @@ void require_rows(const char* name, const DoubleArray& array, py::ssize_t rows,
 
 void require_finite(const char* name, const DoubleArray& array) {
   for (py::ssize_t i = 0; i < array.size(); ++i)
-    if (!std::isfinite(static_cast<float>(array.data()[i])))  // which joints and turns become
+    if (!std::isfinite(static_cast<float>(array.data()[i])))  // stored as float
       throw InputError(name, "finite numbers", fmt::format("{} at place {}", array.data()[i], i));
 }
 
-/// One a row of `joints`.
 std::vector<RootFrame> roots_of(py::ssize_t rows, const std::optional<DoubleArray>& rotations_xyzw,
                                 const std::optional<DoubleArray>& scales) {
   std::vector<RootFrame> roots(static_cast<size_t>(rows));
@@ -117,11 +116,12 @@ std::vector<RootFrame> roots_of(py::ssize_t rows, const std::optional<DoubleArra
   return roots;
 }
 
-/// All that kinematics of many postures needs; it may go on where nobody waits for it.
+/// Data of the kinematics of many postures, which may complete after the caller has stopped
+/// waiting.
 struct PoseWork {
   ModelPtr model;
   std::vector<float> postures;
-  std::vector<double> positions_m;  ///< three a root, or none
+  std::vector<double> positions_m;  ///< three per root, or empty
   std::vector<RootFrame> roots;
 
   std::vector<double> matrices() const {
@@ -146,8 +146,8 @@ py::array poses(const ModelPtr& model, const DoubleArray& joints,
                 const std::optional<DoubleArray>& scales) {
   const py::ssize_t rows = joints.ndim() == 2 ? joints.shape(0) : 1;
   if (joints.ndim() != 1 || joints.shape(0) != model->kinematics.column_count())
-    require_rows("joints", joints, rows, model->kinematics.column_count());
-  require_finite("joints", joints);
+    require_rows("joint_positions", joints, rows, model->kinematics.column_count());
+  require_finite("joint_positions", joints);
   if (positions_m) {
     require_rows("positions_m", *positions_m, rows, 3);
     require_finite("positions_m", *positions_m);
@@ -160,7 +160,7 @@ py::array poses(const ModelPtr& model, const DoubleArray& joints,
   if (positions_m)
     work->positions_m.assign(positions_m->data(), positions_m->data() + positions_m->size());
   work->roots = roots_of(rows, rotations_xyzw, scales);
-  constexpr size_t kFew = 10'000;  // a millisecond or two: a thread of its own is not worth it
+  constexpr size_t kFew = 10'000;  // takes 1 to 2 ms, too short for a separate thread
   std::vector<double> out =
       work->roots.size() * parts < kFew
           ? work->matrices()
@@ -168,7 +168,6 @@ py::array poses(const ModelPtr& model, const DoubleArray& joints,
   return array_of(std::move(out), {rows, static_cast<py::ssize_t>(parts), 4, 4});
 }
 
-/// With notes.
 py::tuple mesh_arrays(const std::filesystem::path& file) {
   using Read = std::pair<Mesh, std::vector<std::string>>;
   const auto [mesh, notes] = result_from_thread<Read>([file] {
@@ -201,8 +200,8 @@ void bind_model(py::module_& module) {
       .def(
           "triangles", [](const Model& m, size_t part) { return triangles(part_of(m, part).mesh); },
           py::arg("part"))
-      .def("poses", poses, py::arg("joints"), py::arg("positions_m"), py::arg("rotations_xyzw"),
-           py::arg("scales"));
+      .def("poses", poses, py::arg("joint_positions"), py::arg("positions_m"),
+           py::arg("rotations_xyzw"), py::arg("scales"));
   module.def("read_mesh", mesh_arrays, py::arg("file"));
 }
 

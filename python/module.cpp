@@ -1,5 +1,5 @@
-// The compiled half of the module `throng`; the other half, python/throng, gives it the shape that
-// users see, with docstrings.
+// The compiled part of the module `throng`; python/throng defines the public interface with
+// docstrings.
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 
@@ -18,7 +18,7 @@ namespace py = pybind11;
 namespace throng {
 namespace {
 
-/// A name of a file may be no UTF-8.
+/// File names need not be UTF-8.
 py::object text_of(const std::string& text) {
   return py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
@@ -43,15 +43,15 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-/// From here on what the module's functions throw becomes the classes of throng/_errors.py: its
-/// message, file and line get through.
+/// Converts C++ exceptions of the module to the classes of throng/_errors.py, with message, file
+/// and line.
 void register_errors() { py::register_exception_translator(translate); }
 
 }  // namespace
 }  // namespace throng
 
 PYBIND11_MODULE(_core, module) {
-  module.doc() = "The libraries of Throng; see the package throng.";
+  module.doc() = "Compiled part of the package throng.";
   module.attr("version") = std::string(throng::version());
   module.attr("commit") = std::string(throng::commit());
   throng::register_errors();

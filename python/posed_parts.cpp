@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-/// A rotation, as far as numbers that were worked out in float are one.
+/// Tolerance for rotations that were computed in float.
 constexpr double kSlack = 1e-3;
 
 using Rows = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
@@ -27,7 +27,7 @@ void require_rigid(const Rows& pose, size_t body, size_t part) {
   if (off > kSlack || turn.determinant() < 0)
     throw InputError(
         where, "a rotation in the first three columns (the size of a body is its scale)",
-        off > kSlack ? fmt::format("rows that are off by {:.3g}", off) : "a reflection");
+        off > kSlack ? fmt::format("rows that deviate by {:.3g}", off) : "a reflection");
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void PosedParts::set(std::span<const double> matrices, size_t stride,
     parts += extents_[type].size();
   }
   if (parts * stride != matrices.size())
-    throw InputError("poses", fmt::format("{} matrices, one a part of each body", parts),
+    throw InputError("poses", fmt::format("{} matrices, one per part of each body", parts),
                      fmt::format("{}", matrices.size() / stride));
   poses_.resize(parts);
   for (size_t body = 0; body < types.size(); ++body)

@@ -28,11 +28,11 @@ FrameRow row_of(const Frame& frame) {
   for (const PairEvent& event : frame.events)
     ++(event.kind == EventKind::kBegin ? row.begins : row.ends);
   const CullingCounters& c = *frame.counters;
-  add_stage(c.body_sphere, row.avatar_updates, row.avatar_tests, row.avatar_passed);
+  add_stage(c.body_sphere, row.body_sphere_updates, row.body_sphere_tests, row.body_sphere_passed);
   add_stage(c.body_box, row.body_box_updates, row.body_box_tests, row.body_box_passed);
   add_stage(c.part_box, row.part_box_updates, row.part_box_tests, row.part_box_passed);
-  add_stage(c.part_volume, row.part_updates, row.part_tests, row.part_passed);
-  add_stage(c.triangles, row.exact_updates, row.exact_tests, row.exact_passed);
+  add_stage(c.part_volume, row.part_volume_updates, row.part_volume_tests, row.part_volume_passed);
+  add_stage(c.triangles, row.triangles_updates, row.triangles_tests, row.triangles_passed);
   row.posed_bodies = static_cast<int64_t>(c.posed_bodies);
   row.cull_ms = (c.wall_ns - c.events_ns) * 1e-6;
   for (const double stage_ns : frame.times->stage_ns) row.frame_ms += stage_ns * 1e-6;
@@ -64,8 +64,8 @@ RunFacts facts_of(const RunInfo& run) {
 
 int64_t position_interval(const Scene& scene, double step_s, std::optional<double> fps) {
   const double recorded = scene.recorded ? scene.recorded->recording->facts().fps : 0;
-  const double wanted = fps.value_or(recorded > 0 ? recorded : 10);
-  return std::max<int64_t>(1, std::llround(1 / (wanted * step_s)));
+  const double rate = fps.value_or(recorded > 0 ? recorded : 10);
+  return std::max<int64_t>(1, std::llround(1 / (rate * step_s)));
 }
 
 float heading_of(const RootPose& root) {

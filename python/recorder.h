@@ -1,5 +1,5 @@
-// Keeps a run in memory, to be handed over as arrays.
-// One rule: a row for everybody who is there, none for anybody who is not, as in trajectory files.
+// RunRecorder keeps a run in memory and returns it as arrays. Like trajectory files it has rows for
+// the people in the scene only.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -14,7 +14,7 @@
 
 namespace throng {
 
-/// Who is who: what a run says of itself before its first frame.
+/// Bodies, groups and models of a run, known before its first frame.
 struct RunFacts {
   std::string scene;
   uint64_t seed = 0;
@@ -22,20 +22,20 @@ struct RunFacts {
   double step_s = 0;
   std::vector<std::string> groups{};
   std::vector<std::string> models{};
-  std::vector<std::vector<std::string>> part_names{};  ///< by model
-  std::vector<std::string> obstacles{};                ///< bodies that follow those of people
+  std::vector<std::vector<std::string>> part_names{};
+  std::vector<std::string> obstacles{};  ///< bodies after those of people
   std::vector<PersonRow> people{};
 };
 
 RunFacts facts_of(const RunInfo& run);
 
-/// Frames from one recorded place to the next: those that come nearest to `fps`; without, as a
-/// recording has it, else ten a second.
+/// Returns the number of frames between recorded positions, for a rate nearest to `fps`; by default
+/// that of the recording, or 10 per second.
 int64_t position_interval(const Scene& scene, double step_s, std::optional<double> fps);
 
 class RunRecorder final : public Sink {
  public:
-  /// `fps`: see position_interval(); `stores_positions`: whether any are kept.
+  /// `fps`: see position_interval(); `stores_positions`: whether positions are recorded.
   RunRecorder(std::optional<double> fps, bool stores_positions)
       : fps_(fps), stores_positions_(stores_positions) {}
 
@@ -55,17 +55,16 @@ class RunRecorder final : public Sink {
   int64_t every_ = 1;
 };
 
-/// Where somebody is, from the root of the body.
+/// Returns the position of a person, from the root of the body.
 PositionRow position_row(int64_t frame, double time_s, uint32_t id, const RootPose& root,
                          float speed_mps);
 float heading_of(const RootPose& root);
 
-/// As `throng run` prints hashes.
 std::string hash_text(uint64_t hash);
 
 pybind11::dict dict_of(RunFacts facts);
 
-/// events, trajectories and counters as arrays, contacts when they are asked for.
+/// Adds events, trajectories and counters as arrays; contacts are computed on request.
 void add_rows(pybind11::dict& out, RunRecorder& recorder, double step_s);
 
 }  // namespace throng

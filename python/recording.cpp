@@ -81,7 +81,7 @@ py::dict facts(const Recording& recording) {
   py::list anomalies;
   for (const Anomaly& anomaly : f.anomalies)
     anomalies.append(py::make_tuple(anomaly.what, anomaly.count, anomaly.first));
-  out["odd"] = anomalies;
+  out["anomalies"] = anomalies;
   return out;
 }
 
@@ -94,15 +94,14 @@ py::dict summary(const RecordingPtr& recording) {
       result_from_thread<RecordingSummary>([recording] { return summary_of(*recording); });
   py::dict out;
   out["mean_people"] = found.mean_people;
-  out["most_people"] = found.max_people;
-  out["most_at_s"] = found.max_people_at_s;
+  out["max_people"] = found.max_people;
+  out["max_people_at_s"] = found.max_people_at_s;
   out["speed_mps"] = of(found.speed_mps);
   out["density_per_m2"] = of(found.density_per_m2);
   out["height_m"] = of(found.height_m);
   return out;
 }
 
-/// Two runs and what was measured of them.
 struct Comparison {
   MeasuredRun a, b;
 };
@@ -175,7 +174,7 @@ py::dict tables(const Comparison& found) {
   return out;
 }
 
-/// SVG by the figure's id, title before it. Needs gnuplot.
+/// Returns (title, SVG) by figure id. Requires gnuplot.
 py::dict figures(const std::shared_ptr<Comparison>& found, const fs::path& folder) {
   using Drawn = std::vector<std::tuple<std::string, std::string, std::string>>;
   const auto drawn = std::make_shared<Drawn>();

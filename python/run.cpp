@@ -1,4 +1,4 @@
-// throng.run(): a whole run at once.
+// throng.run(): complete runs.
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -28,18 +28,18 @@ namespace fs = std::filesystem;
 namespace throng {
 namespace {
 
-/// All that a run is made of. It outlives the function that began it where nobody waits for it.
+/// All data of a run. It may outlive the calling function after Ctrl-C.
 struct RunWork {
   RunRequest request;
   RunSource source;
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<RunRecorder> recorder;
-  std::unique_ptr<SeparationSink> separation;  ///< of a scene that asks for it
+  std::unique_ptr<SeparationSink> separation;
   RunSummary summary;
 };
 
-/// Nothing that a run reads is written over.
-void refuse_inputs(const RunRequest& request, const Scene& scene) {
+/// Throws InputError if an output would replace an input.
+void reject_overwritten_inputs(const RunRequest& request, const Scene& scene) {
   std::vector<fs::path> outputs = request.trajectory;
   outputs.push_back(request.log);
   outputs.push_back(request.html);
@@ -48,7 +48,7 @@ void refuse_inputs(const RunRequest& request, const Scene& scene) {
     for (const fs::path& input : {fs::path(request.source), scene.file}) {
       std::error_code error;
       if (!output.empty() && fs::equivalent(output, input, error))
-        throw InputError(output.string(), "another file than the one that is run", "the same");
+        throw InputError(output.string(), "a file other than the input", "the same");
     }
 }
 
@@ -61,10 +61,10 @@ void prepare(RunWork& work) {
   RunRequest& request = work.request;
   for (const fs::path& file : request.trajectory)
     if (!is_trajectory_name(file))
-      throw InputError("trajectory", "a name that ends in .sqlite or .csv",
+      throw InputError("trajectory", "a name ending in .sqlite or .csv",
                        fmt::format("'{}'", file.string()));
   work.source = open_run_source(request.source, request.options);
-  refuse_inputs(request, work.source.scene);
+  reject_overwritten_inputs(request, work.source.scene);
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
   require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
                           "trajectory_area");
@@ -152,7 +152,7 @@ py::dict run_scene(const py::dict& options, const py::object& progress) {
   const auto work = std::make_shared<RunWork>();
   work->request = request_of(options);
   run_in_thread([work](WorkState&) { prepare(*work); }, py::none(), AbandonPolicy::kDetach);
-  // A file is worth waiting for until it is complete.
+  // Files are worth waiting for until they are complete.
   run_in_thread([work](WorkState& state) { run_to_end(*work, state); }, progress,
                 writes_files(work->request) ? AbandonPolicy::kStop : AbandonPolicy::kJoinBriefly);
   py::dict out = throng::dict_of(std::move(work->recorder->facts));
@@ -175,7 +175,7 @@ py::list scene_list() {
   return out;
 }
 
-/// The rows of run_options(), for what checks that the written half has them all.
+/// Returns the rows of run_options(), for a test of the Python signatures.
 py::list option_list() {
   constexpr const char* kKinds[] = {"flag", "whole", "number", "word", "text"};
   py::list out;

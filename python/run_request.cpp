@@ -15,12 +15,12 @@ namespace py = pybind11;
 namespace throng {
 namespace {
 
-/// Takes values out of a dictionary, so that what is left is what nobody knows.
+/// Takes known values out of a dictionary and reports unknown ones.
 class Arguments {
  public:
   explicit Arguments(const py::dict& arguments) : arguments_(arguments) {}
 
-  /// Throws TypeError for what is of another type, InputError for whole numbers of too many bits.
+  /// Throws TypeError for another type, InputError for integers with too many bits.
   template <typename T>
   std::optional<T> take(const char* name, const char* what) {
     known_names_.emplace_back(name);
@@ -45,13 +45,12 @@ class Arguments {
     out = take<double>(name, what.c_str());
     if (out) require_number(name, *out, low, high, open, what);
   }
-  /// An option of the table.
   void option(const RunOption& row, RunOptions& out) {
     const std::optional<std::string> text = text_of(row);
     if (text) row.read(*text, row.name, out);
   }
 
-  /// Throws TypeError where something is left, as a function of Python does.
+  /// Throws TypeError for unknown names, as Python functions do.
   void expect_all_known() const {
     for (const auto& [key, value] : arguments_) {
       const auto name = key.cast<std::string>();
@@ -62,7 +61,7 @@ class Arguments {
   }
 
  private:
-  /// The value as a command line would have it.
+  /// Returns the value as text of a command line.
   std::optional<std::string> text_of(const RunOption& row) {
     const char* const name = row.name.c_str();
     switch (row.kind) {
@@ -85,7 +84,7 @@ class Arguments {
     return std::nullopt;
   }
 
-  /// Python writes no number of more than 4300 digits.
+  /// Python does not convert integers of more than 4300 digits to text.
   static std::string written(const py::int_& number) {
     constexpr size_t kMaxBits = 256;
     const auto bits = number.attr("bit_length")().cast<size_t>();
@@ -112,8 +111,8 @@ RunRequest request_of(const py::dict& dict) {
   for (const RunOption& row : run_options()) arguments.option(row, request.options);
   request.simulation = simulation_options(request.options);
   arguments.take("culling", "True or False", request.simulation.culling);
-  arguments.take("postures", "True or False", request.simulation.postures);
-  arguments.number("trajectory_fps", 0, 1e4, true, "a number of frames a second above 0",
+  arguments.take("joint_positions", "True or False", request.simulation.postures);
+  arguments.number("trajectory_fps", 0, 1e4, true, "a number of frames per second above 0",
                    request.trajectory_fps);
   arguments.take("trajectories", "True or False", request.trajectories);
   arguments.take("log", "a path", request.log);

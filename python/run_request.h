@@ -1,6 +1,5 @@
-// RunRequest holds what is asked of a run in Python: the rows of run_options(), by their names.
-// One rule: a name that does not exist and a value that cannot be are refused before anything is
-// read.
+// RunRequest holds the options of a run in Python, by the names of run_options().
+// Invariant: unknown names and invalid values are rejected before any file is read.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -17,8 +16,7 @@ namespace throng {
 struct RunRequest {
   std::string source;  ///< a file, or a bundled scene
   RunOptions options;
-  SimulationOptions simulation;  ///< what `options` ask for
-  // What is kept, and what is written.
+  SimulationOptions simulation;
   std::optional<double> trajectory_fps;
   bool trajectories = true;
   std::filesystem::path log, html, contacts, separation, trace_hash;
@@ -26,12 +24,11 @@ struct RunRequest {
   std::optional<int64_t> trajectory_piece;  ///< see TrajectoryOptions
 };
 
-/// Of a dictionary whose values are None where they were not given. With the interpreter's lock
-/// held. Throws InputError, or TypeError of Python.
+/// Converts a dictionary; None stands for an option not given. Requires the interpreter's lock.
+/// Throws InputError, or Python's TypeError.
 RunRequest request_of(const pybind11::dict& arguments);
 
-/// Throws InputError naming `option` unless `value` is a number in [low, high], above low if
-/// `open`.
+/// Throws InputError naming `option` unless `value` is in [low, high], above low if `open`.
 void require_number(const char* option, double value, double low, double high, bool open,
                     const std::string& what);
 

@@ -20,7 +20,7 @@ namespace {
 
 using Numbers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
-/// One frame of a run, for as long as it is the latest.
+/// One frame of a run, valid while it is the latest.
 struct FrameView {
   std::shared_ptr<SteppedRun> run;
   int64_t number = 0;
@@ -65,11 +65,10 @@ struct FrameView {
     });
     return bytes.attr("view")("bool");
   }
-  py::array postures() const {
+  py::array joint_positions() const {
     const Frame& f = frame();
     if (!run->has_postures())
-      throw std::runtime_error(
-          "this simulation was made with postures=False: it has no joint angles");
+      throw std::runtime_error("this simulation was made with joint_positions=False; it has none");
     return run->postures.array(number, 0, [&](std::vector<float>& out) {
       out.assign(f.postures.begin(), f.postures.end());
     });
@@ -90,33 +89,34 @@ struct FrameView {
       for (const PairEvent& event : f.events) out.push_back(event_row(number, event));
     });
   }
-  py::array near() const {
+  py::array proximity() const {
     const Frame& f = frame();
-    require(run->scene().proximity_m > 0, "without near=M, and its scene has no proximity_m");
+    require(run->scene().proximity_m > 0, "without proximity=M, and its scene has no proximity_m");
     return array_of(proximity_rows(f.proximity_pairs));
   }
   py::array contact_points() const {
     const Frame& f = frame();
     require(run->scene().contact_points,
-            "without contact_points=True, and its scene does not ask for them");
+            "without contact_points=True, and its scene has no contact_points");
     return array_of(contact_point_rows(f.contact_points));
   }
   py::array closest_parts() const {
     const Frame& f = frame();
-    require(run->scene().closest_parts_m > 0, "without person_near=M, and its scene has none");
+    require(run->scene().closest_parts_m > 0,
+            "without closest_parts=M, and its scene has no closest_parts_m");
     return array_of(proximity_rows(f.closest_parts));
   }
   py::array part_poses(const Numbers& people) const;
 
-  /// An empty table would say that there is nothing.
+  /// Throws if a table was not requested; an empty one would mean that no pair was found.
   static void require(bool is_there, const char* what) {
     if (!is_there)
       throw std::runtime_error(fmt::format("this simulation was made {}: there is no table", what));
   }
 };
 
-/// Joint values of each avatar: one after the other, from where offsets say.
-py::array posture_offsets(const SteppedRun& run) {
+/// Offsets of the joint positions of each avatar.
+py::array joint_offsets(const SteppedRun& run) {
   const RunInfo& info = run.info();
   std::vector<int64_t> offsets{0};
   for (const uint16_t model : info.model_of_avatar)
@@ -127,7 +127,8 @@ py::array posture_offsets(const SteppedRun& run) {
 py::array FrameView::part_poses(const Numbers& people) const {
   const Frame& f = frame();
   if (!run->has_postures())
-    throw std::runtime_error("this simulation was made with postures=False: nobody else is posed");
+    throw std::runtime_error(
+        "this simulation was made with joint_positions=False; part poses need them");
   const RunInfo& info = run->info();
   const auto known = static_cast<int64_t>(info.model_of_avatar.size());
   std::vector<uint32_t> ids;
@@ -166,7 +167,7 @@ void require_finite(const char* name, const DoubleArray& values) {
       throw InputError(name, "finite numbers", fmt::format("{}", values.data()[i]));
 }
 
-/// Not made a unit where a float holds it: what a frame told is told back to the last bit.
+/// Not normalised if float can hold it, so that a pose of a frame can be set again bit for bit.
 Eigen::Quaternionf rotation_of(const DoubleArray& xyzw) {
   Eigen::Quaterniond q(Eigen::Map<const Eigen::Vector4d>(xyzw.data()));
   const double max_component = q.coeffs().cwiseAbs().maxCoeff();
@@ -178,29 +179,30 @@ Eigen::Quaternionf rotation_of(const DoubleArray& xyzw) {
   return q.cast<float>();
 }
 
-int drive(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
-          const DoubleArray& rotation_xyzw, const DoubleArray& joints,
-          const DoubleArray& velocity_mps) {
+int set_pose(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
+             const DoubleArray& rotation_xyzw, const DoubleArray& joint_positions,
+             const DoubleArray& velocity_mps) {
   if (position_m.size() != 3 || rotation_xyzw.size() != 4 || velocity_mps.size() != 2)
     throw InputError(
-        "drive", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
+        "set_pose", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
         fmt::format("{}, {} and {}", position_m.size(), rotation_xyzw.size(), velocity_mps.size()));
   if (!run.is_external(avatar))
-    throw InputError("avatar", "one of a driven group", fmt::format("{}, which is none", avatar));
+    throw InputError("avatar", "an externally controlled avatar", fmt::format("avatar {}", avatar));
   const Model& model = *run.info().models[run.info().model_of_avatar[avatar]];
-  if (joints.size() != 0 && joints.size() != model.kinematics.column_count())
+  if (joint_positions.size() != 0 && joint_positions.size() != model.kinematics.column_count())
     throw InputError(
-        "joints", fmt::format("none, or {} of '{}'", model.kinematics.column_count(), model.name),
-        fmt::format("{}", joints.size()));
+        "joint_positions",
+        fmt::format("none, or {} of '{}'", model.kinematics.column_count(), model.name),
+        fmt::format("{}", joint_positions.size()));
   require_finite("position_m", position_m);
   require_finite("rotation_xyzw", rotation_xyzw);
-  require_finite("joints", joints);
+  require_finite("joint_positions", joint_positions);
   require_finite("velocity_mps", velocity_mps);
   ExternalPose pose;
   pose.root.position_m = Eigen::Map<const Eigen::Vector3d>(position_m.data());
   pose.root.world_from_root = rotation_of(rotation_xyzw);
   pose.velocity_mps = Eigen::Map<const Eigen::Vector2d>(velocity_mps.data());
-  pose.joints = {joints.data(), static_cast<size_t>(joints.size())};
+  pose.joints = {joint_positions.data(), static_cast<size_t>(joint_positions.size())};
   return run.set_pose(avatar, pose);
 }
 
@@ -217,10 +219,10 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("headings_rad", &FrameView::headings)
       .def_property_readonly("speeds_mps", &FrameView::speeds)
       .def_property_readonly("present", &FrameView::present)
-      .def_property_readonly("postures", &FrameView::postures)
+      .def_property_readonly("joint_positions", &FrameView::joint_positions)
       .def_property_readonly("pairs", &FrameView::pairs)
       .def_property_readonly("events", &FrameView::events)
-      .def_property_readonly("near", &FrameView::near)
+      .def_property_readonly("proximity", &FrameView::proximity)
       .def_property_readonly("closest_parts", &FrameView::closest_parts)
       .def_property_readonly("contact_points", &FrameView::contact_points)
       .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
@@ -247,14 +249,14 @@ void bind_simulation(py::module_& module) {
              const std::string_view text(state);
              run.resume({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
            })
-      .def("drive", drive)
+      .def("set_pose", set_pose)
       .def_property_readonly("facts",
                              [](const SteppedRun& run) { return dict_of(facts_of(run.info())); })
       .def_property_readonly("frames", &SteppedRun::frames)
       .def_property_readonly("next_frame", &SteppedRun::next_frame)
       .def_property_readonly("notes", &SteppedRun::notes)
       .def_property_readonly("step_ms", &SteppedRun::step_ms)
-      .def_property_readonly("posture_offsets", posture_offsets)
+      .def_property_readonly("joint_offsets", joint_offsets)
       .def_property_readonly("hash", [](const SteppedRun& run) { return hash_text(run.hash()); });
 }
 

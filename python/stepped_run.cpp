@@ -15,7 +15,7 @@ namespace py = pybind11;
 
 namespace throng {
 
-/// Where the interpreter's lock is given away, others find the run busy.
+/// Marks the run as busy while the interpreter's lock is released.
 class SteppedRun::Busy {
  public:
   explicit Busy(std::shared_ptr<SteppedRun> run) : run_(std::move(run)) { run_->is_busy_ = true; }
@@ -48,19 +48,20 @@ SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
 void SteppedRun::expect_idle() const {
   if (is_busy_)
     throw std::runtime_error(
-        "a step of this simulation still goes on, in another thread or interrupted: one at a time");
+        "a step of this simulation is still running, in another thread or interrupted; use one "
+        "thread at a time");
 }
 
 int64_t SteppedRun::step(const std::shared_ptr<SteppedRun>& run) {
   run->expect_idle();
-  if (run->end_) throw std::runtime_error("this simulation is finished: no step follows");
+  if (run->end_) throw std::runtime_error("this simulation is finished; no step can follow");
   auto busy = std::make_shared<Busy>(run);
-  // Told by the step: the next may begin as soon as this one is over.
+  // Set within the step, because the next one may begin directly after it.
   const auto number = std::make_shared<int64_t>(-1);
-  constexpr double kShort_ms = 5;  // the next takes about as long as the last
+  constexpr double kShort_ms = 5;  // the next step takes about as long as the last
   const bool is_short = run->frame_ != nullptr && run->step_ms_ < kShort_ms;
-  std::function<void(WorkState&)> work = [held = std::move(busy), number](WorkState&) {
-    *number = held->step();
+  std::function<void(WorkState&)> work = [busy_run = std::move(busy), number](WorkState&) {
+    *number = busy_run->step();
   };
   if (is_short)
     run_inline(work);
@@ -84,20 +85,19 @@ int SteppedRun::set_pose(uint32_t avatar, const ExternalPose& pose) {
 
 std::vector<uint8_t> SteppedRun::saved() {
   expect_idle();
-  if (end_) throw std::runtime_error("this simulation is finished: nothing follows");
+  if (end_) throw std::runtime_error("this simulation is already finished");
   return format_checkpoint(checkpoint_of(*simulation_));
 }
 
 void SteppedRun::resume(std::span<const uint8_t> state) {
   expect_idle();
   if (simulation_->next_frame() != 0)
-    throw std::runtime_error("a simulation resumes before its first step, or not at all");
+    throw std::runtime_error("a simulation can resume only before its first step");
   const Checkpoint checkpoint = parse_checkpoint(state, "state");
   const bool is_same_run = checkpoint.run_id == simulation_->info().run_id;
   if (is_same_run && checkpoint.next_frame > frames())
-    throw InputError(
-        "state", fmt::format("one of a run of {} frames", frames()),
-        fmt::format("one of which {} are done; ask for more seconds", checkpoint.next_frame));
+    throw InputError("state", fmt::format("a state of a run of {} frames", frames()),
+                     fmt::format("one after {} frames; increase seconds", checkpoint.next_frame));
   throng::resume(*simulation_, checkpoint, "state");
 }
 
@@ -105,8 +105,8 @@ const Frame& SteppedRun::frame(int64_t number) const {
   expect_idle();
   if (frame_ == nullptr || frame_->number != number)
     throw std::runtime_error(
-        fmt::format("frame {} is over, the simulation has gone on; arrays that were taken of it "
-                    "before stay as they are",
+        fmt::format("frame {} is not the latest frame; arrays that were read from it "
+                    "remain valid",
                     number));
   return *frame_;
 }

@@ -1,6 +1,6 @@
-// A simulation that goes on step by step, and what its latest frame looks like as arrays.
-// One rule: an array shows one frame for as long as somebody holds it. Its buffer is filled when
-// first asked for, and used again for a later frame only once nobody holds it any more.
+// SteppedRun is a simulation that advances step by step, with its latest frame as arrays.
+// Invariant: an array keeps its values while a Python object holds it; its buffer is filled on
+// first use and reused only when unreferenced.
 #pragma once
 
 #include <atomic>
@@ -16,12 +16,11 @@
 
 namespace throng {
 
-/// What an array of a frame lies in.
 template <typename T>
 class FrameBuffer {
  public:
-  /// What `fill` makes of a vector, which may hold an older frame, once a frame; `width` numbers a
-  /// row, 0: one.
+  /// Returns an array of the values that `fill` writes into a vector, once per frame; `width`
+  /// numbers per row, 0 for one dimension.
   template <typename Fill>
   pybind11::array_t<T> array(int64_t frame, pybind11::ssize_t width, const Fill& fill) {
     if (!values_ || frame_ != frame) {
@@ -42,13 +41,13 @@ class FrameBuffer {
   int64_t frame_ = -1;
 };
 
-/// All functions are called with the interpreter's lock held; those that take long give it away.
+/// All functions require the interpreter's lock; long ones release it.
 class SteppedRun {
  public:
   explicit SteppedRun(RunRequest request);
 
-  /// Returns the frame's number. Throws, as does everything here, while another thread steps. After
-  /// Ctrl-C a step that takes long ends by itself, and `run` is busy until then.
+  /// Advances one frame and returns its number. Throws, like all functions, while another thread
+  /// steps. After Ctrl-C a long step completes alone, and `run` is busy until then.
   static int64_t step(const std::shared_ptr<SteppedRun>& run);
   void finish();
   int set_pose(uint32_t avatar, const ExternalPose& pose);
@@ -56,21 +55,20 @@ class SteppedRun {
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);
 
-  /// The frame of that number; throws if the run has gone on.
+  /// Returns the frame with that number; throws if it is not the latest.
   const Frame& frame(int64_t number) const;
   bool is_over() const { return end_.has_value(); }
   const std::vector<EventRow>& last_ends() const { return last_ends_; }
 
   const RunInfo& info() const { return simulation_->info(); }
   int64_t next_frame() const;
-  /// How many the scene's duration has.
   int64_t frames() const;
-  /// The margins of near rows, and whether there are contact points; see Scene.
+  /// The scene, with margins and contact_points; see Scene.
   const Scene& scene() const { return simulation_->scene(); }
   bool has_postures() const { return request_.simulation.postures; }
   const std::vector<std::string>& notes() const { return notes_; }
   uint64_t hash() const;
-  /// How long the library took for the last step, by the clock.
+  /// Wall time of the last step in the library, in ms.
   double step_ms() const;
 
   FrameBuffer<double> positions;

@@ -1,4 +1,4 @@
-// Polygons on a grid of 0.1 mm, on which unions and differences are exact.
+// Area grid rounds polygons to 0.1 mm, on which unions and differences are exact.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 
 namespace throng {
 
-/// Whole numbers make sums of polygons exact.
+/// Grid spacing. Integer coordinates make polygon operations exact.
 inline constexpr double kAreaUnit_m = 1e-4;
-/// How far from the origin polygons on the grid may lie: 32 bits hold twice as much.
+/// Maximum distance of grid polygons from the origin; 32-bit integers hold twice as much.
 inline constexpr double kMaxOnGrid_m = 1e5;
 
 using GridPoint = boost::polygon::point_data<int>;
@@ -37,7 +37,6 @@ inline boost::polygon::polygon_data<int> grid_polygon(const std::vector<Eigen::V
   return polygon;
 }
 
-/// What a ring encloses, whichever way it runs; of one that crosses itself all of its loops.
 inline GridSet grid_set(const AreaPolygon::Ring& ring) {
   GridSet left, right, both;
   left.insert(grid_polygon(ring));
@@ -49,7 +48,6 @@ inline GridSet grid_set(const AreaPolygon::Ring& ring) {
   return both;
 }
 
-/// Adds the outline less the holes.
 inline void add_to(GridSet& set, const AreaPolygon& polygon) {
   GridSet own = grid_set(polygon.outline);
   using namespace boost::polygon::operators;

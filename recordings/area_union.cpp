@@ -23,28 +23,27 @@
 
 namespace throng {
 
-// AreaEdge is an edge of a walkable area; Seam is where two of them face each other across a gap.
+// AreaEdge is an edge of a walkable area; Seam is the strip between two edges that face each other.
 
-/// Edges that face each other from no farther away belong together.
 inline constexpr double kMaxAreaGap_m = 1e-3;
-/// Files print places to 0.1 mm: a gap of 1 mm may be so much wider.
+/// Files print coordinates to 0.1 mm: a gap of 1 mm may appear this much wider.
 inline constexpr double kAreaRounding_m = 0.9e-4;
-/// Corners lie on the grid within 0.07 mm; two edges of one line differ by twice that.
+/// Corners lie within 0.07 mm of the grid, two edges of one line within twice that.
 inline constexpr double kOffGrid_m = 1.5 * kAreaUnit_m;
 
-/// From one corner of a ring to the next; the walkable side is on the left.
+/// Edge between consecutive corners of a ring, with the walkable side on the left.
 struct AreaEdge {
   Eigen::Vector2d from, to;
   uint32_t polygon = 0;
-  bool may_slit = false;  ///< of a ring that is wider than a gap
+  bool may_slit = false;  ///< the ring is wider than a gap
 
   double distance_m(const Eigen::Vector2d& p) const;
   double distance_m(const AreaEdge& other) const;
 };
 
-/// Where two edges face each other across a gap, or along a line that they share.
+/// Strip between two edges that face each other across a gap or share a line.
 struct Seam {
-  AreaPolygon::Ring filling;  ///< from one polygon to the other
+  AreaPolygon::Ring filling;
   double width_m = 0, length_m = 0;
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
 };
@@ -58,14 +57,14 @@ using BoxPoint = bg::model::point<double, 2, bg::cs::cartesian>;
 using Box = bg::model::box<BoxPoint>;
 using BoxTree = bg::index::rtree<std::pair<Box, uint32_t>, bg::index::quadratic<16>>;
 
-/// Of edges of different polygons whose boxes meet, each counted twice: a union of as many takes
-/// 5 s.
+/// Maximum number of edge pairs of different polygons with overlapping boxes, counted twice; a
+/// union with this many takes 5 s.
 constexpr size_t kMaxPairs = 500'000;
-/// Of all edges whose boxes meet: as many are looked at in a second.
+/// Maximum number of edge pairs with overlapping boxes; this many take 1 s.
 constexpr size_t kMaxVisits = 5'000'000;
-/// Two edges that differ by less are one line.
+/// Edges that differ by less are one line.
 constexpr double kNoWidth_m = 1e-6;
-/// Files that print millimetres put the ends of a cut so far off the line that they lie on.
+/// Files with millimetres print the ends of a cut up to this far from its line.
 constexpr double kStraight_m = 1e-3;
 Box box_of(Eigen::Vector2d low, Eigen::Vector2d high, double margin_m) {
   low.array() -= margin_m;
@@ -119,7 +118,7 @@ class Joiner {
     std::vector<std::vector<uint32_t>> members(polygons_.size());
     for (uint32_t i = 0; i < polygons_.size(); ++i) members[group_of(i)].push_back(i);
     for (uint32_t i = 0; i < polygons_.size(); ++i) {
-      // A group stands where its first polygon does, which names it.
+      // A group takes the place of its first polygon, which names it.
       if (members[i].size() == 1 && !has_slit_[i]) out.polygons.push_back(polygons_[i]);
       if (members[i].size() > 1 || (members[i].size() == 1 && has_slit_[i]))
         join_group(members[i], out);
@@ -141,16 +140,16 @@ class Joiner {
     Eigen::Vector2d corner_m;
     uint32_t polygon = 0;
     uint32_t order = 0;
-    bool is_shared = false;  ///< by several polygons, or by the sides of a slit
+    bool is_shared = false;  ///< shared by several polygons or the two sides of a slit
   };
   struct Corner {
     Eigen::Vector2d at_m;
-    uint32_t order = std::numeric_limits<uint32_t>::max();  ///< in the input; none: the largest
+    uint32_t order = std::numeric_limits<uint32_t>::max();  ///< index in the input; none: maximum
     bool is_kept = false;
   };
   using CornerRing = std::vector<Corner>;
 
-  [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
+  [[noreturn]] void reject(const std::string& expected, const std::string& found) const {
     throw InputError(where_, expected + " in the walkable area (WKT)", found);
   }
 
@@ -163,7 +162,7 @@ class Joiner {
     for (uint32_t i = 0; i < polygons_.size(); ++i) {
       const auto add = [&](AreaPolygon::Ring ring, bool is_outline) {
         if ((doubled_area(ring) > 0) != is_outline) std::reverse(ring.begin(), ring.end());
-        // A hole that is as narrow all over is an obstacle.
+        // A hole this narrow everywhere is an obstacle.
         const bool may_slit = width_of(ring) > kMaxAreaGap_m;
         for (size_t k = 0; k < ring.size(); ++k)
           if (ring[k] != ring[(k + 1) % ring.size()])
@@ -177,13 +176,13 @@ class Joiner {
     tree_ = BoxTree(boxes);
   }
 
-  /// Calls visit(i) for all boxes that meet one; it tells whether the pair counts.
+  /// Calls visit(i) for all intersecting boxes; it returns whether the pair counts.
   template <typename Visit>
   void for_each_meeting(const BoxTree& tree, const Box& box, const Visit& visit) {
     for (auto it = tree.qbegin(bg::index::intersects(box)); it != tree.qend(); ++it) {
       pairs_ += visit(it->second) ? 1 : 0;
       if (pairs_ > kMaxPairs || ++visits_ > kMaxVisits)
-        refuse(fmt::format("polygons of which at most {} pairs of edges lie side by side",
+        reject(fmt::format("polygons of which at most {} pairs of edges lie side by side",
                            kMaxPairs / 2),
                "more; join or simplify them in the file");
     }
@@ -202,23 +201,22 @@ class Joiner {
         unite(edge.polygon, other.polygon);
         return true;
       });
-    // The order of a tree says nothing.
     std::stable_sort(seams_.begin(), seams_.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
   }
 
-  /// A gap between two edges of one polygon, which is closed like one between polygons.
+  /// Adds a gap between edges of one polygon, which is closed like one between polygons.
   bool add_slit(const AreaEdge& a, const AreaEdge& b) {
     const double max_m = kMaxAreaGap_m + kAreaRounding_m;
     if (!(a.may_slit && b.may_slit && a.distance_m(b) <= max_m)) return false;
     const std::optional<Seam> seam = seam_between(a, b);
     if (!seam || !(seam->width_m >= 0)) return false;
-    // Of a notch that ends in a point only one that is as narrow all along.
+    // Of a pointed notch only if it is this narrow everywhere.
     const bool ends = a.to == b.from, begins = b.to == a.from;
     if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= max_m)) return false;
     if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= max_m)) return false;
     has_slit_[a.polygon] = true;
-    // The union itself closes what has no width, and takes off what sticks out without one.
+    // The union itself closes strips of zero width and removes spikes of zero width.
     if (seam->width_m > kNoWidth_m) seams_.push_back({{a.polygon, b.polygon}, *seam});
     const auto mark = [&](const Eigen::Vector2d& corner, const AreaEdge& other) {
       if (other.distance_m(corner) <= max_m) slit_corners_.push_back(corner);
@@ -230,7 +228,6 @@ class Joiner {
     return true;
   }
 
-  /// A polygon in another one, whose edges are far from its own.
   void find_nested() {
     std::vector<std::pair<Box, uint32_t>> boxes;
     for (uint32_t i = 0; i < polygons_.size(); ++i) boxes.emplace_back(box_of(polygons_[i]), i);
@@ -261,7 +258,7 @@ class Joiner {
       const auto add = [&](const AreaPolygon::Ring& ring) {
         for (const Eigen::Vector2d& corner : ring) {
           if (!(corner.cwiseAbs().maxCoeff() <= kMaxOnGrid_m))
-            refuse(fmt::format("polygons that adjoin within {:g} km of the recording's middle",
+            reject(fmt::format("polygons that adjoin within {:g} km of the recording's middle",
                                kMaxOnGrid_m / 1000),
                    fmt::format("a corner at ({:g}, {:g}) m; is it in other units?", corner.x(),
                                corner.y()));
@@ -313,7 +310,6 @@ class Joiner {
     return ring;
   }
 
-  /// Of something long and thin: its area over half of its way round.
   static double width_of(const AreaPolygon::Ring& ring) {
     double round_m = 0;
     for (size_t i = 0; i < ring.size(); ++i)
@@ -321,7 +317,7 @@ class Joiner {
     return std::abs(doubled_area(ring)) / round_m;
   }
 
-  /// What is left where the gaps of several polygons meet.
+  /// Returns whether a hole is the remainder where several gaps meet.
   static bool is_closed_gap(const CornerRing& corners) {
     return std::none_of(corners.begin(), corners.end(),
                         [](const Corner& c) { return c.is_kept; }) &&
@@ -337,11 +333,10 @@ class Joiner {
     return order;
   }
 
-  /// A corner of one polygon alone, which no other polygon is near.
+  /// Returns whether a corner belongs to one polygon only, with no other polygon nearby.
   bool is_own(const Origin& origin) const {
     if (origin.is_shared) return false;
     const Eigen::Vector2d& p = origin.corner_m;
-    // Edges have their margin.
     for (auto it = tree_.qbegin(bg::index::intersects(box_of(p, p, kOffGrid_m)));
          it != tree_.qend(); ++it) {
       const AreaEdge& edge = edges_[it->second];
@@ -372,9 +367,9 @@ class Joiner {
     return AreaEdge{from.at_m, to.at_m}.distance_m(corner.at_m);
   }
 
-  /// Less the corners that are not kept and lie on a line of the others (Douglas and Peucker 1973).
+  /// Removes corners that are not kept and lie on a line of others (Douglas and Peucker 1973).
   static CornerRing straightened(CornerRing corners) {
-    // Begins with a corner that stays: one that is kept, else the lowest of the leftmost.
+    // Starts with a corner that stays: a kept one, else the lowest of the leftmost.
     const auto begin =
         std::min_element(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
           return std::tuple(!a.is_kept, a.at_m.x(), a.at_m.y()) <
@@ -410,7 +405,7 @@ class Joiner {
     CornerRing out;
     for (size_t i = 1; i < corners.size(); ++i)
       if (stays[i] != 0) out.push_back(corners[i]);
-    // Where nothing is kept, the corner that it began with may lie on a line, too.
+    // Without kept corners the start itself may lie on a line.
     if (out.size() > 3 && !out.back().is_kept &&
         off_line_m(out.back(), out[out.size() - 2], out.front()) <= kStraight_m)
       out.pop_back();
@@ -419,14 +414,14 @@ class Joiner {
 
   const std::vector<AreaPolygon>& polygons_;
   const std::string& where_;
-  std::vector<uint32_t> group_;  ///< of a polygon: another of its group, or itself
+  std::vector<uint32_t> group_;  ///< per polygon: another polygon of its group, or itself
   std::vector<bool> has_slit_;
   std::vector<Eigen::Vector2d> slit_corners_;
   std::vector<AreaEdge> edges_;
   BoxTree tree_;
   size_t pairs_ = 0, visits_ = 0;
   std::vector<std::pair<std::pair<uint32_t, uint32_t>, Seam>> seams_;
-  std::unordered_map<uint64_t, Origin> origins_;  ///< of a group, by grid point
+  std::unordered_map<uint64_t, Origin> origins_;
 };
 
 }  // namespace
@@ -450,16 +445,15 @@ JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where) 
 
 namespace {
 
-/// What closes a gap reaches so far into the polygons where it does not end in their corners.
+/// Overlap of a strip with the polygons where it does not end in their corners.
 constexpr double kOverlap_m = 3 * kAreaUnit_m;
-/// Edges of a gap are antiparallel within 20 degrees, the cosine.
+/// Cosine for edges of a gap that are antiparallel within 20 degrees.
 constexpr double kOppositeCosine = -0.94;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// The part of an edge that a seam takes.
 struct SeamEnd {
   Eigen::Vector2d point;
   bool is_corner = false;
@@ -500,7 +494,7 @@ std::optional<Seam> seam_between(const AreaEdge& a, const AreaEdge& b) {
   const double begin = std::max(a.from.dot(along), b.to.dot(along));
   const double end = std::min(a.to.dot(along), b.from.dot(along));
   if (!(end - begin > kAreaUnit_m)) return std::nullopt;
-  // The width is linear: of the overlap the part remains where it is that of a gap.
+  // The width is linear: keeps the part of the overlap with the width of a gap.
   double low = begin, high = end;
   const double at_begin = width(begin), at_end = width(end);
   const auto keep = [&](double over_begin, double over_end) {
@@ -514,7 +508,7 @@ std::optional<Seam> seam_between(const AreaEdge& a, const AreaEdge& b) {
   keep(at_begin - max_m, at_end - max_m);
   keep(-kOffGrid_m - at_begin, -kOffGrid_m - at_end);
   if (!(high - low > kAreaUnit_m)) return std::nullopt;
-  // Corners that face each other belong together, also where the gap is cut off slantwise.
+  // Facing corners belong together, also if the gap is cut off obliquely.
   const auto ends = [&](double s, bool is_limit, const Eigen::Vector2d& corner_a,
                         const Eigen::Vector2d& corner_b) {
     if (is_limit && (corner_a - corner_b).norm() <= max_m)

@@ -5,8 +5,7 @@
 namespace throng {
 namespace {
 
-/// Where a step ends and the next begins, simulators print the last digits of one place in two
-/// ways.
+/// Simulators print the place between two steps twice, with different last digits.
 constexpr double kSamePlace_m = 1e-6;
 
 }  // namespace

@@ -1,6 +1,5 @@
-// From what a store holds to what a recording says: instants to seconds, places shifted, the part
-// of the time that was asked for, one sample an instant.
-// One rule: everybody who reads a recording's samples reads them here.
+// RecordedSamples maps stored samples to those of a recording: instants to seconds, shifted
+// positions, the requested time range, one sample per instant.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,21 +14,20 @@
 namespace throng {
 
 struct SampleMapping {
-  double origin = 0;         ///< the instant that is 0 s
-  double per_s = 1;          ///< instants in a second
-  double grid_per_s = 0;     ///< times are those of so many frames a second; 0: as they are
-  double same_within_s = 0;  ///< as near as that is the same instant
+  double origin = 0;
+  double per_s = 1;
+  double grid_per_s = 0;  ///< frames per second of the grid that times are rounded to; 0: no grid
+  double same_within_s = 0;  ///< closer instants count as equal
   Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
-  /// Of instants, what is kept; both ends belong to it.
+  /// Requested range of instants, both ends included.
   double first = -std::numeric_limits<double>::infinity();
   double last = std::numeric_limits<double>::infinity();
 
   double time_s(double instant) const;
 };
 
-/// Samples beyond the first of their instant.
 struct Duplicates {
-  int64_t count = 0;  ///< not those at the same place where equal ones are merged
+  int64_t count = 0;  ///< excludes equal positions if equal instants are merged
   double first_s = 0;
 };
 
@@ -40,10 +38,10 @@ class RecordedSamples {
 
   const SampleStore& store() const { return *store_; }
   const SampleMapping& mapping() const { return mapping_; }
-  /// People in the order in which they are asked for, by their numbers in the store.
+  /// Sets the order of people, by their numbers in the store.
   void order(std::vector<uint32_t> people) { people_ = std::move(people); }
   void read(size_t person, std::vector<Sample>& out) const { read_stored(people_[person], out); }
-  /// By the number in the store.
+  /// By the number in the store; returns the dropped duplicates.
   Duplicates read_stored(size_t person, std::vector<Sample>& out) const;
 
  private:

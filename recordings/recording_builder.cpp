@@ -25,27 +25,26 @@
 
 namespace throng {
 
-// What is odd about tracks: counted, and the first of each kind named.
-// One rule: nothing is mended and nothing refused here; whoever asked for --strict refuses.
+// TrackCheck counts anomalies of tracks and describes the first of each kind. It repairs and
+// rejects nothing.
 
 class WalkableArea;
 
-/// Words for an instant of the recording: "frame 112", "12.48 s".
+/// Text for an instant: "frame 112", "12.48 s".
 using InstantName = std::function<std::string(double time_s)>;
 
 class TrackCheck {
  public:
-  /// `fps`: of the recorded frames, 0 for events. `area`: null if the file has none.
+  /// `fps`: rate of recorded frames, 0 for events. `area`: null if the file has none.
   TrackCheck(double fps, const WalkableArea* area, InstantName name)
       : fps_(fps), area_(area), name_(std::move(name)) {}
 
-  /// A person's samples in ascending order of time.
   void take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates);
-  /// What was found so far, the gravest first.
+  /// Anomalies so far, the most severe first.
   std::vector<Anomaly> found() const;
 
  private:
-  enum Kind { kJump, kFast, kReturn, kHole, kTwice, kOutside, kOnce, kKinds };
+  enum Kind { kJump, kFast, kReappears, kGap, kDuplicate, kOutside, kSingle, kKinds };
   struct Count {
     int64_t count = 0;
     std::string first;
@@ -53,7 +52,7 @@ class TrackCheck {
 
   void check_step(int64_t id, const Sample& from, const Sample& to, double usual_s);
   double usual_interval_s(std::span<const Sample> samples);
-  /// Counts; true if it was the first, which then wants words.
+  /// Counts an anomaly; returns true for the first, which needs a description.
   bool is_first(Kind kind, int64_t times = 1) {
     counts_[kind].count += times;
     return counts_[kind].count == times;
@@ -66,22 +65,19 @@ class TrackCheck {
   std::vector<double> gaps_s_;
 };
 
-// The people of a recording, once all of their samples are known: when they are there, how tall
-// they are, where all of them were.
-// One rule: it sees everybody once, in ascending order of ids, and keeps nothing of their samples.
+// PeopleSurvey derives presence, heights and bounds of people from their complete samples. It sees
+// each person once, in ascending order of ids, and stores no samples.
 
 class PeopleSurvey {
  public:
-  /// At least one sample, in ascending order of time.
   void take(int64_t id, std::span<const Sample> samples);
-  /// The people, and what they add to the facts. Call it once.
+  /// Returns the people and completes the facts. Call it once.
   std::vector<RecordedPerson> finish(RecordingFacts& facts);
-  /// Of everything that shapes a run, after finish().
   uint64_t hash() const { return hash_.value(); }
 
  private:
   std::optional<double> height_of(std::span<const Sample> samples);
-  void judge_heights(RecordingFacts& facts);
+  void check_heights(RecordingFacts& facts);
 
   std::vector<RecordedPerson> people_;
   int64_t samples_ = 0;
@@ -89,38 +85,37 @@ class PeopleSurvey {
   Rectangle bounds_;
   double min_z_m_ = std::numeric_limits<double>::infinity();
   double max_z_m_ = -std::numeric_limits<double>::infinity();
-  std::vector<float> heights_m_;  ///< of the person at hand
+  std::vector<float> heights_m_;
   Hasher hash_;
 };
 
 namespace {
 
-/// Further away is no place on Earth, whichever coordinates a map has.
+/// Larger values are not coordinates of any map on Earth.
 constexpr double kMaxCoordinate_m = 1e8;
-/// Doubles count so far.
+/// Doubles represent whole numbers up to about this value.
 constexpr double kMaxFrame = 9e15;
 constexpr double kMaxTime_s = 1e12;
 constexpr double kMaxDuration_s = 1e7;
-/// From the middle of all positions.
 constexpr double kMaxExtent_m = 10'000;
-/// Coordinates beyond are those of a map.
+/// Larger coordinates are map coordinates.
 constexpr double kNoMap_m = 10'000;
 constexpr int64_t kDirectIds = 1 << 16;
-/// Where a step ends and the next begins.
+/// Maximum difference between the end of a step and the start of the next.
 constexpr double kSameEvent_s = 1e-6;
 
-constexpr double kMinHeight_m = 1.0, kMaxHeight_m = 2.3;  ///< people
+constexpr double kMinHeight_m = 1.0, kMaxHeight_m = 2.3;
 constexpr double kSameHeight_m = 1e-6;
 
-/// Sprinters reach it; nobody in a crowd does.
+/// Top speed of sprinters; people in crowds are slower.
 constexpr double kMaxSpeed_mps = 12;
-/// A track that was continued with somebody else's head.
+/// Longer displacements are probably continued tracks of other people.
 constexpr double kJump_m = 3;
-/// Somebody out of sight for longer has left and come back.
+/// A person not visible for longer has left and returned.
 constexpr double kMaxAbsence_s = 1;
-/// Of the usual interval: what is longer lacks a sample.
+/// Longer intervals, relative to the usual one, lack samples.
 constexpr double kGapFactor = 1.5;
-/// Between footsteps people stand where they are for as long as they like.
+/// People who move less between footsteps stand still, for any time.
 constexpr double kMoved_m = 0.01;
 
 }  // namespace
@@ -132,11 +127,11 @@ RecordingBuilder::~RecordingBuilder() = default;
 
 std::string RecordingBuilder::where(int64_t place) const {
   if (place <= 0) return options_.file.string();
-  if (head_.place == "line") return fmt::format("{}:{}", options_.file.string(), place);
-  return fmt::format("{}: {} {}", options_.file.string(), head_.place, place);
+  if (header_.place == "line") return fmt::format("{}:{}", options_.file.string(), place);
+  return fmt::format("{}: {} {}", options_.file.string(), header_.place, place);
 }
 
-void RecordingBuilder::refuse(int64_t place, std::string_view expected,
+void RecordingBuilder::reject(int64_t place, std::string_view expected,
                               std::string_view found) const {
   throw InputError(where(place), expected, found);
 }
@@ -150,7 +145,7 @@ size_t RecordingBuilder::person_of(int64_t id, int64_t place) {
   uint32_t& number = id < kDirectIds ? small_ids_[static_cast<size_t>(id)] : large_ids_[id];
   if (number == 0) {
     if (ids_.size() > PairKey::kMaxId)
-      refuse(place, fmt::format("at most {} people", PairKey::kMaxId + 1), "one more");
+      reject(place, fmt::format("at most {} people", PairKey::kMaxId + 1), "more");
     ids_.push_back(id);
     number = static_cast<uint32_t>(store_->add_person()) + 1;
   }
@@ -189,14 +184,14 @@ void RecordingBuilder::skip_empty_row(int64_t place) {
 }
 
 void RecordingBuilder::add(int64_t id, const StoredSample& sample, int64_t place) {
-  if (id < 0) refuse(place, "an id of 0 or more", std::to_string(id));
-  // Written so that NaN is refused.
+  if (id < 0) reject(place, "an id of 0 or more", std::to_string(id));
+  // Negated comparison: also rejects NaN.
   if (!(std::abs(sample.instant) <= (has_frames() ? kMaxFrame : kMaxTime_s)))
-    refuse(place, has_frames() ? "a frame within 9e15" : "a time within 1e12 s",
+    reject(place, has_frames() ? "a frame within 9e15" : "a time within 1e12 s",
            fmt::format("{}", sample.instant));
   if (std::isnan(sample.x_m) || std::isnan(sample.y_m)) return add_gap(id, sample.instant);
   if (!(std::abs(sample.x_m) <= kMaxCoordinate_m && std::abs(sample.y_m) <= kMaxCoordinate_m))
-    refuse(place, "x and y within 1e8 m", fmt::format("({}, {})", sample.x_m, sample.y_m));
+    reject(place, "x and y within 1e8 m", fmt::format("({}, {})", sample.x_m, sample.y_m));
   const size_t person = person_of(id, place);
   extend_bounds(sample, place);
   has_headings_ |= !std::isnan(sample.heading_rad);
@@ -217,9 +212,9 @@ void RecordingBuilder::check_extent() const {
     const Extreme& min = min_[axis];
     const Extreme& max = max_[axis];
     if (max.value - min.value <= 2 * kMaxExtent_m) continue;
-    // The one further from where the file begins is the likelier to be wrong.
+    // The extreme that occurs later in the file is more likely to be wrong.
     const Extreme& outlier = std::max(min.place, max.place) == max.place ? max : min;
-    refuse(outlier.place,
+    reject(outlier.place,
            fmt::format("{} within 10 km of the middle of all (--unit is for files that "
                        "are not in metres)",
                        axis == 0 ? "x" : "y"),
@@ -244,24 +239,24 @@ double RecordingBuilder::first_instant_from(double instant) const {
 double RecordingBuilder::given_rate(const PrintedTimes& times) const {
   if (lie_on(*store_, times, *options_.fps)) return *options_.fps;
   throw InputError(options_.file.string(),
-                   fmt::format("times of {:g} frames a second, because of --fps", *options_.fps),
-                   "others; without --fps the file's own are taken");
+                   fmt::format("times of {:g} frames per second (--fps)", *options_.fps),
+                   "other times; omit --fps to use those of the file");
 }
 
 SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   SampleMapping out;
   const auto check_step = static_cast<double>(std::max<int64_t>(step_, 1));
-  switch (head_.clock) {
+  switch (header_.clock) {
     case RecordedClock::kFrames:
-      out.per_s = head_.per_s;
-      facts.fps = head_.per_s / check_step;
+      out.per_s = header_.per_s;
+      facts.fps = header_.per_s / check_step;
       break;
     case RecordedClock::kSteps:
-      out.per_s = head_.per_s * check_step;
-      facts.fps = head_.per_s;
+      out.per_s = header_.per_s * check_step;
+      facts.fps = header_.per_s;
       break;
     case RecordedClock::kTimes: {
-      const PrintedTimes times{first_instant_, head_.rounding_s};
+      const PrintedTimes times{first_instant_, header_.rounding_s};
       times_per_s_ = regular_rate(*store_, times);
       facts.fps = options_.fps ? given_rate(times) : times_per_s_.value_or(0);
       if (!times_per_s_ && stated_per_s_ > 0) times_per_s_ = usual_rate(*store_);
@@ -276,7 +271,7 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   if (last_instant_ - first_instant_ > kMaxDuration_s * out.per_s)
     throw InputError(options_.file.string(), "a recording of at most 1e7 s",
                      fmt::format("one of {:.4g} s", (last_instant_ - first_instant_) / out.per_s));
-  // A part of the time, with room for rounding at both ends.
+  // Requested range of times, with a tolerance at both ends.
   const double slack_s = facts.fps > 0 ? 0.01 / facts.fps : kSameEvent_s;
   const double max_instant = first_instant_ + (options_.end_s + slack_s) * out.per_s;
   out.last = max_instant;
@@ -286,9 +281,8 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
     if (!std::isfinite(first) || first > out.last)
       throw InputError(
           options_.file.string(),
-          fmt::format("somebody from {} s to {} s", options_.start_s, options_.end_s),
+          fmt::format("a person between {} s and {} s", options_.start_s, options_.end_s),
           fmt::format("a recording of {:.6g} s", (last_instant_ - first_instant_) / out.per_s));
-    // Frames of a part are on the grid of the whole.
     out.origin = first;
     if (out.grid_per_s > 0)
       out.origin =
@@ -302,7 +296,7 @@ std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) 
   if (facts.wkt.empty()) return std::nullopt;
   const JoinedArea area = recorded_area(facts, options_.file.string());
   if (area.gaps > 0)
-    note("gaps of up to 1 mm in the walkable area, which are closed", area.gaps,
+    note("gaps of up to 1 mm in the walkable area (closed)", area.gaps,
          fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.max_gap_m,
                      area.max_gap_at_m.x(), area.max_gap_at_m.y()));
   return std::optional<WalkableArea>(std::in_place, area.polygons);
@@ -310,11 +304,11 @@ std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) 
 
 RecordingFacts RecordingBuilder::stated_facts() const {
   RecordingFacts facts;
-  facts.kind = head_.kind;
-  facts.tracked_point = options_.tracked_point.value_or(head_.tracked_point);
+  facts.kind = header_.kind;
+  facts.tracked_point = options_.tracked_point.value_or(header_.tracked_point);
   facts.has_headings = has_headings_;
-  facts.wkt = head_.wkt;
-  facts.wkt_unit_m = head_.wkt_unit_m;
+  facts.wkt = header_.wkt;
+  facts.wkt_unit_m = header_.wkt_unit_m;
   facts.shift_m = shift();
   return facts;
 }
@@ -325,15 +319,15 @@ void RecordingBuilder::compare_rates() {
   double allowed = kAllowed;
   if (found) {
     allowed += frame_times_.uncertainty();
-  } else if (head_.clock == RecordedClock::kTimes && times_per_s_) {
+  } else if (header_.clock == RecordedClock::kTimes && times_per_s_) {
     found = times_per_s_;
-    allowed += 2 * head_.rounding_s / (last_instant_ - first_instant_);
+    allowed += 2 * header_.rounding_s / (last_instant_ - first_instant_);
   }
   if (stated_per_s_ <= 0 || !found) return;
   if (std::abs(*found - stated_per_s_) <= allowed * *found) return;
-  const bool takes_times = head_.clock == RecordedClock::kTimes && !options_.fps;
-  note("a frame rate that the times of the file contradict", 1,
-       fmt::format("{:g} a second of {}, {:.6g} of the times; {} was taken", stated_per_s_,
+  const bool takes_times = header_.clock == RecordedClock::kTimes && !options_.fps;
+  note("a frame rate that contradicts the times of the file", 1,
+       fmt::format("{:g} per second of {}, {:.6g} of the times; {} is used", stated_per_s_,
                    stated_by_, *found,
                    takes_times ? "that of the times" : fmt::format("{:g}", stated_per_s_)));
 }
@@ -342,20 +336,20 @@ void RecordingBuilder::reject_anomalies(const std::vector<Anomaly>& anomalies) c
   if (!options_.strict || anomalies.empty()) return;
   const Anomaly& first = anomalies.front();
   throw InputError(
-      options_.file.string(), "nothing odd, because of --strict",
+      options_.file.string(), "no anomalies (--strict)",
       fmt::format(
           "{} ({}), first {}{}", first.what, first.count, first.first,
-          anomalies.size() > 1 ? fmt::format("; and {} more kinds", anomalies.size() - 1) : ""));
+          anomalies.size() > 1 ? fmt::format("; {} more kinds", anomalies.size() - 1) : ""));
 }
 
 std::shared_ptr<const Recording> RecordingBuilder::finish() {
   if (ids_.empty())
-    throw InputError(options_.file.string(), "at least one position of somebody",
-                     gaps_ > 0 ? fmt::format("{} missing ones alone", gaps_) : "none");
-  if (gaps_ > 0) note("missing positions (gaps of their tracks)", gaps_, first_gap_);
+    throw InputError(options_.file.string(), "at least one position of a person",
+                     gaps_ > 0 ? fmt::format("only {} missing ones", gaps_) : "none");
+  if (gaps_ > 0) note("missing positions (gaps in tracks)", gaps_, first_gap_);
   if (empty_rows_ > 0)
-    note("rows of separators alone (taken as empty lines)", empty_rows_,
-         fmt::format("{} {}", head_.place, first_empty_row_));
+    note("rows with separators only (treated as empty lines)", empty_rows_,
+         fmt::format("{} {}", header_.place, first_empty_row_));
   store_->finish();
   small_ids_ = {};
   large_ids_ = {};
@@ -387,8 +381,8 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
     check.take(ids_[person], track, duplicates);
   }
   if (kept.empty())
-    throw InputError(options_.file.string(), fmt::format("somebody before {} s", options_.end_s),
-                     "nobody");
+    throw InputError(options_.file.string(), fmt::format("a person before {} s", options_.end_s),
+                     "none");
   facts.anomalies = check.found();
   facts.anomalies.insert(facts.anomalies.end(), anomalies_.begin(), anomalies_.end());
   std::vector<RecordedPerson> people = survey.finish(facts);
@@ -398,8 +392,7 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
                                            survey.hash());
 }
 
-/// The middle one of all heights of the head's top, which neither a stumble nor a wrong measurement
-/// moves.
+/// Median of the heights of a person, robust against stumbles and measurement errors.
 std::optional<double> PeopleSurvey::height_of(std::span<const Sample> samples) {
   heights_m_.clear();
   for (const Sample& sample : samples)
@@ -427,28 +420,29 @@ void PeopleSurvey::take(int64_t id, std::span<const Sample> samples) {
     bounds_.min_m = bounds_.min_m.cwiseMin(sample.position_m);
     bounds_.max_m = bounds_.max_m.cwiseMax(sample.position_m);
     hash_.add(sample.time_s).add(sample.position_m.x()).add(sample.position_m.y());
-    // One NaN is as good as another.
+    // All NaNs hash equally.
     for (const float value : {sample.z_m, sample.heading_rad})
       std::isnan(value) ? hash_.add(uint64_t{1}) : hash_.add(static_cast<double>(value));
   }
 }
 
-void PeopleSurvey::judge_heights(RecordingFacts& facts) {
-  // A z that is the same for all was measured of nobody.
+void PeopleSurvey::check_heights(RecordingFacts& facts) {
+  // A z that is equal for all people is no measured height.
   const bool are_the_same = people_.size() > 1 && max_z_m_ - min_z_m_ <= kSameHeight_m;
   const bool are_heights = facts.tracked_point == TrackedPoint::kHead && !are_the_same;
-  Anomaly none{"heads lower than 1.0 m or higher than 2.3 m", 0, {}};
+  Anomaly implausible{"heads lower than 1.0 m or higher than 2.3 m", 0, {}};
   for (RecordedPerson& person : people_) {
     if (!person.height_m) continue;
-    const bool is_one = *person.height_m >= kMinHeight_m && *person.height_m <= kMaxHeight_m;
-    if (!is_one && none.count++ == 0)
-      none.first = fmt::format("id {}: {:.3g} m", person.id, *person.height_m);
-    if (!are_heights || !is_one) person.height_m.reset();
+    const bool is_plausible = *person.height_m >= kMinHeight_m && *person.height_m <= kMaxHeight_m;
+    if (!is_plausible && implausible.count++ == 0)
+      implausible.first = fmt::format("id {}: {:.3g} m", person.id, *person.height_m);
+    if (!are_heights || !is_plausible) person.height_m.reset();
     hash_.add(person.height_m.value_or(0));
   }
-  // Where all are so, z is something else: the floor, or nothing.
-  if (are_heights && none.count > 0 && none.count < static_cast<int64_t>(people_.size()))
-    facts.anomalies.push_back(std::move(none));
+  // If no height is one of a person, z is something else, such as the floor.
+  if (are_heights && implausible.count > 0 &&
+      implausible.count < static_cast<int64_t>(people_.size()))
+    facts.anomalies.push_back(std::move(implausible));
 }
 
 std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
@@ -456,8 +450,8 @@ std::vector<RecordedPerson> PeopleSurvey::finish(RecordingFacts& facts) {
   facts.duration_s = duration_s_;
   facts.bounds = bounds_;
   if (facts.fps > 0) facts.frames = std::llround(facts.duration_s * facts.fps) + 1;
-  if (duration_s_ == 0) facts.anomalies.push_back({"a single frame", 1, "nobody moves"});
-  judge_heights(facts);
+  if (duration_s_ == 0) facts.anomalies.push_back({"a single frame", 1, "no motion"});
+  check_heights(facts);
   hash_.add(facts.fps).add(facts.duration_s).add(static_cast<uint64_t>(facts.tracked_point));
   hash_.add(facts.shift_m.x()).add(facts.shift_m.y());
   hash_.add(std::string_view(facts.wkt)).add(facts.wkt_unit_m);
@@ -478,21 +472,20 @@ double TrackCheck::usual_interval_s(std::span<const Sample> samples) {
 void TrackCheck::check_step(int64_t id, const Sample& from, const Sample& to, double usual_s) {
   const double gap_s = to.time_s - from.time_s;
   const double distance_m = (to.position_m - from.position_m).norm();
-  const bool lacks_some = gap_s > kGapFactor * usual_s;
+  const bool lacks_samples = gap_s > kGapFactor * usual_s;
   const bool may_stand = fps_ == 0 && distance_m < kMoved_m;
-  if (lacks_some && gap_s > kMaxAbsence_s && !may_stand) {
-    if (is_first(kReturn))
-      counts_[kReturn].first =
+  if (lacks_samples && gap_s > kMaxAbsence_s && !may_stand) {
+    if (is_first(kReappears))
+      counts_[kReappears].first =
           fmt::format("id {} at {}, {:.4g} s and {:.3g} m after its last position", id,
                       name_(to.time_s), gap_s, distance_m);
     return;
   }
-  if (lacks_some && !may_stand && is_first(kHole))
-    counts_[kHole].first = fps_ > 0
-                               ? fmt::format("id {} at {}: {} frames before it are missing", id,
-                                             name_(to.time_s), std::lround(gap_s * fps_) - 1)
-                               : fmt::format("id {} at {}: {:.3g} s after its last position", id,
-                                             name_(to.time_s), gap_s);
+  if (lacks_samples && !may_stand && is_first(kGap))
+    counts_[kGap].first = fps_ > 0 ? fmt::format("id {} at {}: {} frames before it are missing", id,
+                                                 name_(to.time_s), std::lround(gap_s * fps_) - 1)
+                                   : fmt::format("id {} at {}: {:.3g} s after its last position",
+                                                 id, name_(to.time_s), gap_s);
   if (distance_m <= kMaxSpeed_mps * gap_s) return;
   const Kind kind = distance_m > kJump_m ? kJump : kFast;
   if (is_first(kind))
@@ -502,11 +495,11 @@ void TrackCheck::check_step(int64_t id, const Sample& from, const Sample& to, do
 
 void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates) {
   if (samples.empty()) return;
-  if (duplicates.count > 0 && is_first(kTwice, duplicates.count))
-    counts_[kTwice].first = fmt::format("id {} at {}", id, name_(duplicates.first_s));
+  if (duplicates.count > 0 && is_first(kDuplicate, duplicates.count))
+    counts_[kDuplicate].first = fmt::format("id {} at {}", id, name_(duplicates.first_s));
   if (samples.size() == 1) {
-    if (is_first(kOnce))
-      counts_[kOnce].first = fmt::format("id {} at {}", id, name_(samples[0].time_s));
+    if (is_first(kSingle))
+      counts_[kSingle].first = fmt::format("id {} at {}", id, name_(samples[0].time_s));
   } else {
     const double usual_s = usual_interval_s(samples);
     for (size_t i = 1; i < samples.size(); ++i) check_step(id, samples[i - 1], samples[i], usual_s);
@@ -520,14 +513,13 @@ void TrackCheck::take(int64_t id, std::span<const Sample> samples, const Duplica
 }
 
 std::vector<Anomaly> TrackCheck::found() const {
-  static constexpr const char* kNames[kKinds] = {
-      "jumps of more than 3 m",
-      "faster than 12 m/s",
-      "ids that come back after more than a second",
-      "holes in a track",
-      "second positions at one instant (the first is kept)",
-      "positions outside the walkable area",
-      "people who are seen at one instant only"};
+  static constexpr const char* kNames[kKinds] = {"jumps of more than 3 m",
+                                                 "speeds above 12 m/s",
+                                                 "ids that reappear after more than 1 s",
+                                                 "gaps in tracks",
+                                                 "duplicate positions (the first is used)",
+                                                 "positions outside the walkable area",
+                                                 "people with a single position"};
   std::vector<Anomaly> out;
   for (size_t kind = 0; kind < kKinds; ++kind)
     if (counts_[kind].count > 0)

@@ -10,13 +10,12 @@ namespace throng {
 namespace {
 
 constexpr size_t kMaxInstants = 300, kMinInstants = 20;
-/// Positions in memory at once.
 constexpr size_t kMaxPositions = 2'000'000;
-/// Whoever is away for longer is not there.
+/// Longer gaps are absences.
 constexpr double kMaxGap_s = 2;
 constexpr double kSpeedWindow_s = 1;
 
-/// Where somebody is between samples; none before the first, behind the last and while away.
+/// Position between samples; empty before the first, after the last and during absences.
 std::optional<Eigen::Vector2d> place_at(std::span<const Sample> track, double time_s) {
   if (time_s < track.front().time_s || time_s > track.back().time_s) return std::nullopt;
   const auto after = std::lower_bound(
@@ -30,7 +29,6 @@ std::optional<Eigen::Vector2d> place_at(std::span<const Sample> track, double ti
   return before.position_m + t * (after->position_m - before.position_m);
 }
 
-/// People in squares as wide as the radius, sorted by square.
 class DensityGrid {
  public:
   explicit DensityGrid(const Rectangle& bounds)
@@ -80,7 +78,7 @@ std::vector<double> instants_of(const Recording& recording) {
   const auto count = std::min(max, static_cast<size_t>(duration_s) + 1);
   std::vector<double> out;
   for (size_t i = 0; i < count; ++i) {
-    // At a recorded frame where there are any, in the middle of an equal part of the time.
+    // At recorded frames if there are any, each in the middle of an equal time span.
     const double time_s = duration_s * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
     out.push_back(fps > 0 ? std::floor(time_s * fps) / fps : time_s);
   }

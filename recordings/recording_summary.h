@@ -1,6 +1,6 @@
-// What people do in a recording, in a few numbers: how many are there, how fast, how dense.
-// One rule: seen at evenly spread instants, at most some hundred, so that memory and time stay
-// small; walls are not known here.
+// RecordingSummary describes a recording in a few numbers: people, speeds, densities.
+// It samples at most a few hundred equidistant instants, to limit memory and time, and ignores
+// walls.
 #pragma once
 
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace throng {
 
-/// Of many values the middle one, and those that 5 % are below and above.
+/// Median of values, and their 5 % and 95 % percentiles.
 struct Percentiles {
   double low = 0, median = 0, high = 0;
 };
-/// Zeros if there are none.
+/// Zeros for no values. Reorders `values`.
 Percentiles percentiles_of(std::vector<float>& values);
 
 struct RecordingSummary {
-  double mean_people = 0;  ///< there at once
+  double mean_people = 0;
   int64_t max_people = 0;
   double max_people_at_s = 0;
-  Percentiles speed_mps;       ///< over a second
-  Percentiles density_per_m2;  ///< within kDensityRadius_m of everybody, that person included
-  int64_t heights = 0;         ///< people who have one
+  Percentiles speed_mps;       ///< over 1 s
+  Percentiles density_per_m2;  ///< within kDensityRadius_m of each person, including that person
+  int64_t heights = 0;
   Percentiles height_m;
 };
 

@@ -41,7 +41,7 @@ void SampleStore::flush(Chain& chain) {
   if (chain.staged_count == 0) return;
   const size_t at = unwritten_.size();
   const size_t bytes = chain.staged_count * sizeof(StoredSample);
-  const BlockHead head{chain.last_block, chain.staged_count};
+  const BlockHeader head{chain.last_block, chain.staged_count};
   unwritten_.resize(at + sizeof head + bytes);
   std::memcpy(unwritten_.data() + at, &head, sizeof head);
   std::memcpy(unwritten_.data() + at + sizeof head, &staged_[chain.staged * kBlockSamples], bytes);
@@ -70,11 +70,10 @@ void SampleStore::read(size_t person, std::vector<StoredSample>& out) const {
   out.resize(left);
   alignas(StoredSample) std::byte block[kBlockBytes];
   for (int64_t at = chain.last_block; at >= 0;) {
-    // The last block of the file may be shorter than the largest.
-    const auto wanted =
+    const auto bytes =
         static_cast<size_t>(std::min<int64_t>(static_cast<int64_t>(kBlockBytes), written_ - at));
-    file_.read(at, {block, wanted});
-    BlockHead head;
+    file_.read(at, {block, bytes});
+    BlockHeader head;
     std::memcpy(&head, block, sizeof head);
     left -= static_cast<size_t>(head.count);
     std::memcpy(&out[left], block + sizeof head,

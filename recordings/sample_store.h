@@ -1,5 +1,5 @@
-// Where the samples of a recording lie: a temporary file without a name in $TMPDIR.
-// One rule: memory grows with the people, never with their samples, in whatever order they come.
+// SampleStore keeps the samples of a recording in an anonymous temporary file in $TMPDIR.
+// Invariant: memory grows with the number of people, not of samples, regardless of their order.
 #pragma once
 
 #include <cstddef>
@@ -10,39 +10,37 @@
 
 namespace throng {
 
-/// As a file has it, in metres.
 struct StoredSample {
-  double instant = 0;  ///< a frame's number, or seconds
+  double instant = 0;  ///< frame number or seconds
   double x_m = 0, y_m = 0;
-  float z_m = 0, heading_rad = 0;  ///< none: NaN
+  float z_m = 0, heading_rad = 0;  ///< NaN: unknown
 };
 
-/// People are numbered in the order in which they came. First all is added, then finished, then
-/// read, by any number of threads. Throws EnvironmentError, with the way out, where the file cannot
-/// be written or read.
+/// People are numbered in the order in which they are added. Add all samples, then call finish(),
+/// then read; reading is thread-safe. Throws EnvironmentError with a remedy if the file cannot be
+/// written or read.
 class SampleStore {
  public:
   SampleStore();
 
-  /// The number of somebody new.
   size_t add_person();
   void add(size_t person, const StoredSample& sample);
   void finish();
 
   size_t people() const { return chains_.size(); }
   int64_t count(size_t person) const { return chains_[person].count; }
-  /// In ascending order of instants; those at the same one in the order in which they came.
+  /// Reads samples in ascending order of instants; equal instants keep their order.
   void read(size_t person, std::vector<StoredSample>& out) const;
 
  private:
-  /// Samples of a person in the file are blocks, each of which names the one before.
-  struct BlockHead {
-    int64_t before = -1;  ///< where it begins in the file; -1: none
+  /// Samples of a person are blocks in the file, each of which points to the previous one.
+  struct BlockHeader {
+    int64_t before = -1;  ///< offset of the previous block; -1: none
     int64_t count = 0;
   };
   static constexpr size_t kBlockSamples = 64;
-  static constexpr size_t kBlockBytes = sizeof(BlockHead) + kBlockSamples * sizeof(StoredSample);
-  /// Blocks being filled, 64 MiB of them: beyond, all go to the file as full as they are.
+  static constexpr size_t kBlockBytes = sizeof(BlockHeader) + kBlockSamples * sizeof(StoredSample);
+  /// Maximum number of blocks being filled, 64 MiB; beyond it all of them are written.
   static constexpr size_t kMaxStaged = 32'768;
   static constexpr size_t kWriteBytes = 1 << 20;
   static constexpr uint32_t kNotStaged = ~uint32_t{0};
@@ -65,8 +63,8 @@ class SampleStore {
   int64_t written_ = 0;
   std::vector<std::byte> unwritten_;
   std::vector<Chain> chains_;
-  std::vector<StoredSample> staged_;     ///< kBlockSamples a block
-  std::vector<uint32_t> staged_people_;  ///< whose block it is
+  std::vector<StoredSample> staged_;
+  std::vector<uint32_t> staged_people_;
 };
 
 }  // namespace throng

@@ -9,14 +9,14 @@
 namespace throng {
 namespace {
 
-/// Sums of a step in floating point drift by a little of the step, and with the time.
+/// Accumulated floating-point steps drift by a fraction of the step and with the time.
 double allowed_s(const PrintedTimes& times, double per_s, double time_s) {
   return 2 * times.rounding_s + 1e-4 / per_s + 1e-7 * std::abs(time_s - times.first_s);
 }
 
 struct Spans {
-  double min_gap_s = std::numeric_limits<double>::infinity();  ///< of one person
-  size_t longest = 0;                                          ///< whose track is
+  double min_gap_s = std::numeric_limits<double>::infinity();
+  size_t longest = 0;
 };
 
 Spans spans_of(const SampleStore& store) {
@@ -39,8 +39,8 @@ Spans spans_of(const SampleStore& store) {
   return out;
 }
 
-/// A first guess made better by longer and longer spans of one track: each tells the number of
-/// frames of the next.
+/// Refines a first guess over increasing spans of one track: each span determines the number of
+/// frames in the next.
 double refined(const std::vector<StoredSample>& track, double per_s) {
   double longest_s = 0;
   for (const StoredSample& sample : track) {
@@ -53,8 +53,9 @@ double refined(const std::vector<StoredSample>& track, double per_s) {
   return per_s;
 }
 
-/// Steps of one and of two last digits in turn: those of a rate that is as fine as the digits.
-bool is_cut_short(const std::vector<StoredSample>& track, double digit_s) {
+/// Returns whether steps alternate between one and two last digits: the rate is as fine as the
+/// digits.
+bool is_truncated(const std::vector<StoredSample>& track, double digit_s) {
   size_t single = 0, twofold = 0;
   for (size_t i = 1; i < track.size(); ++i) {
     const double digits = (track[i].instant - track[i - 1].instant) / digit_s;
@@ -64,7 +65,7 @@ bool is_cut_short(const std::vector<StoredSample>& track, double digit_s) {
   return single > 0 && single + twofold + 1 == track.size() && 10 * twofold > track.size();
 }
 
-/// A whole number of frames a second, or of milliseconds a frame, where it could be one.
+/// Rounds to a whole number of frames per second, or of milliseconds per frame, if possible.
 double rounded(double per_s, double allowed) {
   const auto near = [&](double nice) { return std::abs(nice - per_s) <= allowed; };
   if (const double whole = std::round(per_s); whole >= 1 && near(whole)) return whole;
@@ -77,7 +78,7 @@ double rounded(double per_s, double allowed) {
 
 void RateEstimator::take(double frame, double time_s, double rounding_s) {
   if (!std::isfinite(frame) || !std::isfinite(time_s)) return;
-  // Zeros at the end may be left out: the longest number shows how many digits there are.
+  // Trailing zeros may be omitted: the longest number shows the digits.
   rounding_s_ = is_empty_ ? rounding_s : std::min(rounding_s_, rounding_s);
   if (is_empty_ || frame < first_frame_) {
     first_frame_ = frame;
@@ -107,7 +108,7 @@ bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s) {
       const double since_s = sample.instant - times.first_s;
       const double frame = std::round(since_s * per_s);
       if (std::abs(since_s - frame / per_s) > allowed_s(times, per_s, sample.instant)) return false;
-      // Two instants are two frames, or the rate is too low.
+      // Two instants on one frame: the rate is too low.
       if (sample.instant > last_s && frame <= last_frame) return false;
       last_frame = frame;
       last_s = sample.instant;
@@ -125,13 +126,13 @@ std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes&
   const auto rate_from = [&](double guess, double rounding_s) {
     return rounded(guess, guess * (2 * rounding_s / span_s + 1e-6));
   };
-  // Where a step is hardly more than the last digit, only its mean tells.
-  if (is_cut_short(track, 2 * times.rounding_s)) {
+  // If a step is hardly longer than the last digit, only the mean is reliable.
+  if (is_truncated(track, 2 * times.rounding_s)) {
     const double mean = static_cast<double>(track.size() - 1) / span_s;
     if (const double rate = rate_from(mean, times.rounding_s); lie_on(store, times, rate))
       return rate;
   }
-  // Most are exact; those of 60 a second are not, with as few digits as there are.
+  // Most rates are exact; 60 per second is not, with few digits.
   const double guess = refined(track, 1 / spans.min_gap_s);
   if (const double rate = rate_from(guess, 0); lie_on(store, {times.first_s, 0}, rate)) return rate;
   if (const double rate = rate_from(guess, times.rounding_s); lie_on(store, times, rate))

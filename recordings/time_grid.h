@@ -1,5 +1,5 @@
-// Tables print times, not frames: whether these are those of so many frames a second.
-// One rule: a grid is one only if every time lies on it within the rounding of what was printed.
+// Time grids find the frame rate of printed times.
+// Invariant: a grid is accepted only if every time lies on it within the printed rounding.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,17 @@
 namespace throng {
 
 struct PrintedTimes {
-  double first_s = 0;     ///< of all people
-  double rounding_s = 0;  ///< half of the last digit that is printed
+  double first_s = 0;
+  double rounding_s = 0;  ///< half of the last printed digit
 };
 
-/// The rate of frames in a file that has their times as well.
+/// RateEstimator finds the rate of a file with frame numbers and times.
 class RateEstimator {
  public:
-  /// `rounding_s`: half of the last digit printed.
   void take(double frame, double time_s, double rounding_s);
-  /// From the least frame to the greatest; none where these are one, or at one time.
+  /// Rate from the smallest frame to the largest; empty with a single frame or time.
   std::optional<double> per_s() const;
-  /// The greatest part of per_s() by which rounding of the times may shift it.
+  /// Maximum relative error of per_s() due to the rounding of times.
   double uncertainty() const;
 
  private:
@@ -30,15 +29,15 @@ class RateEstimator {
   double rounding_s_ = 0;
 };
 
-/// Frames a second on which all times of the store lie, counted from the first; none if there is no
-/// such rate, or only one time.
+/// Frame rate whose grid from the first time holds all times of the store. Empty without such a
+/// rate, or for a single time.
 std::optional<double> regular_rate(const SampleStore& store, const PrintedTimes& times);
 
-/// Positions a second of the longest track where times are irregular, holes left out; none if it
-/// has one time only.
+/// Positions per second of the longest track with irregular times, without gaps; empty for a single
+/// time.
 std::optional<double> usual_rate(const SampleStore& store);
 
-/// True if all of them lie on the grid of so many a second.
+/// Returns whether all times lie on the grid of this rate.
 bool lie_on(const SampleStore& store, const PrintedTimes& times, double per_s);
 
 }  // namespace throng

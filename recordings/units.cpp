@@ -18,8 +18,7 @@ namespace {
 struct UnitRow {
   Quantity quantity;
   double in_si;
-  /// As folded() leaves them; the short name first. Latin-1 and both micro signs of Unicode are
-  /// there.
+  /// In the form of folded(), short name first. Includes Latin-1 and both micro signs of Unicode.
   std::vector<std::string_view> spellings;
 };
 
@@ -99,7 +98,6 @@ std::optional<Unit> speed_unit(std::string_view text) {
   return std::nullopt;
 }
 
-/// What is left of a text from which pieces are taken at its beginning.
 class Remainder {
  public:
   explicit Remainder(std::string_view text) : text_(trimmed(text)) {}
@@ -111,7 +109,6 @@ class Remainder {
     text_ = trimmed(text_.substr(piece.size()));
     return true;
   }
-  /// A word of letters, as a whole.
   bool take_word(std::initializer_list<std::string_view> words) {
     const size_t length = static_cast<size_t>(
         std::find_if(text_.begin(), text_.end(), [](char c) { return c < 'a' || c > 'z'; }) -
@@ -122,7 +119,7 @@ class Remainder {
   std::optional<double> take_number();
 
  private:
-  /// Digits, with a comma where others have a point: "29,97", "23,976", but not "1,000".
+  /// Takes digits with a decimal comma: "29,97", "23,976", but not "1,000".
   bool take_decimals_behind_comma(double& value, std::string_view whole);
 
   std::string_view text_;
@@ -132,7 +129,7 @@ bool Remainder::take_decimals_behind_comma(double& value, std::string_view whole
   size_t digits = 1;
   while (digits < text_.size() && text_[digits] >= '0' && text_[digits] <= '9') ++digits;
   const std::string_view decimals = text_.substr(1, digits - 1);
-  // No camera takes 23 976 frames per second, and some take 1 000.
+  // No camera records 23 976 frames per second, but some record 1 000.
   constexpr double kMaxThousands = 10;
   const bool could_be_thousands =
       decimals.size() == 3 && !whole.starts_with('0') && value <= kMaxThousands;
@@ -146,7 +143,7 @@ std::optional<double> Remainder::take_number() {
   double value = 0;
   const std::string_view whole_text = text_;
   const size_t begin = text_.starts_with('-') || text_.starts_with('+') ? 1 : 0;
-  // Neither "nan" nor "inf" is a number of frames.
+  // "nan" and "inf" are no numbers of frames.
   if (begin >= text_.size() ||
       !((text_[begin] >= '0' && text_[begin] <= '9') || text_[begin] == '.'))
     return std::nullopt;
@@ -168,7 +165,7 @@ std::optional<double> Remainder::take_number() {
   return value;
 }
 
-/// "fps", "Hz", "1/s", "frames per second", "per minute": how many of these are one per second.
+/// Rate of one of "fps", "Hz", "1/s", "frames per second", "per minute", in 1/s.
 std::optional<double> per_second(std::string_view text) {
   Remainder rest(text);
   if (rest.take_word({"fps", "hz", "hertz"}))
@@ -224,7 +221,6 @@ std::string without_capitals_throughout(std::string_view text) {
 
 std::optional<Unit> unit_named(std::string_view text) {
   std::string name = folded(trimmed(text));
-  // "in." and "sec."
   if (name.size() > 1 && name.ends_with('.')) name.pop_back();
   if (std::optional<Unit> unit = simple_unit(name)) return unit;
   return speed_unit(name);
@@ -260,7 +256,7 @@ std::optional<double> frame_rate_named(std::string_view text) {
   Remainder behind = rest;
   if (behind.take("/"))
     if (const std::optional<double> divisor = behind.take_number(); divisor && *divisor > 0) {
-      // "25 1/s" has no divisor, and "1/25" alone may be either: a rate or its inverse.
+      // "25 1/s" has no divisor; "1/25" alone may be a rate or an interval.
       is_ratio = true;
       value = *value / *divisor;
       rest = behind;
@@ -270,10 +266,10 @@ std::optional<double> frame_rate_named(std::string_view text) {
   if (const std::optional<double> rate = per_second(unit_text)) return *value * *rate;
   const std::optional<Unit> unit = unit_named(unit_text);
   if (!unit || unit->quantity != Quantity::kTime) return std::nullopt;
-  // From one frame to the next; what would be more than a second was meant otherwise.
+  // An interval between frames; intervals above 1 s are misunderstandings.
   const double period_s = *value * unit->in_si;
   if (!(period_s > 0 && period_s <= 1)) return std::nullopt;
-  // 1/25 s are exactly 25 per second.
+  // 1/25 s is exactly 25 per second.
   const double rate = 1 / period_s, whole = std::round(rate);
   return std::abs(rate - whole) < 1e-9 * rate ? whole : rate;
 }

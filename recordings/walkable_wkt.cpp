@@ -27,17 +27,17 @@ class Parser {
   std::vector<AreaPolygon> parse() {
     geometry(0);
     skip_blanks();
-    if (!rest_.empty()) refuse("nothing after the geometry");
-    if (out_.empty()) refuse("at least one polygon");
+    if (!rest_.empty()) reject("nothing after the geometry");
+    if (out_.empty()) reject("at least one polygon");
     return std::move(out_);
   }
 
  private:
   void geometry(int depth) {
-    if (depth > kMaxDepth) refuse("collections at most 8 deep");
+    if (depth > kMaxDepth) reject("collections at most 8 deep");
     const std::string kind = word();
     constexpr const char* kAreas = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION";
-    if (kind.empty()) refuse(kAreas);
+    if (kind.empty()) reject(kAreas);
     if (kind != "POLYGON" && kind != "MULTIPOLYGON" && kind != "GEOMETRYCOLLECTION")
       throw InputError(where_, fmt::format("only {} in the walkable area (WKT)", kAreas),
                        kind.substr(0, 40) + (depth > 0 ? "; leave it out of the collection"
@@ -45,7 +45,7 @@ class Parser {
     if (starts_with_letter()) {
       const std::string next = word();
       if (next == "EMPTY") return;
-      if (next != "Z" && next != "M" && next != "ZM") refuse("(");
+      if (next != "Z" && next != "M" && next != "ZM") reject("(");
     }
     if (kind == "POLYGON")
       polygon();
@@ -76,11 +76,11 @@ class Parser {
         number();
         skip_blanks();
       }
-      if (++vertices_ > kMaxVertices) refuse("at most 100000 vertices");
+      if (++vertices_ > kMaxVertices) reject("at most 100000 vertices");
       ring.emplace_back(x, y);
     });
     if (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-    if (ring.size() < 3) refuse("rings of three vertices or more");
+    if (ring.size() < 3) reject("rings of three vertices or more");
     return ring;
   }
 
@@ -101,7 +101,7 @@ class Parser {
     skip_blanks();
     double value = 0;
     const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
-    if (error != std::errc() || !(std::abs(value) <= kMaxCoordinate)) refuse("a coordinate");
+    if (error != std::errc() || !(std::abs(value) <= kMaxCoordinate)) reject("a coordinate");
     rest_.remove_prefix(static_cast<size_t>(end - rest_.data()));
     return value;
   }
@@ -126,10 +126,10 @@ class Parser {
   }
   void expect(char c) {
     skip_blanks();
-    if (rest_.empty() || rest_[0] != c) refuse(std::string("'") + c + "'");
+    if (rest_.empty() || rest_[0] != c) reject(std::string("'") + c + "'");
     rest_.remove_prefix(1);
   }
-  [[noreturn]] void refuse(const std::string& expected) const {
+  [[noreturn]] void reject(const std::string& expected) const {
     throw InputError(where_, expected + " in the walkable area (WKT)",
                      rest_.empty() ? "its end" : in_quotes(rest_.substr(0, 40)));
   }
@@ -185,7 +185,7 @@ WalkableArea::WalkableArea(const std::vector<AreaPolygon>& polygons) {
   const auto last_slab = [&](const Edge& edge) {
     return slab_of(std::max(edge.from.y(), edge.to.y()) + kOnEdge_m);
   };
-  // As many slabs as leave each a few edges, but fewer where most edges go through many.
+  // Number of slabs with a few edges each, fewer if most edges cross many slabs.
   size_t slabs = std::clamp<size_t>(all.size() / 2, 1, 1024);
   for (;; slabs /= 2) {
     slabs_per_m_ = top_ > bottom_ ? static_cast<double>(slabs) / (top_ - bottom_) : 0;

@@ -1,5 +1,5 @@
-// The walkable area of a recording as polygons: from well-known text (WKT), as simulators write it.
-// One rule: read here and nowhere else; what is no polygon is refused in words.
+// WKT parsing reads the walkable area of a recording from well-known text. Geometries other than
+// polygons are rejected.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,19 +11,20 @@
 namespace throng {
 
 struct AreaPolygon {
-  using Ring = std::vector<Eigen::Vector2d>;  ///< not closed: the last vertex is not the first
+  using Ring = std::vector<Eigen::Vector2d>;  ///< the first vertex is not repeated
   Ring outline;
   std::vector<Ring> holes;
 };
 
-/// Twice the area of a ring; above 0 if it runs counter-clockwise.
+/// Twice the signed area of a ring; positive if counter-clockwise.
 double doubled_area(const AreaPolygon::Ring& ring);
 
-/// POLYGON, MULTIPOLYGON and GEOMETRYCOLLECTION of these, in their own units; heights are left out.
-/// Throws InputError that begins with `where`.
+/// Parses POLYGON, MULTIPOLYGON and GEOMETRYCOLLECTION of these, in their own units; z is ignored.
+/// Throws InputError at `where`.
 std::vector<AreaPolygon> parse_area(std::string_view wkt, const std::string& where);
 
-/// Tells quickly whether a point lies in one of many polygons, or within a millimetre of an edge.
+/// WalkableArea tests quickly whether a point lies in one of many polygons, or within 1 mm of an
+/// edge.
 class WalkableArea {
  public:
   explicit WalkableArea(const std::vector<AreaPolygon>& polygons);
@@ -37,8 +38,8 @@ class WalkableArea {
   size_t slab_of(double y) const;
 
   double bottom_ = 0, top_ = 0, slabs_per_m_ = 0;
-  std::vector<Edge> edges_;           ///< slab by slab, polygon by polygon
-  std::vector<uint32_t> slab_begin_;  ///< of a slab's edges, and one more
+  std::vector<Edge> edges_;           ///< sorted by slab, then by polygon
+  std::vector<uint32_t> slab_begin_;  ///< first edge of each slab, and the end
 };
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Scenes: scene files, people walking in them, and the simulation step.
+// Scenes: scene files, motion of avatars, and the simulation step.
 #pragma once
 
 #include "scenes/file/scene.h"

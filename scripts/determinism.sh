@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
-# One hash a scene, whatever runs it: 1, 2, 3 and 8 threads, every SIMD target of this machine and
-# every pair search, over the builds named: scripts/determinism.sh [PRESET...] (default: release).
-# Another compiler and other levels: `scripts/determinism.sh release debug checked clang`. A processor
-# without fused multiply-add is made believe through glibc's tunables, because the C library picks its
-# code by the processor. Exit code 1 where two runs differ; --trace-hash of both
-# then names the first stage and frame.
+# Checks that each scene has one hash: 1, 2, 3 and 8 threads, every SIMD target of this machine, every pair
+# search, for the given builds: scripts/determinism.sh [PRESET...] (default: release). For other compilers and
+# optimisation: `scripts/determinism.sh release debug checked clang`. glibc's tunables simulate a processor
+# without fused multiply-add, because the C library selects code by processor. Exit code 1 if two runs differ;
+# --trace-hash of both then names the first stage and frame.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

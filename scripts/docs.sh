@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Checks the counts, hashes and sizes in README.md and docs/ against the commands of
 # tests/apps/figures.yaml: scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example
-# `scripts/docs.sh --update culling`. --nightly also runs the commands that take up to a minute, and
-# the shown commands. --update writes the printed figures into the documents, to be read and
-# committed. Exit code 1 if a figure differs (with --update: if it could not be mended).
+# `scripts/docs.sh --update culling`. --nightly adds commands that take up to a minute and the shown commands.
+# --update writes the printed figures into the documents, to be reviewed and committed. Exit code 1 if a figure
+# differs (with --update: if it could not be updated).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
-# Feeds the readers of files and messages with damaged input under the address and undefined
-# behaviour sanitizers: scripts/fuzz.sh [SECONDS [TARGET...]]; 60 seconds a target unless told, as
-# many at a time as there are cores. Prints a line a target. What breaks one is kept in
-# build/fuzz/found/TARGET; give it a name there that says what it is, move it to
-# tests/fuzz/found/TARGET, and the test suite replays it for ever.
+# Fuzzes the readers of files and messages with address and undefined behaviour sanitizers: scripts/fuzz.sh
+# [SECONDS [TARGET...]], 60 seconds per target by default, one target per core at a time. Prints a line per
+# target. Failing inputs are stored in build/fuzz/found/TARGET; give them a descriptive name and move them to
+# tests/fuzz/found/TARGET, and the test suite replays them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,12 +19,12 @@ build=build/fuzz
 "$build/fuzz_seeds" "$build/seeds"
 
 fuzz() { # TARGET: its report in build/fuzz/TARGET.txt, with the exit code in the last line
-  local target=$1 most_bytes=65536 status=0
-  # Long enough for the crashers of depth and length, short enough to try many a second.
-  case "$target" in urdf) most_bytes=262144 ;; checkpoint) most_bytes=4096 ;; esac
+  local target=$1 max_bytes=65536 status=0
+  # Long enough for crashes by depth and length, short enough for many inputs per second.
+  case "$target" in urdf) max_bytes=262144 ;; checkpoint) max_bytes=4096 ;; esac
   mkdir -p "$build/corpus/$target" "$build/found/$target"
-  # URDFs of 10 000 links take a second to refuse under the sanitizers; a minute is a hang.
-  THRONG_FUZZ_TARGET=$target "$build/fuzzer" -max_total_time="$seconds" -max_len="$most_bytes" -timeout=60 \
+  # URDFs of 10 000 links take a second to reject under the sanitizers; a minute is a hang.
+  THRONG_FUZZ_TARGET=$target "$build/fuzzer" -max_total_time="$seconds" -max_len="$max_bytes" -timeout=60 \
     -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$build/found/$target/" \
     "$build/corpus/$target" "$build/seeds/$target" >"$build/$target.txt" 2>&1 || status=$?
   echo "exit code $status" >>"$build/$target.txt"
@@ -43,5 +42,5 @@ for target in "${targets[@]}"; do
     "$(find "$build/corpus/$target" -type f | wc -l)" \
     "$(find "$build/found/$target" -type f | wc -l)"
 done
-[ "$status" -eq 0 ] || echo "broken by what lies in $build/found; the reports: $build/TARGET.txt" >&2
+[ "$status" -eq 0 ] || echo "failing inputs: $build/found; reports: $build/TARGET.txt" >&2
 exit "$status"

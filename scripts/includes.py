@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Draws which folder includes which: scripts/includes.py [OUT.svg] [--top FOLDER].
+"""Draw which folder includes which: scripts/includes.py [OUT.svg] [--top FOLDER].
 
-A row is a folder, a column what it includes, the number how many includes there are. Folders lie in the
-order in which they may know each other, so that everything stands left of the diagonal; what stands right
-of it is red, and points the wrong way. Needs nothing but Python.
+A row is a folder, a column an included folder, the number the count of includes. Folders are sorted by layer, so
+that allowed includes are left of the diagonal; others are red. Needs only Python.
 """
 import argparse
 import re
@@ -21,7 +20,7 @@ def folder_of(path):
 
 
 def read(top):
-    """How often a folder includes another: {(from, to): count}."""
+    """Count the includes between folders: {(from, to): count}."""
     counts = Counter()
     for layer in LAYERS:
         for file in sorted((top / layer).rglob("*")):
@@ -35,7 +34,7 @@ def read(top):
 
 
 def order(counts):
-    """Layer by layer; within one, a folder behind those that it includes, as far as that goes."""
+    """Sort by layer; within a layer, a folder after those that it includes, if possible."""
     names = {name for pair in counts for name in pair}
 
     def rank(name, seen=()):
@@ -70,9 +69,9 @@ def draw(counts):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("out", nargs="?", help="file to write; stdout without it")
+    parser.add_argument("out", nargs="?", help="file to write [stdout]")
     parser.add_argument("--top", type=Path, default=Path(__file__).resolve().parent.parent,
-                        help="checkout to look at; this one without it")
+                        help="checkout to read [this one]")
     options = parser.parse_args()
     text = draw(read(options.top))
     if options.out:

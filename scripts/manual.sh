@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The manual, a page for the command and one for each of its subcommands, made of what they print with
-# --help: scripts/manual.sh THRONG FOLDER. Where help2man is missing it says so and makes none.
+# Makes manual pages for the command and its subcommands from --help: scripts/manual.sh THRONG FOLDER. Prints a
+# note and makes none without help2man.
 set -euo pipefail
 
 throng=$1 folder=$2
@@ -13,20 +13,20 @@ mkdir -p "$folder"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export LC_ALL=C TZ=UTC
-# The pages depend on the command alone, not on the day.
+# The pages must not depend on the date.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(stat -c %Y "$throng")}
 export SOURCE_DATE_EPOCH
 
 help=$("$throng" --help)
 version=$("$throng" --version | awk '{print $2}')
-# Subcommands and what they are for: the lines of "Subcommands:", two columns.
+# Subcommands and their summaries: two columns after "Subcommands:".
 commands=$(sed -n '/^Subcommands:/,/^$/ s/^  \([a-z]*\)  *\(.*\)$/\1 \2/p' <<<"$help" |
   grep -v '^help ')
 
-# help2man reads a program's --help; it wants sections in the form of GNU's programs.
+# help2man reads a program's --help in GNU's form.
 page() { # NAME SUMMARY COMMAND...
   local name=$1 summary=$2
-  # The first line is the summary, which stands under NAME already.
+  # The first line is the summary, already under NAME.
   "${@:3}" | sed 1d >"$work/$name.help"
   printf '#!/bin/sh\ncat "$0.help"\n' >"$work/$name"
   chmod +x "$work/$name"

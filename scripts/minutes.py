@@ -1,6 +1,6 @@
-"""A line for each simulated minute of a log: how many are there, walk, and begin to touch.
+"""Print a line per simulated minute of a log: numbers of people present, of walking ones, and of begun contacts.
 
-minutes.py LOG; wants the message types for Python (build/release/python) in PYTHONPATH.
+minutes.py LOG; needs the message types for Python (build/release/python) in PYTHONPATH.
 """
 import struct
 import sys
@@ -26,13 +26,13 @@ def main():
     minutes = {}
     next_states_us = 0
     with open(sys.argv[1], "rb") as log:
-        while len(head := log.read(28)) == 28:  # magic, number, stamp, and the two lengths
+        while len(head := log.read(28)) == 28:  # magic, event number, time stamp, and the two lengths
             stamp_us, channel_bytes, data_bytes = struct.unpack(">12xqii", head)
             channel = log.read(channel_bytes)
-            # Of the states, those at the beginning of a minute are enough.
-            wanted = channel == b"THRONG_EVENTS" or (
+            # The first states of a minute suffice.
+            is_used = channel == b"THRONG_EVENTS" or (
                 channel == b"THRONG_STATES" and stamp_us >= next_states_us)
-            if not wanted:
+            if not is_used:
                 log.seek(data_bytes, 1)
                 continue
             data = log.read(data_bytes)

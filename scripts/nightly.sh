@@ -1,27 +1,27 @@
 #!/usr/bin/env bash
-# What is too long for every change: scripts/nightly.sh [STEP...]; all steps unless some are named, for
-# example `scripts/nightly.sh docs soak`. What a step prints is kept in build/nightly/STEP.txt. Ends with
-# a table of steps, times and last words; exit code 1 if one is broken or could not run.
+# Runs the checks that take too long for every change: scripts/nightly.sh [STEP...], all steps by default, for
+# example `scripts/nightly.sh docs soak`. The output of a step is stored in build/nightly/STEP.txt. Ends with a
+# table of steps, times and last lines; exit code 1 if a step failed or could not run.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 declare -A what=(
-  [docs]="every count and size in the documents whose command takes less than a minute, and the commands shown"
-  [long]="every seed and setting of the tests that run a part of them with every change"
-  [no_miss]="no misses over ten million near part pairs, with the day as the seed"
-  [determinism]="one hash over compilers, optimisation, threads and SIMD targets"
+  [docs]="every figure in the documents whose command takes up to a minute, and the shown commands"
+  [long]="every seed and setting of tests that run a part of them at every change"
+  [no_miss]="no misses among ten million close pairs of parts, with the date as the seed"
+  [determinism]="one hash for all compilers, optimisation levels, threads and SIMD targets"
   [meshes]="5000 mutated mesh files"
-  [scenes]="10000 scenes with a field replaced"
+  [scenes]="10000 scenes with a changed field"
   [urdfs]="3000 mutated URDFs"
   [fuzz]="ten minutes of libFuzzer for each reader"
-  [tidy]="clang-tidy over all sources"
-  [lto]="one definition of everything: each program read as a whole, and inline functions compared"
-  [outside]="culling alone and the README's program in somebody else's project"
-  [packages]="packages made, tried in a bare Debian 12, and the tests of the command and of Python against them"
-  [extend]="a volume, a scene field, a steering model, a sink and an option of a run added by patches"
+  [tidy]="clang-tidy on all sources"
+  [lto]="one definition of every name: each program read as a whole, inline functions compared"
+  [outside]="culling alone and the README's program in another project"
+  [packages]="packages built and tried in a bare Debian 12, and the tests of the command and of Python with them"
+  [extend]="a volume, a scene field, a steering model, a sink and a run option added by patches"
   [soak]="an hour of people who walk and touch all the time"
-  [asan]="the whole suite under the address and undefined behaviour sanitizers"
-  [tsan]="the whole suite under the thread sanitizer"
+  [asan]="the test suite under the address and undefined behaviour sanitizers"
+  [tsan]="the test suite under the thread sanitizer"
 )
 order=(docs long no_miss determinism meshes scenes urdfs fuzz tidy lto outside packages extend soak asan tsan)
 
@@ -34,26 +34,26 @@ for step in "${steps[@]}"; do
   fi
 done
 
-generator() { # PROGRAM COUNT: a test program that makes its input up
+generator() { # PROGRAM COUNT: a test program that generates its inputs
   bash scripts/build.sh release throng "$1" && "build/release/$1" "$2"
 }
 
-no_miss() { # SEED: of parts alone, of people who walk, stand and give way, of pairs within a margin, and of hulls
+no_miss() { # SEED: for parts, for walking, standing and avoiding people, for pairs within a margin, for hulls
   bash scripts/build.sh release no_miss no_miss_people no_miss_proximity degenerate_hulls_sweep && echo "seed $1" &&
     build/release/no_miss 10000000 "$1" && build/release/no_miss_people 10000000 "$1" touching &&
     build/release/no_miss_people 100000 "$1" &&
     build/release/no_miss_proximity 2000000 "$1" && build/release/degenerate_hulls_sweep 100000 "$1"
 }
 
-long() ( # the tests that ask tests/nightly.h
+long() ( # tests that use tests/nightly.h
   bash scripts/build.sh release culling_tests crowd_tests scenes_tests || exit
   export THRONG_NIGHTLY=1
   build/release/culling_tests \
-    --gtest_filter='AgainstFcl.*:*NoPairWithinTheMarginIsMissed*:ProximityRows.ChangeNoEvents*' &&
+    --gtest_filter='AgainstFcl.*:*ProximityBounds.*:ProximityRows.ChangeNoEvents*' &&
     build/release/crowd_tests \
-      --gtest_filter='Crowd.APlazaKeepsMovingWhateverTheSeed:NavMesh.WhereADisc*' &&
+      --gtest_filter='Crowd.KeepsAPlazaMovingForEverySeed:NavMesh.OpensGaps*' &&
     build/release/scenes_tests \
-      --gtest_filter='NearRun.RowsAtTheMarginDependOnNoOtherMarginAndNoFilter:*ResumeScenes*'
+      --gtest_filter='ProximityRun.RowsDependOnTheirOwnMarginOnly:*ResumeScenes*'
 )
 
 outside() {
@@ -68,17 +68,17 @@ packages() {
   bash scripts/package.sh || return
   bash tests/install/bare_debian_test.sh "$PWD" "$PWD/build/release/packages" "$PWD/build/bare" || status=$?
   [ "$status" -eq 0 ] || [ "$status" -eq 77 ] || return "$status"
-  # Its programs: the command, and the examples as others build them; and its Python module.
+  # The command, examples built by another project, and the Python module.
   local tried=$PWD/build/release/tests/install/tried
   bash tests/install/install_test.sh "$PWD" "$PWD/build/release" "$tried" || return
   THRONG_TESTED=$tried/programs build/release/apps_tests --gtest_brief=1 || return
   THRONG_NIGHTLY=1 THRONG_TESTED=$tried/programs build/release/docs_tests --gtest_brief=1 \
     --gtest_filter='Documents.*' || return
-  THRONG_TESTED=$tried/programs build/release/culling_tests --gtest_brief=1 --gtest_filter='OwnSkeleton.*' || return
+  THRONG_TESTED=$tried/programs build/release/culling_tests --gtest_brief=1 --gtest_filter='CustomBodies.*' || return
   python_tests "$tried"
 }
 
-python_tests() { # INSTALLED: by tests/install/install_test.sh
+python_tests() { # INSTALLED: the folder of tests/install/install_test.sh
   local test
   [ -d "$1/python" ] || { echo "no Python module is installed"; return; }
   for test in tests/python/*_test.py; do
@@ -126,5 +126,5 @@ for step in "${steps[@]}"; do
   table+=$(printf '%-12s %-7s %6d s  %s' "$step" "$verdict" $((SECONDS - begun)) "$last")$'\n'
 done
 printf '\n%s' "$table"
-[ "$status" -eq 0 ] || echo "broken: what was printed lies in $out/STEP.txt" >&2
+[ "$status" -eq 0 ] || echo "failed; the output is in $out/STEP.txt" >&2
 exit "$status"

@@ -1,19 +1,18 @@
 #!/usr/bin/env python3
-"""One definition of everything: scripts/one_definition.py compiles all programs and tests as the preset lto
-says, lets gcc read each program as a whole, and compares what was compiled. Exit code 1 where two definitions
-of one name differ.
+"""Check that every name has one definition: scripts/one_definition.py compiles all programs and tests with the preset
+lto, lets gcc read each program as a whole, and compares the compiled code. Exit code 1 if two definitions of one name
+differ.
 
-  -Wodr                classes and enumerations with other members, bases or virtual functions
-  -Wlto-type-mismatch  functions and variables of another type
-  bytes                inline functions, templates and inline variables of one type that say something else;
-                       a linker takes one of them, and says nothing
+  -Wodr                classes and enumerations with different members, bases or virtual functions
+  -Wlto-type-mismatch  functions and variables of different types
+  bytes                different inline functions, templates and inline variables of one type, of which a linker
+                       silently takes one
 
-Planted violations of each sort have to be found first. Nothing is optimised: a function that is inlined is not
-compared, and the same text has the same bytes wherever it is compiled, for all that it refers to is a
-relocation. Of bytes, only names with ours in them: g++ works out some of Eigen while it compiles, or not; and none
-of the standard library's, whose text is one: g++ leaves out what unwinds where it has seen by then that nothing is
-thrown. Out of reach are inline functions and templates that nobody calls, and names within one file (static, unnamed
-namespaces), of which there may be as many as there are files.
+Planted violations of each kind must be found first. Nothing is optimised, because inlined functions are not compared.
+Equal source text then has equal bytes, since all references are relocations. Only names in namespace throng are
+compared by bytes: g++ evaluates some of Eigen at compile time, depending on the file. Names of the standard library are
+excluded: g++ omits unwinding code if it has seen that nothing is thrown. Unused inline functions and templates are not
+compared, nor names local to a file (static, unnamed namespaces), which may repeat.
 """
 import collections
 import concurrent.futures
@@ -26,8 +25,8 @@ import sys
 import tempfile
 
 BUILD = pathlib.Path("build/lto")
-OURS = b"6throng"  # in a mangled name
-STANDARD = (b"_ZSt", b"_ZNSt", b"_ZNKSt", b"_ZN9__gnu_cxx", b"_ZNK9__gnu_cxx")  # at its beginning
+NAMESPACE = b"6throng"  # in a mangled name
+STANDARD = (b"_ZSt", b"_ZNSt", b"_ZNKSt", b"_ZN9__gnu_cxx", b"_ZNK9__gnu_cxx")  # at the beginning of a name
 
 PLANTED = {
     "-Werror=odr": (
@@ -54,7 +53,7 @@ def flags(name):
 
 
 def complaint_of_linker(inputs, folder):
-    """What gcc says about the whole of a program, "" if nothing. It writes no machine code."""
+    """Errors of gcc for a whole program, "" if there are none. Writes no machine code."""
     with tempfile.TemporaryDirectory() as scratch:
         command = ["c++", *flags("CMAKE_CXX_FLAGS"), *flags("CMAKE_EXE_LINKER_FLAGS"), "-fno-fat-lto-objects",
                    "-flinker-output=rel", "-r", "-nostdlib", *inputs, "-o", f"{scratch}/whole.o"]
@@ -63,14 +62,14 @@ def complaint_of_linker(inputs, folder):
 
 
 def shared_definitions(data):
-    """Name, size and bytes of what others may define, too, in a 64-bit little-endian ELF file."""
+    """Yield name, size and bytes of definitions that other files may share, in a 64-bit little-endian ELF file."""
     table, = struct.unpack_from("<Q", data, 0x28)
     entry, count = struct.unpack_from("<HH", data, 0x3A)
-    if count == 0:  # too many for 16 bits: they stand in the first section
+    if count == 0:  # more than 16 bits: stored in the first section
         count, = struct.unpack_from("<Q", data, table + 0x20)
     sections = [struct.unpack_from("<IIQQQQII", data, table + i * entry) for i in range(count)]
-    symbols, zeros, long_homes = 2, 8, 18  # sorts of sections
-    weak, unique = 2, 10                   # how what is shared is bound
+    symbols, zeros, long_homes = 2, 8, 18  # kinds of sections
+    weak, unique = 2, 10                   # bindings of shared symbols
     homes = next((s[4] for s in sections if s[1] == long_homes), None)
     for section in sections:
         if section[1] != symbols:
@@ -88,21 +87,21 @@ def shared_definitions(data):
 
 
 def compare_bytes(objects, folder):
-    """What to say of inline definitions that differ, and how many there are."""
+    """Return a report of inline definitions that differ, and the number of compared ones."""
     found = collections.defaultdict(lambda: collections.defaultdict(list))
     for path in objects:
         for name, size, content in shared_definitions((folder / path).read_bytes()):
-            if OURS in name and not name.startswith(STANDARD):
+            if NAMESPACE in name and not name.startswith(STANDARD):
                 found[name][size, hash(content)].append(path)
-    said = []
+    report = []
     for name, kinds in sorted(found.items()):
         if len(kinds) > 1:
-            said.append(subprocess.run(["c++filt", name.decode()], capture_output=True, text=True,
+            report.append(subprocess.run(["c++filt", name.decode()], capture_output=True, text=True,
                                        check=True).stdout.strip())
             for (size, _), paths in kinds.items():
                 more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
-                said.append(f"  {size} bytes in {paths[0]}{more}")
-    return "\n".join(said), len(found)
+                report.append(f"  {size} bytes in {paths[0]}{more}")
+    return "\n".join(report), len(found)
 
 
 def check_planted():
@@ -114,10 +113,10 @@ def check_planted():
             subprocess.run(["c++", *flags("CMAKE_CXX_FLAGS"), "-std=c++20", "-c", "a.cpp", "b.cpp"], cwd=folder,
                            check=True)
             objects = ["a.o", "b.o"]
-            said = complaint_of_linker(objects, folder) or compare_bytes(objects, folder)[0]
-            if expected not in said:
-                sys.exit("scripts/one_definition.py: expected two definitions to be refused with "
-                         f"'{expected}', found '{said}'")
+            report = complaint_of_linker(objects, folder) or compare_bytes(objects, folder)[0]
+            if expected not in report:
+                sys.exit("scripts/one_definition.py: expected two definitions to be rejected with "
+                         f"'{expected}', found '{report}'")
 
 
 def ninja(*arguments):
@@ -126,7 +125,7 @@ def ninja(*arguments):
 
 
 def programs():
-    """Objects and archives of ours that each program is linked from."""
+    """Yield each program with Throng's objects and archives that it is linked from."""
     for line in ninja("-t", "commands"):
         words = line.split()
         if "-o" in words and "-c" not in words:
@@ -143,16 +142,16 @@ def main():
 
     linked = dict(programs())
     objects = sorted(str(path.relative_to(BUILD)) for path in BUILD.rglob("*.o"))
-    said, compared = compare_bytes(objects, BUILD)
-    print(said, end="\n" if said else "", flush=True)
-    refused = 0
+    report, compared = compare_bytes(objects, BUILD)
+    print(report, end="\n" if report else "", flush=True)
+    rejected = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
         for program, complaint in zip(linked, workers.map(lambda inputs: complaint_of_linker(inputs, BUILD),
                                                           linked.values())):
-            refused += complaint != ""
-            print(f"{program}: {complaint or 'one definition of everything'}", flush=True)
-    print(f"{len(objects)} objects, {compared} inline definitions compared, {len(linked)} programs, {refused} refused")
-    sys.exit(1 if said or refused or not linked else 0)
+            rejected += complaint != ""
+            print(f"{program}: {complaint or 'one definition of every name'}", flush=True)
+    print(f"{len(objects)} objects, {compared} inline definitions compared, {len(linked)} programs, {rejected} rejected")
+    sys.exit(1 if report or rejected or not linked else 0)
 
 
 main()

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Makes the packages: scripts/package.sh [deb|archive]; both without an argument. They lie in
-# build/release/packages then: those of Debian 12, and throng-VERSION-linux-ARCHITECTURE.tar.xz, which
-# brings its libraries along and runs where it is unpacked, on any Linux with glibc 2.36 or newer.
+# Builds packages in build/release/packages: scripts/package.sh [deb|archive], both by default. deb: packages for
+# Debian 12. archive: throng-VERSION-linux-ARCHITECTURE.tar.xz with its libraries, which runs wherever it is
+# unpacked, on any Linux with glibc 2.36 or newer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,7 +18,7 @@ bash scripts/setup.sh
 bash scripts/setup.sh package
 bash scripts/build.sh release
 build=$(pwd)/build/release
-# Without MPI, which brings a system of its own along: whoever has a cluster builds for it.
+# Without MPI, which depends on the cluster: users with a cluster build Throng there.
 with_mpi=$(sed -n 's/^THRONG_MPI:BOOL=//p' "$build/CMakeCache.txt")
 configure() { cmake "$build" -DTHRONG_MPI="$1" >/dev/null && cmake --build "$build" --target throng >/dev/null; }
 configure OFF
@@ -32,7 +32,7 @@ make_debs() {
   rm -rf "$packages/_CPack_Packages"
 }
 
-# Of the system that it runs on, whatever that is: the C library and its loader.
+# Libraries of the system that runs the program: the C library and its loader.
 is_of_the_system() { # LIBRARY
   case $(basename "$1") in
     ld-linux*.so.* | libc.so.* | libm.so.* | libmvec.so.* | libpthread.so.* | libdl.so.* | librt.so.* | libresolv.so.* | libutil.so.*) ;;
@@ -46,9 +46,9 @@ make_archive() {
   work=$(mktemp -d)
   root=$work/$name
   cmake --install "$build" --prefix "$root" --component throng --strip >/dev/null
-  cmake --install "$build" --prefix "$root" --component python --strip >/dev/null # nothing where it is not built
+  cmake --install "$build" --prefix "$root" --component python --strip >/dev/null # nothing if it is not built
 
-  # What was built here, and so has to find the libraries; then these, of which each has to find the others.
+  # Built programs must find the libraries, and libraries must find each other.
   local own=("$root/bin/throng")
   while IFS= read -r file; do own+=("$file"); done < <(find "$root" -name '*.so')
   mkdir -p "$root/lib/throng"
@@ -63,7 +63,7 @@ make_archive() {
     patchelf --set-rpath "\$ORIGIN" "$library"
   done
 
-  # Their licences come along.
+  # Adds the libraries' licences.
   licences=$root/share/doc/throng/licences
   mkdir -p "$licences"
   for library in "$root"/lib/throng/*.so*; do

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The short form of every promise of docs/reliability.md: scripts/reliability.sh [PAIRS]; PAIRS near
-# part pairs against triangles (default 1000000; the long form takes 10000000). Prints what it did
-# and a table. Exit code 1 if a promise was broken.
+# Checks every guarantee of docs/reliability.md in short form: scripts/reliability.sh [PAIRS]; PAIRS close pairs of
+# parts against triangles (default 1000000; the long form has 10000000). Prints its steps and a table. Exit code 1
+# if a guarantee is broken.
 #
-# What takes a build of its own is not here: scripts/fuzz.sh (clang), scripts/sanitize.sh;
-# nor what takes hours: scripts/soak.sh 60.
+# Not included: checks with a separate build (scripts/fuzz.sh with clang, scripts/sanitize.sh) and checks that take
+# hours (scripts/soak.sh 60).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
@@ -45,12 +45,12 @@ echo
 printf '%-18s %12s\n' \
   "inputs tried" "$(sum 's/^\[ inputs \].*: \([0-9]*\) tried.*/\1/p')" \
   "faults survived" "$(sum 's/^\[ faults \].*: \([0-9]*\) survived.*/\1/p')" \
-  "events written" "$(sum 's/^\[ soak \].* \([0-9]*\) events said.*/\1/p')" \
+  "events written" "$(sum 's/^\[ soak \].* \([0-9]*\) events written.*/\1/p')" \
   "events lost" "$(sum 's/^\[ soak \].* \(-*[0-9]*\) lost.*/\1/p')" \
   "hashes compared" "$(sum 's/^\[ hashes \] \([0-9]*\) compared.*/\1/p')" \
   "splits" "$(sum 's/^\[ hashes \].* \([0-9]*\) splits.*/\1/p')" \
-  "near part pairs" "$(sum 's/^all *\([0-9]*\) .*/\1/p')" \
+  "close pairs" "$(sum 's/^all *\([0-9]*\) .*/\1/p')" \
   "missed" "$(sum 's/^all.* \([0-9]*\)$/\1/p')" \
   "seconds" "$((SECONDS - begun))"
-[ "$status" -eq 0 ] || echo "a promise was broken: see above" >&2
+[ "$status" -eq 0 ] || echo "a guarantee is broken: see above" >&2
 exit "$status"

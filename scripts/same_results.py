@@ -3,9 +3,9 @@
 
 same_results.py OLD NEW [--seconds S] [--scene NAME ...]
 
-Runs every bundled scene with both programs and compares event hashes, counters, and the columns that both have
-of the tables that `throng export` makes of the logs; then the counts of `throng paper`. Times, run ids and file sizes are left
-out. Exit code 1 where results differ. Use it before and after a change that must not change results.
+Run every bundled scene with both programs. Compare event hashes, counters, and the shared columns of the tables that
+`throng export` makes of the logs; then the counts of `throng paper`. Times, run ids and file sizes are ignored. Exit
+code 1 if results differ. Use it before and after a change that must not change results.
 """
 import argparse
 import csv
@@ -17,14 +17,10 @@ import subprocess
 import sys
 import tempfile
 
-TABLES = ("events", "states", "touching", "near", "contacts", "separation", "frame_stats")
-# Names of what a build before frame_stats_t has under others.
-FORMER_TABLES = {"frame_stats": "counters"}
-FORMER_COLUMNS = re.compile(r"^(sphere|box|part_volume)(?=_(updates|tests|passed)$)")
-COLUMNS = {"sphere": "avatar", "box": "part_box", "part_volume": "part"}
-# Members of `run --json` that time, memory or the build decide.
+TABLES = ("events", "states", "touching", "proximity", "contact_points", "separation", "frame_stats")
+# Members of `run --json` that depend on time, memory or the build.
 VARIES = re.compile(r"(_ms|_ns|wall_s|_bytes|_factor)$|^(throng|run_id|log|lcm|machine|threads)$")
-# Members of `paper --json` that time does not decide.
+# Members of `paper --json` that do not depend on time.
 COUNTS = ("collisions", "n_v", "n_u", "false_positive_rate", "tests", "updates")
 
 
@@ -49,11 +45,8 @@ def read_json(program, arguments, path):
 
 
 def table_of(program, log, name):
-    """A table of the log, by column."""
+    """Return a table of the log, by column."""
     done = subprocess.run([program, "export", log, "--csv", name], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    if done.returncode == 2 and name in FORMER_TABLES:
-        table = table_of(program, log, FORMER_TABLES[name])
-        return {FORMER_COLUMNS.sub(lambda found: COLUMNS[found[0]], column): values for column, values in table.items()}
     if done.returncode != 0:
         sys.exit(f"{program} export --csv {name}: exit code {done.returncode}: {done.stderr}")
     names, *rows = csv.reader(io.StringIO(done.stdout))
@@ -61,7 +54,7 @@ def table_of(program, log, name):
 
 
 def run_of(program, scene, seconds, folder):
-    """What a run of `scene` leaves: its counters and hash, and a table for each channel of its log."""
+    """Return the results of a run of `scene`: counters, hash, and a table for each channel of its log."""
     log = os.path.join(folder, "run.lcmlog")
     if os.path.exists(log):
         os.remove(log)
@@ -73,7 +66,7 @@ def run_of(program, scene, seconds, folder):
 
 
 def of_both(old, new):
-    """What both runs have a column of: other columns are no difference."""
+    """Keep the columns that both runs have."""
     for table in TABLES:
         if table in old and table in new:
             shared = old[table].keys() & new[table].keys()
@@ -109,17 +102,17 @@ def main():
     parser.add_argument("new", help="the build to compare with it")
     parser.add_argument("--seconds", type=float, default=2, help="simulated time of each scene [2]")
     parser.add_argument("--scene", nargs="+", help="these scenes only, without the paper's tables")
-    asked = parser.parse_args()
+    options = parser.parse_args()
 
     bundled = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "bundled")
-    scenes = asked.scene or sorted(name[:-5] for name in os.listdir(bundled) if name.endswith(".yaml"))
+    scenes = options.scene or sorted(name[:-5] for name in os.listdir(bundled) if name.endswith(".yaml"))
     unlike = 0
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes:
-            runs = [run_of(program, scene, asked.seconds, folder) for program in (asked.old, asked.new)]
+            runs = [run_of(program, scene, options.seconds, folder) for program in (options.old, options.new)]
             unlike += compare(scene, *runs)
-        if not asked.scene:
-            unlike += compare("paper", *(paper_of(program, folder) for program in (asked.old, asked.new)))
+        if not options.scene:
+            unlike += compare("paper", *(paper_of(program, folder) for program in (options.old, options.new)))
     print(f"{unlike} differ" if unlike else "all the same")
     return 1 if unlike else 0
 

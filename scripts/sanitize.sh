@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The whole test suite under sanitizers: scripts/sanitize.sh [asan|tsan [CTEST OPTION...]]; both unless
-# told. asan finds bad addresses, undefined behaviour and leaks, tsan races. Prints a line a sanitizer;
-# exit code 1 if a test failed or a program had something to report, also one that a test killed or whose
-# words nobody read. Reports are kept in build/PRESET/reports.
+# Runs the test suite under sanitizers: scripts/sanitize.sh [asan|tsan [CTEST OPTION...]], both by default. asan finds
+# invalid addresses, undefined behaviour and leaks, tsan data races. Prints a line per sanitizer; exit code 1 if a
+# test failed or any program wrote a report, which includes killed programs. Reports are stored in
+# build/PRESET/reports.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -21,7 +21,7 @@ for preset in "${presets[@]}"; do
   mkdir -p "$folder"
   bash scripts/build.sh "$preset"
   begun=$SECONDS
-  # All of each test, too, since this is for the night. A program gives its report a name of its own, so that none is overlooked.
+  # Nightly tests are included. A report file per process: no report is overlooked.
   THRONG_NIGHTLY=1 ASAN_OPTIONS=log_path=$folder/report UBSAN_OPTIONS=log_path=$folder/report \
     TSAN_OPTIONS=log_path=$folder/report \
     bash scripts/test.sh "$preset" "${@:2}" 2>&1 | tee "build/$preset/tests.log" || status=1

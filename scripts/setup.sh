@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that Throng builds on, as root or through sudo. Does nothing when
-# all are there. `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh
-# test` what only tests need, `scripts/setup.sh page` the browser that tests the page,
-# `scripts/setup.sh reliability` what scripts/fuzz.sh and scripts/coverage.sh need, `scripts/setup.sh
-# package` what scripts/package.sh needs. Says beforehand how much it downloads, then how far it is; what
-# apt-get and dpkg print is shown where they fail.
+# Installs the Debian 12 packages that Throng needs, as root or with sudo; does nothing if all are installed.
+# `scripts/setup.sh bench` adds the engines that bench/ compares with, `scripts/setup.sh test` packages of tests only,
+# `scripts/setup.sh page` the browser that tests the page, `scripts/setup.sh reliability` packages of scripts/fuzz.sh
+# and scripts/coverage.sh, `scripts/setup.sh package` packages of scripts/package.sh. Prints the download size, then
+# the progress; output of apt-get and dpkg is shown if they fail.
 set -euo pipefail
 
 packages=(
@@ -19,30 +18,30 @@ packages=(
   libsqlite3-dev libboost-dev
   # recordings of the archive of experiments
   libhdf5-dev
-  # optional: ranks of studies; GNU parallel for their test
+  # optional: ranks of studies; GNU parallel for its test
   libopenmpi-dev openmpi-bin parallel
   # navigation meshes
   librecast-dev
   # figures of `throng paper --out`
   gnuplot-nox
-  # messages; iproute2 tells whether multicast has a route
+  # messages; iproute2 reports whether multicast has a route
   liblcm-dev liblcm-bin libglib2.0-dev iproute2
-  # the module for Python
+  # the Python module
   pybind11-dev python3-dev python3-numpy
-  # optional: MCAP files that are packed
+  # optional: compressed MCAP files
   libzstd-dev
   # tests
   libgtest-dev libgmock-dev
 )
-# The page of `throng view` is built with node 18 or newer and npm, from whichever source they come.
+# The page of `throng view` needs node 18 or newer and npm, from any source.
 if ! command -v node >/dev/null || ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
-# The message types for Java, and lcm-spy; data frames and plots of the notebooks.
+# Message types for Java, and lcm-spy; data frames and plots of the notebooks.
 test_packages=(openjdk-17-jdk-headless liblcm-java libjchart2d-java python3-pandas python3-matplotlib)
 # The page in a real browser.
 page_packages=(chromium)
-# clang with libFuzzer, the reader of coverage counts
+# clang with libFuzzer, the coverage reader
 reliability_packages=(clang libclang-rt-14-dev llvm gcovr)
-# The manual, packages, and a bare Debian to try them in.
+# The manual, packages, and a bare Debian for trying them.
 package_packages=(help2man patchelf dpkg-dev xz-utils debootstrap)
 bench_packages=(libembree-dev libbullet-dev libcgal-dev libode-dev libbenchmark-dev)
 
@@ -60,7 +59,7 @@ case "${1:-}" in
 esac
 
 if ! command -v dpkg-query >/dev/null; then
-  echo "scripts/setup.sh: expected Debian 12 or a system with its packages; install what the list in this file names" >&2
+  echo "scripts/setup.sh: expected Debian 12 or a system with its packages; install the packages listed in this file" >&2
   exit 3
 fi
 
@@ -84,17 +83,17 @@ fi
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 begun=$SECONDS
-# Descriptor 3 is for apt-get's status, which it closes for what it starts: were it 1, packages could not
-# print. Opened behind sudo, which closes it, too.
+# Descriptor 3 receives apt-get's status. apt-get closes it for its children, so it cannot be 1, which packages
+# print to. It is opened after sudo, which closes it as well.
 apt=("${as_root[@]}" sh -c 'exec "$@" 3>&1' sh env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -q -o Acquire::Retries=3
   -o Dpkg::Use-Pty=0)
 install=(install -y --no-install-recommends "${missing[@]}")
 
-say() { # TEXT: over the last one on a terminal, else a line
+say() { # TEXT: replaces the last text on a terminal, otherwise prints a line
   if [ -t 2 ]; then printf '\r\033[K%s' "$1" >&2; else printf '%s\n' "$1" >&2; fi
 }
 
-# apt-get's own count of how far it is, among what it prints: (dl|pm)status:PACKAGE:PERCENT:TEXT
+# Progress lines in apt-get's output: (dl|pm)status:PACKAGE:PERCENT:TEXT
 show_progress() {
   local line phase percent shown=
   while IFS= read -r line; do
@@ -104,7 +103,7 @@ show_progress() {
       *) printf '%s\n' "$line" >>"$log"; continue ;;
     esac
     percent=$(sed -nE 's/^[a-z]+:[^:]*(:[a-z0-9]+)?:([0-9]+)[.0-9]*:.*/\2/p' <<<"$line")
-    # A line a quarter where nothing can be written over.
+    # Without a terminal a line per 25 %.
     [ -t 2 ] || percent=$((${percent:-0} / 25 * 25))
     [ "$shown" = "$phase $percent" ] && continue
     shown="$phase $percent"
@@ -120,7 +119,7 @@ fail() {
 }
 
 "${apt[@]}" update </dev/null >>"$log" 2>&1 || fail
-# What it will cost: apt-get knows, and does nothing yet.
+# Cost according to apt-get, which installs nothing yet.
 cost=$("${apt[@]}" install --print-uris --no-install-recommends "${missing[@]}" -y </dev/null 2>>"$log" |
   sed -nE 's/^.* ([0-9]+) newly installed.*/\1 packages/p; s/^Need to get (.*) of archives.*/\1 to download/p
     s/^After this operation, (.*) of additional disk space.*/\1 on disk/p' | paste -sd ';' | sed 's/;/, /g') || true

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Hours in small: scripts/soak.sh [MINUTES [PACE]] (default 5 minutes; by hand 60). 300 people go to and
-# fro on the plaza with LCM and a log in real work, and are watched: memory must not grow after warm-up,
-# no event may be lost between the simulation and the log, and in every simulated minute all are there,
-# most walk and contacts begin. PACE is simulated seconds a second (default 4: some five hundredths of
-# a core, and 4 GB of log an hour, deleted afterwards); 0: as fast as it can, a gigabyte a minute.
+# Soak test: scripts/soak.sh [MINUTES [PACE]] (default 5 minutes; by hand 60). 300 people walk up and down the plaza
+# with LCM and a log. Memory must not grow after warm-up, no event may be lost between the simulation and the log,
+# and in every simulated minute all are present, most walk and contacts begin. PACE is the real-time factor
+# (default 4: some five hundredths of a core, and 4 GB of log per hour, deleted afterwards); 0: unlimited, 1 GB per
+# minute.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -31,19 +31,19 @@ seconds=$((minutes * 60))
 for _ in $(seq "$seconds"); do
   sleep 1
   awk '/^VmRSS/ {print $2}' "/proc/$run/status" >>memory 2>/dev/null ||
-    { cat notes >&2; fail "the run has ended by itself"; }
+    { cat notes >&2; fail "the run ended by itself"; }
 done
 kill -TERM "$run"
 code=0
 wait "$run" || code=$?
 run=
-# Stopped as asked, with its summary.
+# Stopped as requested, with its summary.
 [ "$code" -eq 143 ] || { cat notes >&2; fail "expected exit code 143, found $code"; }
 "$throng" check soak.lcmlog >check || { cat check >&2; fail "the log is not sound"; }
 
-# Numbers of the summary, of the judge, and of the memory's first and last third after warm-up.
+# Numbers of the summary, of `throng check`, and of memory in the first and last third after warm-up.
 number() { sed -n "s/.*\"$1\": *\([0-9]*\).*/\1/p" soak.json | head -n 1; }
-said=$(($(number begin) + $(number end)))
+reported=$(($(number begin) + $(number end)))
 found=$(awk '$1 == "events" {print $2 + $4}' check)
 dropped=$(number dropped) frames=$(number frames)
 read -r early late < <(awk '{kb[NR] = $1} END {
@@ -52,22 +52,22 @@ read -r early late < <(awk '{kb[NR] = $1} END {
   for (i = NR - third + 1; i <= NR; ++i) if (kb[i] > late) late = kb[i]
   print early, late }' memory)
 echo "[ soak ] $seconds s, $frames frames; resident $early kB early, $late kB late;" \
-  "$said events said, $found in the log, $((said - found)) lost; LCM dropped $dropped messages;" \
+  "$reported events written, $found in the log, $((reported - found)) lost; LCM dropped $dropped messages;" \
   "log $(($(stat -c %s soak.lcmlog) / 1000000)) MB"
 
-# The last minute is not a whole one.
+# The last minute is incomplete.
 python3 "$minutes_of" soak.lcmlog | sed '$d' >by_minute
-[ -s by_minute ] || fail "less than a simulated minute: longer, or faster, please"
+[ -s by_minute ] || fail "less than a simulated minute; increase MINUTES or PACE"
 echo "[ soak ] $(wc -l <by_minute) simulated minutes;" "$(awk '
   {if (NR == 1 || $4 < walk) walk = $4; if (NR == 1 || $6 < begin) begin = $6; if (NR == 1 || $2 < there) there = $2}
   END {print "in each at least " there " people there, " walk " walking, " begin " contacts begun"}' by_minute)"
 
-# A page or two may still be touched for the first time, and as fast as it can, 16 MB may wait for the
-# disk; a leak of a kilobyte a frame may not pass.
+# Some pages may be touched for the first time, and at unlimited pace 16 MB may wait for the disk. A leak of a
+# kilobyte per frame must not pass.
 growth=1024
 [ "$pace" != 0 ] || growth=$((growth + 16 * 1024))
 [ $((late - early)) -le "$growth" ] || fail "memory grew by $((late - early)) kB, allowed $growth"
-[ "$said" -eq "$found" ] || fail "events were lost"
+[ "$reported" -eq "$found" ] || fail "events were lost"
 [ "$dropped" -eq 0 ] || fail "LCM dropped messages"
 awk -v all=$people '$2 < all || $4 < all / 2 || $6 == 0 {print "scripts/soak.sh: " $0; bad = 1} END {exit bad}' \
-  by_minute >&2 || fail "people left, stood or ceased to touch"
+  by_minute >&2 || fail "people left, stood still or stopped touching"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Starts lcm-spy, LCM's own view of every channel, with Throng's types: scripts/spy.sh [LCM-URL].
-# Debian's launcher passes an option that Java 17 no longer has, so its class is started directly.
-# `scripts/spy.sh --class-path` only prints what Java needs to find.
+# Starts lcm-spy, LCM's view of every channel, with Throng's types: scripts/spy.sh [LCM-URL]. Starts its class
+# directly, because Debian's launcher passes an option that Java 17 does not have. `scripts/spy.sh --class-path`
+# prints the class path.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, runs every test: scripts/test.sh [PRESET [CTEST OPTION...]], for
-# example `scripts/test.sh debug` or `scripts/test.sh release -R culling`. The last line says how many
-# passed, failed and were skipped; the exit code is 1 if one failed.
+# Installs missing packages, builds, and runs every test: scripts/test.sh [PRESET [CTEST OPTION...]], for example
+# `scripts/test.sh debug` or `scripts/test.sh release -R culling`. The last line counts passed, failed and skipped
+# tests; exit code 1 if one failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -15,7 +15,7 @@ export GTEST_COLOR=no
 report=$PWD/build/$preset/tests.xml
 rm -f "$report"
 status=0
-# One more at a time than there are cores: some wait for a run that keeps the pace of a clock.
+# One more job than cores, because some tests wait for a paced run.
 ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" --output-on-failure --no-tests=error \
   --output-junit "$report" "${@:2}" </dev/null || status=$?
 

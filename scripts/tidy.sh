@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# clang-tidy over all sources, or `scripts/tidy.sh --changed [COMMIT]` over those that differ from COMMIT
-# (default: where this branch left main, and on main the commit before); a changed header stands for the
-# .cpp beside it. What is not committed counts, too. Exit code 1 if it finds something.
+# Runs clang-tidy on all sources, or `scripts/tidy.sh --changed [COMMIT]` on those that differ from COMMIT (default:
+# the branch point from main, on main the previous commit), uncommitted changes included. A changed header stands for
+# the .cpp next to it. Exit code 1 if it reports a problem.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,7 +25,7 @@ if [ "${1:-}" = --changed ]; then
   done
   [ -n "$since" ] || since=$(git rev-parse -q --verify HEAD~1) || true
   if [ -z "$since" ]; then
-    echo "scripts/tidy.sh: no commit to compare with; scripts/tidy.sh looks at everything" >&2
+    echo "scripts/tidy.sh: no commit to compare with; run scripts/tidy.sh for all sources" >&2
     exit 0
   fi
   files=()
@@ -38,15 +38,14 @@ if [ "${1:-}" = --changed ]; then
     echo "scripts/tidy.sh: no source differs from ${since:0:12}"
     exit 0
   fi
-  # Half a minute each: a move of everything would hold up every change behind it.
+  # Half a minute per source: moving many files would delay every later change.
   if [ ${#files[@]} -gt 40 ]; then
-    echo "scripts/tidy.sh: ${#files[@]} sources differ from ${since:0:12}: left to scripts/nightly.sh tidy"
+    echo "scripts/tidy.sh: ${#files[@]} sources differ from ${since:0:12}; scripts/nightly.sh tidy checks them"
     exit 0
   fi
   echo "scripts/tidy.sh: at most ${#files[@]} sources that differ from ${since:0:12}"
 fi
 
-# A build folder of its own: clang takes no header that g++ has precompiled. All it needs are the headers
-# that the build makes.
+# A separate build folder, because clang cannot read g++'s precompiled headers. It needs only generated headers.
 bash scripts/build.sh tidy throng_lcm_headers throng_version
 run-clang-tidy -quiet -p build/tidy -j "$(nproc)" "${files[@]}"

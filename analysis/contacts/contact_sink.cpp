@@ -16,12 +16,12 @@
 namespace throng {
 namespace {
 
-/// Points within a cell are one.
+/// Points within one cell are merged.
 constexpr float kCell_m = 0.005f;
-/// Cells are counted from here, farther from a part's origin than any part reaches.
+/// Offset that makes cell numbers positive: larger than the reach of any part.
 constexpr int64_t kOrigin = 1 << 17;
 constexpr uint64_t kMask = (1 << 18) - 1;
-/// Over which the time of a point is spread, as a Gaussian.
+/// Standard deviation of the Gaussian that spreads the time of a point.
 constexpr double kSpread_m = 0.02;
 constexpr double kReach_m = 3 * kSpread_m;
 constexpr float kPixel_m = 0.005f;
@@ -47,7 +47,7 @@ Eigen::Vector3f placed(const PartPose& pose, const Eigen::Vector3f& point_m) {
   return (to_isometry(pose) * point_m.cast<double>()).cast<float>();
 }
 
-/// Touched points near a place.
+/// Touched points, indexed for lookup by place.
 class Neighbours {
  public:
   explicit Neighbours(const std::vector<BodyMap::TouchedPoint>& points) {
@@ -55,7 +55,7 @@ class Neighbours {
       cells_[key(cell_of(point.at_m))].push_back(point);
   }
 
-  /// Seconds a square centimetre.
+  /// Contact time per area, in s/cm2.
   double density(const Eigen::Vector3f& at_m) const {
     double sum = 0;
     const std::array<int, 3> cell = cell_of(at_m);
@@ -90,7 +90,7 @@ class Neighbours {
   std::unordered_map<uint64_t, std::vector<BodyMap::TouchedPoint>> cells_;
 };
 
-/// What is seen of a body at rest from one side, pixel by pixel.
+/// Pixels of a body at rest, seen from one side.
 class View {
  public:
   struct Pixel {
@@ -99,7 +99,7 @@ class View {
     Eigen::Vector3f at_m;
   };
 
-  /// `turned` takes the body to where it is looked at along -x, with y to the right and z up.
+  /// `turned` rotates the body for a camera that looks along -x, with y to the right and z up.
   View(const Model& model, const std::vector<PartPose>& rest, const Eigen::AlignedBox3f& box,
        const Eigen::Matrix3f& turned)
       : turned_(turned) {
@@ -124,7 +124,7 @@ class View {
   }
 
   int width = 0, height = 0;
-  std::vector<Pixel> pixels;  ///< row by row from the top
+  std::vector<Pixel> pixels;  ///< row-major, from the top
 
  private:
   void fill(const std::array<Eigen::Vector3f, 3>& corners) {
@@ -163,7 +163,6 @@ class View {
   float left_m_ = 0, top_m_ = 0;
 };
 
-/// From where nobody touched to where most did.
 constexpr std::array<std::array<double, 3>, 5> kHeat = {
     {{214, 214, 218}, {254, 217, 118}, {253, 141, 60}, {227, 26, 28}, {110, 0, 38}}};
 
@@ -216,7 +215,7 @@ void BodyMap::frame(const RunInfo& run, const Frame& frame) {
     add(run, frame, row.pair.a(), row.pair.part_a(), point_m);
     add(run, frame, row.pair.b(), row.pair.part_b(), point_m);
   }
-  if (run.culler.proximity.contact_points) return;  // the rows of distances have the same
+  if (run.culler.proximity.contact_points) return;  // proximity rows hold the same points
   for (const ProximityPair& row : frame.proximity_pairs) {
     if (row.level != PairLevel::kTriangles || row.hi_m > 0) continue;
     add(run, frame, row.pair.a(), row.pair.part_a(), Eigen::Vector3d(row.point_a_m.data()));
@@ -246,7 +245,7 @@ Figure BodyMap::figure() const {
     for (const Eigen::Vector3f& vertex : body_->parts[part].mesh.vertices)
       box.extend(placed(rest_[part], vertex));
   const Neighbours touches(touched());
-  // About z: the front, then the right side, the back, the left side come to x.
+  // Turns about z bring the front, the right side, the back and the left side to +x in turn.
   Eigen::Matrix3f quarter;
   quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   Eigen::Matrix3f turned = Eigen::Matrix3f::Identity();
@@ -265,7 +264,6 @@ Figure BodyMap::figure() const {
   int width = kBetween;
   for (const View& view : views) width += view.width + kBetween;
   const int height = views.front().height;
-  // An image is a whole rectangle.
   constexpr std::array<int, 3> kPaper = {255, 255, 255};
   std::vector<std::array<int, 3>> canvas(static_cast<size_t>(width) * static_cast<size_t>(height),
                                          kPaper);
@@ -277,7 +275,7 @@ Figure BodyMap::figure() const {
     for (size_t i = 0; i < view.pixels.size(); ++i) {
       if (!(view.pixels[i].light > 0)) continue;
       const auto x = static_cast<int>(i) % view.width, y = static_cast<int>(i) / view.width;
-      // A square root, so that a rare contact is seen beside a frequent one.
+      // The square root keeps rare contacts visible next to frequent ones.
       canvas[static_cast<size_t>(height - 1 - y) * static_cast<size_t>(width) +
              static_cast<size_t>(left + x)] =
           colour_of(max > 0 ? std::sqrt(heats[side][i] / max) : 0,
@@ -298,18 +296,19 @@ Figure BodyMap::figure() const {
            static_cast<int>(kHeat[i][0]), static_cast<int>(kHeat[i][1]),
            static_cast<int>(kHeat[i][2]));
   append(script,
-         ")\nset cbrange [0:{:.3g}]\nset cbtics\nset cblabel 'seconds touched a cm^2, {:.4g} s in "
-         "all'\n"
+         ")\nset cbrange [0:{:.3g}]\nset cbtics\nset cblabel 'contact time, s/cm^2; {:.4g} s in "
+         "total'\n"
          "set xrange [0:{}]\nset yrange [-30:{}]\n"
          "plot $body using 1:2:3:4:5 with rgbimage, $body using (-9):(-99):(0) every 100000 with "
          "points palette pointsize 0\n",
          max, total_s(), width, height + 10);
-  return {"contact_body", "Where on the body contacts are", "", script, 900, 620};
+  return {"contact_body", "Contact time per area of the body", "", script, 900, 620};
 }
 
 namespace {
 
-constexpr const char* kFiles[] = {"near.csv", "exposure.csv", "near.tij", "near.graphml"};
+constexpr const char* kFiles[] = {"proximity.csv", "exposure.csv", "proximity.tij",
+                                  "proximity.graphml"};
 
 }  // namespace
 
@@ -317,26 +316,26 @@ ProximityTables::ProximityTables(std::filesystem::path folder, const RunInfo& ru
     : folder_(std::move(folder)),
       step_s_(run.step_s),
       closest_parts_m_(run.culler.proximity.closest_margin_m) {
-  // Those of an earlier run beside the numbers of this one would be wrong.
+  // Files of an earlier run do not belong to these numbers.
   std::error_code error;
   for (const char* name : kFiles) std::filesystem::remove(folder_ / name, error);
   if (!run.culler.proximity.is_enabled()) return;
-  rows_ = std::make_unique<OutputFile>(folder_ / "near.csv", kContactsOption);
+  rows_ = std::make_unique<OutputFile>(folder_ / "proximity.csv", kContactsOption);
   rows_->write(
-      "frame,time_s,of,body_a,part_a,body_b,part_b,level,lo_m,hi_m,closing_speed_mps,time_to_"
-      "contact_s\n");
+      "frame,time_s,kind,body_a,part_a,body_b,part_b,level,distance_lo_m,distance_hi_m,closing_"
+      "speed_mps,time_to_contact_s\n");
   if (!(closest_parts_m_ > 0)) return;
-  seconds_ = std::make_unique<SecondsFile>(folder_ / "near.tij", step_s_);
+  seconds_ = std::make_unique<SecondsFile>(folder_ / "proximity.tij", step_s_);
   while (levels_ < kLevels_m.size() && kLevels_m[levels_] <= static_cast<double>(closest_parts_m_))
     ++levels_;
 }
 
 void ProximityTables::list(const RunInfo& run, const Frame& frame, const ProximityRows& rows,
-                           const char* of) {
+                           const char* kind) {
   for (const ProximityPair& row : rows) {
     const PairKey pair = row.pair;
     append(text_, "{},{:.4f},{},{},{},{},{},{},{},{},{},{}\n", frame.number,
-           static_cast<double>(frame.number) * step_s_, of, pair.a(),
+           static_cast<double>(frame.number) * step_s_, kind, pair.a(),
            csv_field(part_name(run, pair.a(), pair.part_a())), pair.b(),
            csv_field(part_name(run, pair.b(), pair.part_b())), static_cast<int>(row.level),
            row.lo_m, row.hi_m, csv_number(row.closing_speed_mps),
@@ -353,7 +352,7 @@ void ProximityTables::expose(const Frame& frame) {
     for (size_t i = 0; i < levels_; ++i) {
       const auto level_m = static_cast<float>(kLevels_m[i]);
       exposure.below[i] += row.hi_m <= level_m;
-      exposure.unsure[i] += row.lo_m <= level_m && row.hi_m > level_m;
+      exposure.undetermined[i] += row.lo_m <= level_m && row.hi_m > level_m;
     }
   }
   seconds_->frame(frame.number, pairs_);
@@ -375,12 +374,12 @@ void ProximityTables::write_exposures(const RunInfo& run) {
   std::string header = "person_a,person_b";
   GraphFile::Attributes attributes;
   for (size_t i = 0; i < levels_; ++i) {
-    header += fmt::format(",below_{0}_m_s,unsure_{0}_m_s", kLevels_m[i]);
+    header += fmt::format(",below_{0}_m_s,undetermined_{0}_m_s", kLevels_m[i]);
     attributes.emplace_back(fmt::format("below_{}_m_s", kLevels_m[i]), "double");
   }
   OutputFile table(folder_ / "exposure.csv", kContactsOption);
   table.write(header + "\n");
-  GraphFile graph(folder_ / "near.graphml", run, attributes);
+  GraphFile graph(folder_ / "proximity.graphml", run, attributes);
   const auto seconds = [&](uint32_t frames) { return fmt::format("{:.4f}", frames * step_s_); };
   for (const uint64_t pair : pairs) {
     const Exposure& exposure = exposures_.at(pair);
@@ -388,7 +387,7 @@ void ProximityTables::write_exposures(const RunInfo& run) {
     std::vector<std::string> values;
     for (size_t i = 0; i < levels_; ++i) {
       values.push_back(seconds(exposure.below[i]));
-      line += fmt::format(",{},{}", values.back(), seconds(exposure.unsure[i]));
+      line += fmt::format(",{},{}", values.back(), seconds(exposure.undetermined[i]));
     }
     table.write(line + "\n");
     graph.edge(pair, values);
@@ -408,7 +407,8 @@ void ProximityTables::end(const RunInfo& run) {
 std::string ProximityTables::note() const {
   if (seconds_ == nullptr || levels_ == kLevels_m.size()) return "";
   return fmt::format(
-      "{} has no seconds below {} m: closest_parts_m is {}", (folder_ / "exposure.csv").string(),
+      "{} has no seconds below {} m because closest_parts_m is {} m",
+      (folder_ / "exposure.csv").string(),
       fmt::join(kLevels_m.begin() + static_cast<ptrdiff_t>(levels_), kLevels_m.end(), ", "),
       closest_parts_m_);
 }
@@ -420,8 +420,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kTables[] = {
-    "contacts.csv", "pairs.csv",   "people.csv",        "minutes.csv",  "durations.csv",
-    "parts.csv",    "density.csv", "parts_seconds.csv", "touching.tij", "touching.graphml"};
+    "contacts.csv", "part_contacts.csv", "people.csv",        "minutes.csv",  "durations.csv",
+    "parts.csv",    "density.csv",       "parts_seconds.csv", "touching.tij", "touching.graphml"};
 constexpr const char* kBodyFigure = "contact_body";
 constexpr const char* kFigures[] = {"contact_rates", "contact_durations", "contact_parts",
                                     "contact_density"};
@@ -450,7 +450,7 @@ std::string minutes_csv(const ContactStatistics& statistics) {
   return text;
 }
 
-/// Upper ends in seconds; the last class has none.
+/// Upper ends of the classes of duration, in seconds; the last class has none.
 constexpr double kDurations_s[] = {0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30};
 
 std::vector<uint64_t> duration_counts(const ContactStatistics& statistics) {
@@ -467,12 +467,12 @@ std::vector<uint64_t> duration_counts(const ContactStatistics& statistics) {
 std::string durations_csv(const ContactStatistics& statistics) {
   std::string text = "above_s,up_to_s,contacts,share\n";
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.uncut_count()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.complete_count()));
   for (size_t i = 0; i < counts.size(); ++i)
     append(text, "{},{},{},{:.5f}\n", i == 0 ? 0 : kDurations_s[i - 1],
            i < std::size(kDurations_s) ? fmt::format("{}", kDurations_s[i]) : "", counts[i],
            static_cast<double>(counts[i]) / all);
-  append(text, "cut,,{},\n", statistics.cut_count());
+  append(text, "truncated,,{},\n", statistics.truncated_count());
   return text;
 }
 
@@ -504,11 +504,11 @@ std::string density_csv(const ContactStatistics& statistics) {
 }
 
 Figure rate_figure(const ContactStatistics& statistics) {
-  std::vector<double> rates;  // at least one
+  std::vector<double> rates;  // at least one, as the caller checks
   for (const PersonContacts& person : statistics.people())
     if (person.present_s > 0) rates.push_back(60 * person.contacts / person.present_s);
   const double max = *std::max_element(rates.begin(), rates.end());
-  // At most 25 bars of a round width.
+  // At most 25 bars, of width 1, 2 or 5 times a power of ten.
   double width = 0.1;
   for (int i = 0; max / width > 25; ++i) width *= i % 3 == 1 ? 2.5 : 2;
   std::vector<int> counts(static_cast<size_t>(max / width) + 1, 0);
@@ -518,7 +518,7 @@ Figure rate_figure(const ContactStatistics& statistics) {
     script += fmt::format("{} {}\n", (static_cast<double>(i) + 0.5) * width, counts[i]);
   script += fmt::format(
       "EOD\nset boxwidth {}\nset style fill solid 0.85\nset grid ytics\nunset key\nset yrange "
-      "[0:*]\nset xrange [0:*]\nset xlabel 'contacts with others a minute'\nset ylabel 'people'\n"
+      "[0:*]\nset xrange [0:*]\nset xlabel 'contacts with others per minute'\nset ylabel 'people'\n"
       "plot $data with boxes linecolor rgb '{}'\n",
       0.9 * width, kFigureColours[0]);
   return {"contact_rates", "Contacts per person and minute", "", script};
@@ -526,7 +526,7 @@ Figure rate_figure(const ContactStatistics& statistics) {
 
 Figure duration_figure(const ContactStatistics& statistics) {
   const std::vector<uint64_t> counts = duration_counts(statistics);
-  const double all = std::max<double>(1, static_cast<double>(statistics.uncut_count()));
+  const double all = std::max<double>(1, static_cast<double>(statistics.complete_count()));
   std::string script = "$data << EOD\n";
   for (size_t i = 0; i < counts.size(); ++i)
     script += fmt::format(
@@ -538,17 +538,17 @@ Figure duration_figure(const ContactStatistics& statistics) {
       "[0:*]\nset xlabel 'length of a contact, s'\nset ylabel 'share of contacts, %'\nplot $data "
       "using 0:2:xtic(1) with boxes linecolor rgb '{}'\n",
       kFigureColours[0]);
-  return {"contact_durations", "How long contacts last", "", script};
+  return {"contact_durations", "Duration of contacts", "", script};
 }
 
 Figure part_figure(const ContactStatistics& statistics) {
   const PartMatrix parts = statistics.parts();
-  // Equal cells, so that a rare pair is seen beside a frequent one: the colours are logarithmic.
+  // Logarithmic colours keep rare pairs visible next to frequent ones.
   const HeatMap map{.names = display_name(parts.names),
                     .values = {parts.counts.begin(), parts.counts.end()},
                     .using_expression = "(log10(1 + $3))",
                     .label = "contacts, log_1_0(1 + n)"};
-  return {"contact_parts", "Which body parts touch which", "", gnuplot_script(map)};
+  return {"contact_parts", "Contacts by pair of body parts", "", gnuplot_script(map)};
 }
 
 Figure density_figure(const ContactStatistics& statistics) {
@@ -566,7 +566,7 @@ Figure density_figure(const ContactStatistics& statistics) {
   }
   script += fmt::format(
       "EOD\nset boxwidth 0.7\nset style fill solid 0.85\nset grid ytics\nunset key\nset yrange "
-      "[0:*]\nset xlabel 'people per m^2 around them' offset 0,-1\nset ylabel 'contacts a person "
+      "[0:*]\nset xlabel 'people per m^2 around them' offset 0,-1\nset ylabel 'contacts per person "
       "and "
       "minute'\nset bmargin 5\nplot $data using 0:2:xtic(1) with boxes linecolor rgb '{}'\n",
       kFigureColours[0]);
@@ -579,8 +579,8 @@ std::vector<Figure> figures_of(const ContactStatistics& statistics) {
   const ContactTotals totals = statistics.totals();
   std::vector<Figure> figures;
   if (totals.person_s > 0) figures.push_back(rate_figure(statistics));
-  if (statistics.uncut_count() > 0) figures.push_back(duration_figure(statistics));
-  // A single cell is no picture, and one colour no scale.
+  if (statistics.complete_count() > 0) figures.push_back(duration_figure(statistics));
+  // A matrix of one cell, or of one colour, shows nothing.
   if (totals.contacts > 0 && statistics.parts().names.size() > 1)
     figures.push_back(part_figure(statistics));
   if (totals.contacts > 0) figures.push_back(density_figure(statistics));
@@ -611,7 +611,7 @@ void ContactSink::begin(const RunInfo& run) {
   notes_.clear();
   contacts_->write(
       "begin_s,duration_s,person_a,person_b,x_m,y_m,density_per_m2,first_part_a,first_part_b,"
-      "part_contacts,cut\n");
+      "part_contacts,truncated\n");
 }
 
 void ContactSink::list_ended() {
@@ -622,7 +622,7 @@ void ContactSink::list_ended() {
                                  contact.place_m.x(), contact.place_m.y(), contact.density_per_m2,
                                  csv_field(statistics_->part_name(contact.a, contact.first_part_a)),
                                  csv_field(statistics_->part_name(contact.b, contact.first_part_b)),
-                                 contact.part_contacts, contact.cut ? 1 : 0));
+                                 contact.part_contacts, contact.is_truncated ? 1 : 0));
 }
 
 void ContactSink::frame(const RunInfo& run, const Frame& frame) {
@@ -656,26 +656,27 @@ void ContactSink::end(const RunInfo& run, const RunEnd& end) {
 
 void ContactSink::write_pairs() const {
   const double step_s = statistics_->step_s();
-  OutputFile out(folder_ / "pairs.csv", kContactsOption);
-  out.write("begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
+  OutputFile out(folder_ / "part_contacts.csv", kContactsOption);
+  out.write("begin_s,duration_s,person_a,part_a,person_b,part_b,truncated\n");
   statistics_->for_each_part_contact([&](const PartContact& contact) {
     const PairKey pair = contact.pair;
     out.write(fmt::format(
         "{:.4f},{:.4f},{},{},{},{},{}\n", static_cast<double>(contact.begin_frame) * step_s,
         static_cast<double>(contact.frames) * step_s, pair.a(),
         csv_field(statistics_->part_name(pair.a(), pair.part_a())), pair.b(),
-        csv_field(statistics_->part_name(pair.b(), pair.part_b())), contact.cut ? 1 : 0));
+        csv_field(statistics_->part_name(pair.b(), pair.part_b())), contact.is_truncated ? 1 : 0));
   });
   out.close();
 }
 
 void ContactSink::draw_figures() {
-  // Figures of an earlier run beside the numbers of this one would be wrong.
+  // Figures of an earlier run do not belong to these numbers.
   std::error_code error;
   for (const char* name : kFigures) fs::remove(folder_ / fmt::format("{}.svg", name), error);
   fs::remove(folder_ / fmt::format("{}.svg", kBodyFigure), error);
   if (!has_gnuplot()) {
-    notes_.push_back(fmt::format("no figures in {}: gnuplot is not installed", folder_.string()));
+    notes_.push_back(
+        fmt::format("no figures in {}; install gnuplot to draw them", folder_.string()));
     return;
   }
   std::vector<std::string> missing(std::begin(kFigures), std::end(kFigures));
@@ -686,7 +687,7 @@ void ContactSink::draw_figures() {
   if (body_map_ != nullptr && body_map_->has_figure()) draw(body_map_->figure(), folder_);
   if (body_map_ != nullptr && !body_map_->has_figure()) missing.emplace_back(kBodyFigure);
   if (!missing.empty())
-    notes_.push_back(fmt::format("no {}.svg in {}: there was nothing to draw",
+    notes_.push_back(fmt::format("no {}.svg in {}: the run has no data for it",
                                  fmt::join(missing, ".svg, "), folder_.string()));
 }
 

@@ -1,4 +1,4 @@
-// Writes what a run's contacts add up to: tables, networks, the map of the body.
+// ContactSink writes the contact statistics of a run: tables, networks, body map and figures.
 #pragma once
 
 #include <array>
@@ -17,35 +17,34 @@
 
 namespace throng {
 
-/// Where on the body contacts are: points of contact carried back to a body at rest, as a picture.
-/// Memory does not grow with the run; what is drawn is time of contact, spread over a
-/// finger's width.
+/// Map of the places on the body where contacts occur. Contact points are moved to the body at
+/// rest and drawn as contact time, smoothed over 2 cm.
+/// Memory does not grow with the run.
 class BodyMap {
  public:
-  /// Whether a run of this scene knows points of contact: it is asked for them, or for distances by
-  /// triangles.
+  /// True if runs of this scene yield contact points, directly or from proximity by triangles.
   static bool is_known(const Scene& scene) {
     return scene.exact && (scene.contact_points || scene.proximity_m > 0);
   }
 
-  /// Of the people who have the model that most of them have.
+  /// Covers the people with the most frequent body model.
   explicit BodyMap(const RunInfo& run);
 
-  /// A frame with postures.
+  /// Requires a frame with postures.
   void frame(const RunInfo& run, const Frame& frame);
 
   bool has_figure() const { return !cells_.empty(); }
-  /// Seconds of all points together.
+  /// Contact time in seconds, summed over all points.
   double total_s() const;
-  /// From the front, the right, the back and the left.
+  /// Views from the front, the right, the back and the left.
   Figure figure() const;
 
-  /// A point of the body at rest, and for how long it was touched.
+  /// Point on the body at rest and its contact time.
   struct TouchedPoint {
     Eigen::Vector3f at_m;
     double seconds = 0;
   };
-  /// By part and place.
+  /// All touched points, ordered by part and position.
   std::vector<TouchedPoint> touched() const;
 
  private:
@@ -53,23 +52,23 @@ class BodyMap {
            const Eigen::Vector3d& point_m);
 
   double step_s_;
-  int model_ = -1;  ///< -1: nobody is a person
+  int model_ = -1;  ///< -1: the run has no people
   std::shared_ptr<const Model> body_;
   std::vector<PartPose> rest_, poses_;
-  int64_t posed_ = -1;                            ///< whose poses poses_ has
-  std::unordered_map<uint64_t, uint64_t> cells_;  ///< frames by part and cell of its frame
+  int64_t posed_ = -1;                            ///< avatar whose part poses poses_ holds
+  std::unordered_map<uint64_t, uint64_t> cells_;  ///< number of frames by part and cell
 };
 
-/// How near people were, beside their contacts: near.csv, exposure.csv, near.tij and near.graphml.
-/// What the margins of the run do not reach is left out and said so, never counted as 0.
+/// Writes proximity.csv, exposure.csv, proximity.tij and proximity.graphml.
+/// Levels beyond the run's margin are omitted and named in note(), never written as 0.
 class ProximityTables {
  public:
-  /// Distances below which seconds are counted.
+  /// Distances below which exposure time is counted.
   static constexpr std::array<double, 3> kLevels_m = {0.5, 1, 2};
 
-  /// Frames in which two people were nearer than a level: proven, or not proven to be farther.
+  /// Number of frames in which two people were closer than each level: proven, and undetermined.
   struct Exposure {
-    std::array<uint32_t, 3> below{}, unsure{};
+    std::array<uint32_t, 3> below{}, undetermined{};
   };
 
   ProximityTables(std::filesystem::path folder, const RunInfo& run);
@@ -77,9 +76,9 @@ class ProximityTables {
   void frame(const RunInfo& run, const Frame& frame);
   void end(const RunInfo& run);
 
-  /// Of every two people who were within the run's margin for people; by pair_key().
+  /// Exposure of all pairs of people within closest_parts_m, keyed by pair_key().
   const std::unordered_map<uint64_t, Exposure>& exposures() const { return exposures_; }
-  /// Levels that are left out, or "".
+  /// Levels that are omitted, or "".
   std::string note() const;
 
  private:
@@ -90,24 +89,24 @@ class ProximityTables {
   std::filesystem::path folder_;
   double step_s_;
   float closest_parts_m_;
-  size_t levels_ = 0;                     ///< of kLevels_m, that the margin reaches
-  std::unique_ptr<OutputFile> rows_;      ///< null: no margin was asked for
-  std::unique_ptr<SecondsFile> seconds_;  ///< null: none for people
+  size_t levels_ = 0;                     ///< number of kLevels_m within the margin
+  std::unique_ptr<OutputFile> rows_;      ///< null: the run has no margin
+  std::unique_ptr<SecondsFile> seconds_;  ///< null: no margin for people
   std::unordered_map<uint64_t, Exposure> exposures_;
   std::vector<uint64_t> pairs_;
   std::string text_;
 };
 
-/// The names of all files that it writes.
+/// Names of all files that ProximityTables can write.
 std::vector<std::string> proximity_table_files();
 
-/// Writes a run's contact statistics into a folder: CSV files, and figures where gnuplot is there.
-/// The list of contacts grows with the run; the rest is written at its end.
+/// Writes contact statistics into a folder: CSV files, and figures if gnuplot is installed.
+/// contacts.csv grows during the run; all other files are written at its end.
 class ContactSink final : public Sink {
  public:
-  /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, here and in
-  /// all calls, if something cannot be written.
-  /// `with_points`: of a run that knows where contacts are on the body (see BodyMap::is_known()).
+  /// Creates the folder; begin() replaces contacts.csv in it. Throws EnvironmentError, also in all
+  /// other calls, if a file cannot be written.
+  /// `with_points`: the run yields contact points (see BodyMap::is_known()).
   explicit ContactSink(std::filesystem::path folder, bool with_points = false);
 
   SinkNeeds needs() const override { return {.postures = with_points_}; }
@@ -117,7 +116,7 @@ class ContactSink final : public Sink {
 
   /// Null before begin().
   const ContactStatistics* statistics() const { return statistics_.get(); }
-  /// What there is none of, and why; a line each.
+  /// One line per missing file, with the reason.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -135,11 +134,10 @@ class ContactSink final : public Sink {
   std::vector<std::string> notes_;
 };
 
-/// The names of all files that it writes into the folder.
+/// Names of all files that ContactSink can write.
 std::vector<std::string> contact_files();
 
-/// How often people touched, how long, with what, and at which density; a figure that has nothing
-/// to show is left out.
+/// Figures of contact rate, duration, parts and density. Figures without data are omitted.
 std::vector<Figure> figures_of(const ContactStatistics& statistics);
 
 }  // namespace throng

@@ -82,23 +82,23 @@ void ContactStatistics::add_part_time(PairKey pair, double duration_s) {
   if (row != column) part_seconds_[column * names_.size() + row] += duration_s;
 }
 
-void ContactStatistics::finish(PartContact part, bool cut) {
+void ContactStatistics::finish(PartContact part, bool is_truncated) {
   const double now_s = static_cast<double>(frame_) * step_s_;
   const uint64_t people = people_of(part.pair);
   if (!is_person(part.pair.b())) return open_obstacles_.finish(people, now_s, [](NoData) {});
   part.frames = frame_ - part.begin_frame;
-  part.cut = part.cut || cut;
+  part.is_truncated = part.is_truncated || is_truncated;
   add_part_time(part.pair, static_cast<double>(part.frames) * step_s_);
   part_contacts_.add(part);
-  open_.finish(people, now_s, [&](const Contact& contact) { finish(contact, cut); });
+  open_.finish(people, now_s, [&](const Contact& contact) { finish(contact, is_truncated); });
 }
 
-void ContactStatistics::finish(Contact contact, bool cut) {
+void ContactStatistics::finish(Contact contact, bool is_truncated) {
   for (const uint32_t id : {contact.a, contact.b}) --touching_[id];
   contact.duration_s = static_cast<double>(frame_) * step_s_ - contact.begin_s;
-  contact.cut = contact.cut || cut;
-  if (contact.cut)
-    ++cut_;
+  contact.is_truncated = contact.is_truncated || is_truncated;
+  if (contact.is_truncated)
+    ++truncated_;
   else
     add_length(contact.duration_s);
   ended_.push_back(contact);
@@ -118,7 +118,7 @@ void ContactStatistics::add_length(double duration_s) {
   const auto frames = static_cast<size_t>(std::llround(duration_s / step_s_));
   if (frames >= lengths_.size()) lengths_.resize(frames + 1, 0);
   ++lengths_[frames];
-  ++uncut_;
+  ++complete_;
 }
 
 /// Each frame stands for the step that follows it.
@@ -151,7 +151,7 @@ void ContactStatistics::frame(const Frame& frame) {
 }
 
 void ContactStatistics::count_partners() {
-  uint64_t last = 0;  // of nobody with themselves
+  uint64_t last = 0;  // no pair has this key
   contact_pairs_.for_each([&](uint64_t key) {
     if (key == last) return;
     last = key;
@@ -175,8 +175,8 @@ ContactTotals ContactStatistics::totals() const {
     totals.person_s += person.present_s;
     totals.touching_s += person.touching_s;
   }
-  uint64_t shorter = 0;  // or as long
-  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < uncut_; ++frames) {
+  uint64_t shorter = 0;  // number of contacts up to this length
+  for (size_t frames = 0; frames < lengths_.size() && 2 * shorter < complete_; ++frames) {
     shorter += lengths_[frames];
     totals.median_s = static_cast<double>(frames) * step_s_;
   }

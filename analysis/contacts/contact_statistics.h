@@ -1,7 +1,6 @@
-// What a run's contacts add up to: how often, how long, with which body parts, how dense it was.
-// One rule: a contact of two people lasts from the first of their parts that touch to the last that
-// part; every contact counts once, and those cut off by the start or end of the run are counted
-// apart where their length matters.
+// ContactStatistics counts the contacts of a run: number, duration, body parts and density.
+// Invariant: a contact of two people lasts from the begin of their first touching pair of parts to
+// the end of the last. Each contact counts once; truncated ones are counted apart.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,21 +20,22 @@ struct Contact {
   uint32_t a = 0;  ///< the lower id
   uint32_t b = 0;
   double begin_s = 0;
-  double duration_s = 0;                              ///< so far, if `cut`
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< between the two at the beginning
-  double density_per_m2 = 0;                          ///< mean around the two at the beginning
+  double duration_s = 0;                              ///< lower bound if is_truncated
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< midpoint of both at begin
+  double density_per_m2 = 0;                          ///< mean around the two at begin
   uint32_t first_part_a = 0;
   uint32_t first_part_b = 0;
-  uint32_t part_contacts = 0;  ///< pairs of parts that began to touch meanwhile
-  bool cut = false;            ///< touched when the run began or ended: the length is a lower bound
+  uint32_t part_contacts = 0;  ///< pairs of parts that began to touch during it
+  /// Exists in the first or last frame: duration is a lower bound.
+  bool is_truncated = false;
 };
 
 /// One contact of two parts of two people.
 struct PartContact {
   int64_t begin_frame = 0;
   PairKey pair;
-  int64_t frames = 0;  ///< so far, if `cut`
-  bool cut = false;    ///< as in Contact
+  int64_t frames = 0;         ///< lower bound if is_truncated
+  bool is_truncated = false;  ///< as in Contact
 };
 
 /// By begin, then by pair.
@@ -48,26 +48,26 @@ struct PartContactOrder {
 
 struct PersonContacts {
   double present_s = 0;
-  double touching_s = 0;  ///< with anybody
-  uint32_t contacts = 0;  ///< with people
-  uint32_t partners = 0;  ///< after ContactStatistics::end()
+  double touching_s = 0;  ///< time in contact with at least one person
+  uint32_t contacts = 0;  ///< contacts with people
+  uint32_t partners = 0;  ///< number of distinct people touched; set by ContactStatistics::end()
   uint32_t obstacle_contacts = 0;
 };
 
 struct ContactTotals {
-  uint64_t contacts = 0;  ///< of two people
+  uint64_t contacts = 0;  ///< contacts of two people
   uint64_t obstacle_contacts = 0;
-  uint64_t people_touched = 0;  ///< who had at least one contact
+  uint64_t people_touched = 0;  ///< people with at least one contact
   double person_s = 0;
   double touching_s = 0;  ///< person-seconds
-  double median_s = 0;    ///< of those not cut
-  /// Each contact is one of both people.
+  double median_s = 0;    ///< median duration of contacts that are not truncated
+  /// Contacts per person and minute; each contact counts for both people.
   double per_person_min() const { return contacts_per_person_min(contacts, person_s, 0); }
 };
 
 struct DensityRow {
   uint64_t contacts = 0;
-  double person_s = 0;  ///< that people spent at this level, sampled once a second
+  double person_s = 0;  ///< time of people at this level, sampled once per second
   double per_person_min() const { return contacts_per_person_min(contacts, person_s, 0); }
 };
 
@@ -76,12 +76,12 @@ struct MinuteRow {
   double person_s = 0;
 };
 
-/// Contacts of people by the two parts; symmetric.
+/// Contacts of people by pair of parts; symmetric.
 struct PartMatrix {
-  std::vector<std::string> names;  ///< the parts of all models, then "whole body" if there was any
-  std::vector<uint64_t> counts;    ///< names x names
-  std::vector<double> seconds;     ///< names x names
-  std::vector<uint64_t> obstacle_counts;  ///< by name
+  std::vector<std::string> names;         ///< parts of all models, then "whole body" if it occurs
+  std::vector<uint64_t> counts;           ///< names x names
+  std::vector<double> seconds;            ///< names x names
+  std::vector<uint64_t> obstacle_counts;  ///< indexed like names
 };
 
 class ContactStatistics {
@@ -89,10 +89,10 @@ class ContactStatistics {
   explicit ContactStatistics(const RunInfo& run);
 
   void frame(const Frame& frame);
-  /// What still touches ends here, cut.
+  /// Ends all contacts that still exist, and marks them as truncated.
   void end(const RunEnd& end);
 
-  /// The contacts that ended in the latest frame() or end(), ordered by (a, b).
+  /// Contacts that ended in the latest frame() or end(), ordered by (a, b).
   const std::vector<Contact>& ended() const { return ended_; }
 
   ContactTotals totals() const;
@@ -100,13 +100,13 @@ class ContactStatistics {
   const std::vector<MinuteRow>& minutes() const { return minutes_; }
   const std::array<DensityRow, DensityLevels::kCount>& densities() const { return densities_; }
   PartMatrix parts() const;
-  /// How many contacts that were not cut lasted so many frames, by frames; how many these are, and
-  /// how many were cut.
+  /// Number of contacts that are not truncated, indexed by duration in frames; their total; and the
+  /// number of truncated contacts.
   const std::vector<uint64_t>& lengths() const { return lengths_; }
-  uint64_t uncut_count() const { return uncut_; }
-  uint64_t cut_count() const { return cut_; }
-  /// After end(): every contact of two parts of people, by begin and pair. Throws EnvironmentError,
-  /// as frame() does, if they do not fit into a temporary file, 32 bytes each.
+  uint64_t complete_count() const { return complete_; }
+  uint64_t truncated_count() const { return truncated_; }
+  /// Visits every contact of two parts of people, ordered by begin and pair. Requires end(). Throws
+  /// EnvironmentError, as frame() does, if the temporary file (32 bytes each) cannot hold them.
   template <typename Visit>
   void for_each_part_contact(const Visit& visit) const {
     part_contacts_.for_each(visit);
@@ -121,8 +121,8 @@ class ContactStatistics {
   uint32_t name_index(uint32_t id, uint32_t part) const;
   void take(std::span<const PairEvent> events, bool ends_the_run);
   void begin(PairKey pair);
-  void finish(PartContact part, bool cut);
-  void finish(Contact contact, bool cut);
+  void finish(PartContact part, bool is_truncated);
+  void finish(Contact contact, bool is_truncated);
   void add_length(double duration_s);
   void add_part_time(PairKey pair, double duration_s);
   Eigen::Vector2d position_m(uint32_t id) const { return roots_[id].position_m.head<2>(); }
@@ -133,17 +133,17 @@ class ContactStatistics {
   int64_t sample_every_;
   CrowdDensity density_;
   std::vector<uint16_t> model_of_avatar_;
-  std::vector<std::vector<uint32_t>> name_of_part_;  ///< by model and part: index into names_
+  std::vector<std::vector<uint32_t>> name_of_part_;  ///< index into names_, by model and part
   std::vector<std::string> names_;
   uint32_t whole_body_;  ///< index into names_
 
   int64_t frame_ = 0;
   bool is_first_ = true;
-  std::span<const RootPose> roots_;  ///< of the latest frame
-  std::vector<uint32_t> touching_;   ///< by person: how many people now
+  std::span<const RootPose> roots_;  ///< roots of the latest frame
+  std::vector<uint32_t> touching_;   ///< number of people touched now, by person
   ContactTracker<Contact> open_{0};
   ContactTracker<PartContact> open_parts_{0};
-  ContactTracker<NoData> open_obstacles_{0};             ///< of a person and an obstacle
+  ContactTracker<NoData> open_obstacles_{0};             ///< contacts of a person and an obstacle
   ExternalSorter<uint64_t, std::less<>> contact_pairs_;  ///< pair_key() of each contact
   std::vector<Contact> ended_;
   ExternalSorter<PartContact, PartContactOrder> part_contacts_;
@@ -155,8 +155,8 @@ class ContactStatistics {
   std::vector<double> part_seconds_;
   std::vector<uint64_t> obstacle_part_counts_;
   std::vector<uint64_t> lengths_;
-  uint64_t uncut_ = 0;
-  uint64_t cut_ = 0;
+  uint64_t complete_ = 0;
+  uint64_t truncated_ = 0;
   uint64_t contacts_ = 0;
   uint64_t obstacle_contacts_ = 0;
 };

@@ -1,5 +1,4 @@
-// The account of contacts that all who count them read: which pairs of parts are one contact, when
-// it begins and ends, and how dense it is around people.
+// ContactTracker merges touching pairs of parts into contacts with a begin and an end.
 #pragma once
 
 #include <algorithm>
@@ -16,36 +15,37 @@
 
 namespace throng {
 
-/// Two people as one number, ordered as (a, b); a < b.
+/// Key of an unordered pair of people; requires a < b, keeps the order of (a, b).
 inline uint64_t pair_key(uint32_t a, uint32_t b) { return (uint64_t{a} << 32) | b; }
 inline uint64_t people_of(PairKey pair) { return pair_key(pair.a(), pair.b()); }
 
-/// At least one.
+/// Number of frames in a duration; at least 1.
 inline int64_t frames_in(double seconds, double step_s) {
   return std::max<int64_t>(1, std::llround(seconds / step_s));
 }
 
-/// Both people have a contact. `otherwise`: where there is no time.
+/// Contacts per person and minute; each contact counts for both people. `fallback`: result if
+/// `person_s` is 0.
 inline double contacts_per_person_min(uint64_t contacts, double person_s,
                                       double fallback = std::numeric_limits<double>::quiet_NaN()) {
   return person_s > 0 ? 2 * static_cast<double>(contacts) / person_s * 60 : fallback;
 }
 
-/// Contacts that go on or have ended so lately that they may go on again: what parts for less than
-/// the gap has not parted. Each contact comes out once, when it is over, with what was kept of it.
+/// Tracks open contacts and recently ended ones. A contact that ends and begins again within the
+/// gap is one contact. Each contact is reported once, when it is over, with its data.
 template <typename Data>
 class ContactTracker {
  public:
   explicit ContactTracker(double gap_s) : gap_s_(gap_s) {}
 
-  /// A frame's events. key_of(pair): the contact of a pair of parts. touched(pair, kept, begins)
-  /// for each pair that begins; then over(kept) for each contact that is over: at once without a
-  /// gap, in a later frame's call with one.
+  /// Processes the events of a frame. key_of(pair) returns the contact of a pair of parts.
+  /// on_touch(pair, data, begins) is called for each pair that begins. on_end(data) is called for
+  /// each contact that is over: immediately without a gap, in a later frame with one.
   template <typename KeyOf, typename OnTouch, typename OnEnd>
   void take(std::span<const PairEvent> events, double now_s, const KeyOf& key_of,
             const OnTouch& on_touch, const OnEnd& on_end) {
     if (gap_s_ > 0) forget_ended(now_s, on_end);
-    // Begins first: a pair that is refined further than before changes its parts, not its contact.
+    // Begins first: a pair that is refined further changes its parts, not its contact.
     for (const PairEvent& event : events)
       if (event.kind == EventKind::kBegin) {
         Data* data = nullptr;
@@ -55,7 +55,7 @@ class ContactTracker {
     for (const PairEvent& event : events)
       if (event.kind == EventKind::kEnd) finish(key_of(event.pair), now_s, on_end);
   }
-  /// One more pair of parts touches. True if a contact begins, not goes on.
+  /// Adds a touching pair of parts. Returns true if this begins a contact.
   bool begin(uint64_t key, Data*& data) {
     const auto [found, is_new] = open_.try_emplace(key);
     ++found->second.touching;
@@ -73,7 +73,7 @@ class ContactTracker {
     open_.erase(found);
     on_end(data);
   }
-  /// Null: there is no such contact.
+  /// Returns null if the contact does not exist.
   Data* find(uint64_t key) {
     const auto found = open_.find(key);
     return found == open_.end() ? nullptr : &found->second.data;
@@ -86,8 +86,8 @@ class ContactTracker {
 
  private:
   struct Open {
-    uint32_t touching = 0;  ///< pairs of parts
-    double ended_s = 0;     ///< counts if nothing touches
+    uint32_t touching = 0;  ///< number of touching pairs of parts
+    double ended_s = 0;     ///< valid if touching is 0
     Data data{};
   };
   bool is_over(const Open& contact, double now_s) const {
@@ -106,7 +106,7 @@ class ContactTracker {
   std::unordered_map<uint64_t, Open> open_;
 };
 
-/// How dense it is around the people of a frame, looked up only where it is asked for.
+/// Density around the people of a frame, computed on demand.
 class CrowdDensity {
  public:
   explicit CrowdDensity(const RunInfo& run)
@@ -114,12 +114,12 @@ class CrowdDensity {
         positions_m_(run.model_of_avatar.size()),
         densities_(run.model_of_avatar.size()) {}
 
-  /// The frame must last as long as it is asked for.
+  /// Sets the frame; it must outlive the calls of at() and between().
   void frame(const Frame& frame) {
     frame_ = &frame;
     is_placed_ = false;
   }
-  /// People per m2 around a person; around two, the mean of both.
+  /// People per m2 around one person, and the mean of the densities around two.
   double at(uint32_t person);
   double between(uint32_t a, uint32_t b) { return 0.5 * (at(a) + at(b)); }
 
@@ -128,7 +128,8 @@ class CrowdDensity {
 
   LocalDensity density_;
   std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<double> densities_;  ///< by person, of this frame; below 0: not asked for yet
+  /// Indexed by person, for this frame; negative: not computed yet.
+  std::vector<double> densities_;
   const Frame* frame_ = nullptr;
   bool is_placed_ = false;
 };

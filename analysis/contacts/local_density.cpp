@@ -10,7 +10,6 @@
 namespace throng {
 namespace {
 
-/// A larger ground gets larger cells.
 constexpr double kMaxCells = 1 << 20;
 
 int cell(double offset_m, double cell_m, int cells) {
@@ -49,10 +48,10 @@ void PointGrid::place(std::span<const Eigen::Vector2d> points, std::span<const u
 
 namespace {
 
-/// Points of the circle that are asked whether they are seen from its middle.
+/// Number of points of the circle that are tested for visibility from its centre.
 constexpr int kPoints = 64;
 
-/// Offsets from the middle, in metres: a sunflower's seeds, even in every direction (Vogel 1979).
+/// Offsets from the centre in metres: a sunflower pattern, uniform in area (Vogel 1979).
 const std::vector<Eigen::Vector2d>& circle_points() {
   static const std::vector<Eigen::Vector2d> points = [] {
     const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
@@ -71,18 +70,18 @@ const std::vector<Eigen::Vector2d>& circle_points() {
 LocalDensity::LocalDensity(const Scene& scene)
     : walkable_(scene), ground_(scene.ground), grid_(scene.ground, kRadius_m) {}
 
-/// Where somebody stands who leans over a wall: beside it.
+/// Moves the position of a person who leans over a wall to just outside of it.
 Eigen::Vector2d LocalDensity::push_off_walls(Eigen::Vector2d point) const {
-  constexpr double kBeside_m = 1e-3;
+  constexpr double kOffset_m = 1e-3;
   for (const uint32_t footprint : walkable_.nearby_footprints(point)) {
     const Walkable::Nearest wall = walkable_.nearest(footprint, point);
-    if (wall.distance_m < 0) point += (kBeside_m - wall.distance_m) * wall.normal;
+    if (wall.distance_m < 0) point += (kOffset_m - wall.distance_m) * wall.normal;
   }
   return point;
 }
 
 int LocalDensity::people_within(const Eigen::Vector2d& point, bool is_unobstructed) const {
-  // A wall hides whom it hides up to the near side of the body.
+  // A wall hides a person only beyond the near side of the body.
   constexpr double kSightMargin_m = 0.15;
   const auto is_visible = [&](const Eigen::Vector2d& to) {
     const Eigen::Vector2d offset_m = to - point;

@@ -1,4 +1,4 @@
-// Who is near a point, and how dense it is there.
+// LocalDensity computes the density of people around a point; PointGrid finds points near a point.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,18 @@
 
 namespace throng {
 
-/// Who is near a point: people sorted into square cells.
-/// A visit depends on the points alone; it goes through them in one order.
+/// Points sorted into square cells.
+/// Invariant: the visiting order depends on the points alone.
 class PointGrid {
  public:
-  /// Cells of about this size, larger where there would be too many.
+  /// `cell_m`: approximate cell size; larger on grounds that would have too many cells.
   PointGrid(const Rectangle& ground, double cell_m);
 
-  /// Those with there[i] != 0; empty: all. The points must outlive the visits. Points off the
-  /// ground are found, too.
+  /// Inserts the points with there[i] != 0; empty: all. The points must outlive the visits. Points
+  /// off the ground are found as well.
   void place(std::span<const Eigen::Vector2d> points, std::span<const uint8_t> there);
 
-  /// Calls visit(index, squared distance) for all within the radius, one at the point included.
+  /// Calls visit(index, squared distance) for all points within the radius, including its centre.
   template <typename Visit>
   void for_each_within(const Eigen::Vector2d& point, double radius_m, const Visit& visit) const {
     const int first = column_of(point.x() - radius_m), last = column_of(point.x() + radius_m);
@@ -47,28 +47,27 @@ class PointGrid {
   int columns_;
   int rows_;
   std::span<const Eigen::Vector2d> points_;
-  std::vector<uint32_t> starts_;  ///< by cell, of indices_; see counting_sort()
+  std::vector<uint32_t> starts_;  ///< start in indices_ by cell; see counting_sort()
   std::vector<uint32_t> indices_;
 };
 
-/// How dense it is around somebody: people in a circle over the part of it that is seen from its
-/// middle.
-/// A wall takes room away, and so does what is behind it, so that neither a person beside
-/// one nor a file in a narrow corridor counts as half alone.
+/// Density around a point: number of people in a circle over the part of the circle that is visible
+/// from its centre. Walls and the area behind them do not count as free area: a person at a wall
+/// or in a narrow corridor would otherwise appear half as crowded.
 class LocalDensity {
  public:
-  /// The circle holds 12.6 m2, so that one person more or less is 0.08 per m2.
+  /// One person in this circle of 12.6 m2 adds 0.08 per m2.
   static constexpr double kRadius_m = 2;
 
   explicit LocalDensity(const Scene& scene);
 
-  /// Takes a frame's people, those with present[id] != 0; empty: all. The spans must outlive the
-  /// calls of around().
+  /// Sets the people of a frame: those with present[id] != 0; empty: all. The spans must outlive
+  /// the calls of around().
   void place(std::span<const Eigen::Vector2d> positions_m, std::span<const uint8_t> present) {
     grid_.place(positions_m, present);
   }
-  /// People per m2 within kRadius_m of the point, somebody there included, and nobody behind a
-  /// wall.
+  /// People per m2 within kRadius_m of the point, including a person at the point and excluding
+  /// people behind walls.
   double around(const Eigen::Vector2d& point) const;
 
  private:
@@ -80,8 +79,8 @@ class LocalDensity {
   PointGrid grid_;
 };
 
-/// Levels of density after Fruin (1971) and Helbing et al.: above bounds[i] people per m2 begins
-/// level i + 1.
+/// Density levels after Fruin (1971) and Helbing et al.; level i + 1 begins at bounds[i] people per
+/// m2.
 struct DensityLevels {
   static constexpr std::array<double, 5> kBounds = {0.43, 2.0, 3.57, 5.55, 7.1};
   static constexpr std::array<const char*, 6> kNames = {"free walking",     "among others",

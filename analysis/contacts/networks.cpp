@@ -10,9 +10,9 @@
 namespace throng {
 namespace {
 
-/// Buffered texts go to the file in pieces of this size.
+/// Number of buffered bytes that are written at once.
 constexpr size_t kPiece = 1 << 16;
-/// Frames that begin at a whole second belong to the next, however step_s rounds.
+/// Frames at a whole second belong to the next second, regardless of the rounding of step_s.
 constexpr double kRounding_s = 1e-9;
 
 std::string xml_text(const std::string& text) {
@@ -114,7 +114,7 @@ void TouchingNetwork::end(const RunInfo& run) {
   GraphFile graph(
       graph_, run,
       {{"contacts", "int"}, {"seconds", "double"}, {"first_s", "double"}, {"spells", "string"}});
-  uint64_t pair = 0;  // of nobody with themselves
+  uint64_t pair = 0;  // no pair has this key
   int contacts = 0;
   double seconds = 0, first_s = 0;
   std::string text;

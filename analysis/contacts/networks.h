@@ -1,6 +1,5 @@
-// Who was with whom as files of networks: lines "t i j", as SocioPatterns has them, and GraphML.
-// One rule: people are numbered by their ids, and every two of them stand once in a second or a
-// graph, the lower first.
+// Contact networks as files: lines "t i j" (SocioPatterns) and GraphML.
+// Invariant: people are numbered by id; each pair appears once per second or graph, lower id first.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +17,16 @@
 
 namespace throng {
 
-/// The option that names the folder of all files of contacts.
+/// Option that names the folder of all contact files.
 inline constexpr std::string_view kContactsOption = "--contacts";
 
-/// A line "t i j" for each two people who were together within the second that ends at t.
+/// Writes a line "t i j" for each pair of people in contact within the second that ends at t.
 class SecondsFile {
  public:
   SecondsFile(std::filesystem::path file, double step_s)
       : out_(std::move(file), kContactsOption), step_s_(step_s) {}
 
-  /// Those together in a frame, by pair_key(), in any order; frames come one after another.
+  /// Adds the pairs of a frame, as pair_key() in any order. Frames must come in order.
   void frame(int64_t number, std::span<const uint64_t> pairs);
   void end();
 
@@ -36,19 +35,19 @@ class SecondsFile {
 
   OutputFile out_;
   double step_s_;
-  int64_t second_ = 0;  ///< at whose end those of now_ are written
+  int64_t second_ = 0;  ///< second at whose end now_ is written
   std::vector<uint64_t> now_;
 };
 
-/// An undirected graph of all people, edge by edge.
+/// Writes an undirected graph of all people, edge by edge.
 class GraphFile {
  public:
-  /// Names of attributes of edges and their types in GraphML: int, double, string.
+  /// Names and GraphML types (int, double, string) of the edge attributes.
   using Attributes = std::vector<std::pair<std::string, std::string>>;
 
   GraphFile(std::filesystem::path file, const RunInfo& run, const Attributes& attributes);
 
-  /// `values`, one an attribute, need no escapes.
+  /// `values`: one per attribute, without characters that XML escapes.
   void edge(uint64_t pair, const std::vector<std::string>& values);
   void end();
 
@@ -57,7 +56,7 @@ class GraphFile {
   std::string text_;
 };
 
-/// Who touched whom: touching.tij and touching.graphml.
+/// Writes the contact network: touching.tij and touching.graphml.
 class TouchingNetwork {
  public:
   TouchingNetwork(const std::filesystem::path& folder, const RunInfo& run);

@@ -12,10 +12,10 @@ namespace throng {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-/// Columns of one line of a block: what is said of each place, of A, of B and their difference.
+/// Number of columns per line of a block. A column holds A, B and their difference.
 constexpr size_t kMaxColumns = 3;
 
-/// A range below another; or any range, where what follows is of all.
+/// True if `a` is the lower range, or is a range and `b` is not.
 bool is_before(const MeasureRow& a, const MeasureRow& b) {
   return a.from && (!b.from || *a.from < *b.from);
 }
@@ -29,7 +29,6 @@ std::string number(const std::string& unit, double value, bool with_sign) {
   return with_sign ? fmt::format("{:+.{}f}", value, digits) : fmt::format("{:.{}f}", value, digits);
 }
 
-/// Rows at one place, in their order.
 struct Place {
   std::string label;
   std::vector<const ComparedRow*> rows;
@@ -46,7 +45,7 @@ std::vector<Place> places_of(const std::vector<ComparedRow>& rows) {
   return places;
 }
 
-/// What is said of places, in the order in which it first comes.
+/// Columns of a block, in order of first occurrence.
 std::vector<std::pair<std::string, std::string>> columns_of(const std::vector<ComparedRow>& rows) {
   std::vector<std::pair<std::string, std::string>> columns;
   for (const ComparedRow& each : rows) {
@@ -110,7 +109,8 @@ std::string facts_of(const std::string& letter, const MeasuredRun& run) {
   std::string text = fmt::format("{}  {}: {} people, {:.1f} s, {:.0f} person-seconds", letter,
                                  run.name, run.facts.people, run.facts.seconds, run.facts.person_s);
   if (run.facts.off_area > 0)
-    text += fmt::format("; {} times a head was off the area or in an obstacle", run.facts.off_area);
+    text += fmt::format("; {} positions of heads are off the ground or in an obstacle",
+                        run.facts.off_area);
   return text + "\n";
 }
 
@@ -119,7 +119,7 @@ std::string facts_of(const std::string& letter, const MeasuredRun& run) {
 std::vector<ComparedRow> compared_rows(const MeasureTable& a, const MeasureTable& b) {
   std::vector<ComparedRow> rows;
   for (const MeasureRow& row : a.rows) rows.push_back({row, row.value, kNone});
-  size_t after = 0;  // where what stands next in B goes, if A has none
+  size_t after = 0;  // position in the result for rows that only B has
   for (const MeasureRow& row : b.rows) {
     const auto same = std::find_if(rows.begin(), rows.end(),
                                    [&](const ComparedRow& each) { return each.row.matches(row); });
@@ -146,7 +146,6 @@ namespace {
 
 using Rows = std::vector<ComparedRow>;
 
-/// A number as gnuplot reads it; nothing is NaN there, too.
 std::string data(double value) { return std::isnan(value) ? "NaN" : fmt::format("{:.6g}", value); }
 
 struct Pair {
@@ -172,7 +171,7 @@ std::string title_of(const Pair& pair, const std::string& title) {
 
 std::string colour(int run) { return kFigureColours[run]; }
 
-/// Two bars, A's and B's, at each of the rows that are wanted.
+/// A pair of bars, for A and B, at each selected row.
 struct Bars {
   std::string unit;
   std::function<bool(const MeasureRow&)> is_shown;
@@ -182,7 +181,7 @@ struct Bars {
   bool logarithmic = false;
 };
 
-/// Nothing if no row is wanted.
+/// Returns an empty script if no row is selected.
 std::string bars_script(const Rows& rows, const Bars& bars) {
   std::string text = "$data << EOD\n";
   int count = 0;
@@ -202,7 +201,7 @@ std::string bars_script(const Rows& rows, const Bars& bars) {
       "0.85\nset xtics rotate by {} noenhanced\nset ylabel '{}'\nset xlabel '{}'\n{}\nplot ",
       count > 8 ? -35 : 0, bars.y_label, bars.x_label,
       bars.logarithmic ? "set logscale y" : "set yrange [0:*]");
-  // A column without a number is an error to gnuplot.
+  // gnuplot rejects a column without a number.
   std::string separator;
   for (size_t run = 0; run < 2; ++run) {
     const char letter = run == 0 ? 'A' : 'B';
@@ -217,7 +216,7 @@ std::string bars_script(const Rows& rows, const Bars& bars) {
   return text + "\n";
 }
 
-/// Mean and the band from 10 to 90 %.
+/// Means, and bands from the 10 % to the 90 % quantile.
 std::string speed_script(const Rows& rows) {
   std::string text;
   for (const bool is_b : {false, true}) {
@@ -249,7 +248,7 @@ std::string speed_script(const Rows& rows) {
              colour(0), colour(1));
 }
 
-/// A point at 5 % with a bar from 1 to 25 %, four beside each other at each density.
+/// Points at 5 % with bars from 1 to 25 %; four points next to each other at each density.
 std::string spacing_script(const Rows& rows) {
   std::vector<std::string> places;
   std::string text;
@@ -285,7 +284,8 @@ std::string spacing_script(const Rows& rows) {
   };
   return text + fmt::format(
                     "set xtics ({})\nset xrange [-0.5:{}]\nset yrange [0:1.2]\nset key top right "
-                    "maxrows 2\nset xlabel 'people per m^2'\nset ylabel 'distance of heads, m: 5 "
+                    "maxrows 2\nset xlabel 'people per m^2'\nset ylabel 'distance between heads, "
+                    "m: 5 "
                     "%, bars 1 to 25 %'\nplot {}, {}, {}, {}\n",
                     tics, static_cast<double>(places.size()) - 0.5,
                     plot("a_ahead", 0, 7, "A ahead"), plot("b_ahead", 1, 7, "B ahead"),
@@ -302,7 +302,8 @@ std::string curve_script(const MeasureTable& a, const MeasureTable& b) {
         table->curves.empty() || table->curves.front().points.empty() ? "NaN NaN\nEOD\n" : "EOD\n";
   }
   return text + fmt::format(
-                    "set xlabel 'cm'\nset ylabel 'share of touching parts that are deeper, %'\n"
+                    "set xlabel 'cm'\nset ylabel 'share of touching pairs of parts that are "
+                    "deeper, %'\n"
                     "set xrange [0:20]\nset yrange [0:100]\nplot $a with lines linewidth 2 "
                     "linecolor rgb '{}' title 'A', $b with lines linewidth 2 linecolor rgb '{}' "
                     "title 'B'\n",
@@ -313,7 +314,7 @@ std::string whole_label(const MeasureRow& row) {
   return row.which.empty() ? row.at : row.at + ", " + row.which;
 }
 
-/// The bars of a measure that has no figure of its own kind.
+/// Bars of a measure without a special figure type.
 std::vector<std::pair<std::string, Bars>> bars_of(const std::string& id) {
   const auto what = [](const std::string& name) {
     return [name](const MeasureRow& row) { return row.what == name; };
@@ -328,9 +329,11 @@ std::vector<std::pair<std::string, Bars>> bars_of(const std::string& id) {
   if (id == "sway")
     return {{"_amplitude",
              {"m", [](const MeasureRow& row) { return row.at == "amplitude"; },
-              [](const MeasureRow& row) { return row.what; }, "amplitude, m", "of people"}},
+              [](const MeasureRow& row) { return row.what; }, "amplitude, m",
+              "statistic over "
+              "people"}},
             {"_frequency",
-             {"Hz", what("frequency"), whole_label, "strides a second", "walking speed, m/s"}}};
+             {"Hz", what("frequency"), whole_label, "strides per second", "walking speed, m/s"}}};
   if (id == "accelerations")
     return {{"",
              {"m/s2", [](const MeasureRow&) { return true; },
@@ -339,13 +342,13 @@ std::vector<std::pair<std::string, Bars>> bars_of(const std::string& id) {
     return {
         {"",
          {"1/min", [=](const MeasureRow& row) { return row.what == "contacts" && is_ranged(row); },
-          whole_label, "contacts a person and minute", "people per m^2"}},
+          whole_label, "contacts per person and minute", "people per m^2"}},
         {"_parts",
          {"1/min",
           [=](const MeasureRow& row) {
             return row.what == "contacts" && !is_ranged(row) && row.at != "all";
           },
-          whole_label, "contacts a person and minute"}}};
+          whole_label, "contacts per person and minute"}}};
   if (id == "depth")
     return {{"_parts",
              {"m", [=](const MeasureRow& row) { return row.what == "90 %" && !is_ranged(row); },

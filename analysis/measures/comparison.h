@@ -1,5 +1,5 @@
-// Two runs side by side, measure by measure: as text and as figures.
-// One rule: what only one of them has is shown with nothing beside it, never left out.
+// comparison shows the measures of two runs next to each other, as text and as figures.
+// Invariant: rows that only one run has are shown with an empty cell for the other.
 #pragma once
 
 #include <string>
@@ -18,18 +18,19 @@ struct MeasuredRun {
 };
 
 struct ComparedRow {
-  MeasureRow row;  ///< its value is of either
-  double a = 0;    ///< NaN: none
-  double b = 0;
+  MeasureRow row;  ///< `value` is of either run
+  double a = 0;    ///< value of run A; NaN: none
+  double b = 0;    ///< value of run B; NaN: none
 };
 
-/// The rows of the same measure of two runs in one order: ranges ascending, the rest as it comes.
+/// Matches the rows of one measure of two runs. Ranges are in ascending order, other rows in the
+/// order of their tables.
 std::vector<ComparedRow> compared_rows(const MeasureTable& a, const MeasureTable& b);
 
-/// A block a measure.
+/// One block of text per measure.
 std::string comparison_text(const MeasuredRun& a, const MeasuredRun& b);
 
-/// A figure a measure, of those that found something.
+/// One figure per measure with data.
 std::vector<Figure> comparison_figures(const MeasuredRun& a, const MeasuredRun& b);
 
 }  // namespace throng

@@ -39,7 +39,7 @@ void ContactDepths::find(const RunInfo& run, const Frame& frame,
   poses_.clear();
   for (const PairKey& pair : frame.pairs) {
     if (pair.b() >= first_pose_.size() || pair.part_a() == kWholeBody) continue;
-    poses_of(run, frame, pair.a());  // may move the poses of the other
+    poses_of(run, frame, pair.a());  // first, because this may reallocate poses_
     const PartPose* of_b = poses_of(run, frame, pair.b()) + pair.part_b();
     const PartPose* of_a = poses_of(run, frame, pair.a()) + pair.part_a();
     const ConvexHull& hull_a = hulls_[run.model_of_avatar[pair.a()]][pair.part_a()];
@@ -101,7 +101,7 @@ void ContactMeasures::note_entries(const Frame& frame) {
   }
 }
 
-/// Each frame stands for the step that follows it.
+/// Each frame represents the step that follows it.
 void ContactMeasures::accumulate_time(const Frame& frame) {
   const bool is_sampled = frame.number % sample_every_ == 0;
   for (uint32_t id = 0; id < people_; ++id) {
@@ -155,7 +155,6 @@ uint64_t ContactMeasures::contacts() const {
 
 namespace {
 
-/// A row where a level of density is.
 MeasureRow level_row(size_t level, std::string which, std::string what, std::string unit,
                      double value) {
   const auto& bounds = ContactMeasures::kBounds_per_m2;
@@ -171,9 +170,10 @@ MeasureTable ContactMeasures::contact_table() const {
                      "Contacts of two people",
                      "density",
                      "people per m2",
-                     fmt::format("By triangles, a person and minute; two who part for less than "
-                                 "{} s are still at the same contact. Density: people within 2 m. "
-                                 "By part: of two groups of parts, of two people.",
+                     fmt::format("Per person and minute, by triangles; a contact that begins "
+                                 "again within "
+                                 "{} s continues. Density: people within 2 m. "
+                                 "By part: contacts of two groups of parts of two people.",
                                  gap_s_),
                      {},
                      {}};
@@ -215,7 +215,7 @@ void add_depth_rows(const Histogram& depths, const MeasureRow& at, MeasureTable&
   row("99 %", "m", depths.quantile(0.99));
   for (const int cm : {2, 5, 10})
     row(fmt::format("> {} cm", cm), "%", 100 * depths.share_above(0.01 * cm));
-  row("most", "m", depths.max());
+  row("max", "m", depths.max());
 }
 
 }  // namespace
@@ -225,13 +225,13 @@ MeasureTable ContactMeasures::depth_table() const {
                      "Depth of contacts",
                      "part",
                      "people per m2",
-                     "How far two parts that touch would have to move apart, ten times a second: "
-                     "the least translation that parts their convex hulls. Shares are of these "
-                     "instants. Deepest: of a contact of two people, while it lasts.",
+                     "Penetration depth of two touching parts, sampled 10 times per second: "
+                     "least translation that separates their convex hulls. Shares refer to the "
+                     "samples. Maximum per contact: over the duration of a contact of two people.",
                      {},
                      {}};
   add_depth_rows(depths_, {.at = "all"}, table);
-  add_depth_rows(max_depths_, {.at = "deepest of a contact"}, table);
+  add_depth_rows(max_depths_, {.at = "maximum per contact"}, table);
   for (size_t level = 0; level < kLevels; ++level)
     add_depth_rows(depths_at_[level], level_row(level, "", "", "", 0), table);
   for (size_t pair = 0; pair < kGroupPairs; ++pair)

@@ -1,4 +1,4 @@
-// Measures of contacts: how many a person and minute, by density and by part; and how deep.
+// ContactMeasures counts contacts per person and minute, and measures their penetration depth.
 #pragma once
 
 #include <array>
@@ -15,58 +15,58 @@
 
 namespace throng {
 
-/// How deep the parts of people who touch are in each other, at one instant.
-/// Triangles decided that they touch; hulls only say how far.
+/// Computes penetration depths of touching parts of people at one instant. Triangles decide whether
+/// parts touch; the depth is that of their convex hulls.
 class ContactDepths {
  public:
   explicit ContactDepths(const RunInfo& run);
 
-  /// Calls found(pair, depth in m) for every pair of parts of two people that touch now. The frame
-  /// has postures.
+  /// Calls found(pair, depth in m) for every touching pair of parts of two people. Requires a frame
+  /// with postures.
   void find(const RunInfo& run, const Frame& frame,
             const std::function<void(PairKey, double)>& found);
 
  private:
   const PartPose* poses_of(const RunInfo& run, const Frame& frame, uint32_t avatar);
 
-  std::vector<std::vector<ConvexHull>> hulls_;  ///< by model and part
-  std::vector<size_t> first_pose_;              ///< by avatar, of this frame; kNone: not posed
+  std::vector<std::vector<ConvexHull>> hulls_;  ///< indexed by model, then part
+  /// Index into poses_ by avatar, for this frame; kNone: not posed.
+  std::vector<size_t> first_pose_;
   std::vector<PartPose> poses_;
   DepthFinder finder_;
 };
 
-/// The bins of all depths.
+/// Empty histogram with the bins of all depths.
 Histogram depth_histogram();
 
-/// Contacts of two people: how many a person and minute, by density and by part; and how deep.
-/// As in contact_statistics.h, but two people who part for less than half a second are
-/// still at the same contact, and memory grows with the people who touch now, not with the
-/// contacts.
+/// Contacts of two people per person and minute, by density and by part, and their depths.
+/// Definitions as in contact_statistics.h, except that two people who touch again within kGap_s
+/// continue their contact. Memory grows with the number of open contacts only.
 class ContactMeasures {
  public:
   static constexpr double kGap_s = 0.5;
-  /// People per m2 within 2 m.
+  /// Density of people within 2 m, lower ends of the levels above the lowest.
   static constexpr std::array<double, 5> kBounds_per_m2 = {0.43, 1, 2, 3.57, 5};
   static constexpr size_t kLevels = kBounds_per_m2.size() + 1;
 
-  /// Who parts for less than gap_s has not parted. Whoever came in less than settles_s ago does not
-  /// count: a body that appears beside another had no time to give way.
+  /// `gap_s`: contacts that begin again within this time continue. `settles_s`: people count from
+  /// this time after entering, because a body that appears next to another could not avoid it.
   explicit ContactMeasures(const RunInfo& run, double gap_s = kGap_s, double settles_s = 0);
 
   void frame(const Frame& frame);
   void end();
 
-  /// After frame(), while its spans last: the level of density around two people; how deep two
-  /// parts of them are.
+  /// level_of(): density level around two people. add_depth(): records the depth of two of their
+  /// parts. Both require frame() and its spans.
   size_t level_of(uint32_t a, uint32_t b) { return level_at(density_.between(a, b)); }
   void add_depth(PairKey pair, double depth_m);
 
-  /// Of so many people per m2.
+  /// Level of a density in people per m2.
   static size_t level_at(double density_per_m2);
 
   uint64_t contacts() const;
   double person_s() const { return person_s_; }
-  /// By level of density.
+  /// Contacts and person-seconds, indexed by density level.
   const std::array<uint64_t, kLevels>& contacts_at() const { return contacts_; }
   const std::array<double, kLevels>& person_s_at() const { return person_s_at_; }
   MeasureTable contact_table() const;
@@ -74,7 +74,7 @@ class ContactMeasures {
 
  private:
   struct MaxDepth {
-    double depth_m = -1;  ///< below 0: not looked at
+    double depth_m = -1;  ///< negative: not measured
   };
   struct NoData {};
 
@@ -93,21 +93,21 @@ class ContactMeasures {
   size_t people_;
   PartGroups groups_;
   CrowdDensity density_;
-  std::vector<double> entered_s_;  ///< by person; infinite: is not there
+  std::vector<double> entered_s_;  ///< time of entering by person; infinite: not in the scene
   double now_s_ = 0;
 
-  std::vector<PairEvent> events_;       ///< of two people, of this frame
-  ContactTracker<MaxDepth> open_;       ///< of two people
-  ContactTracker<NoData> open_groups_;  ///< of groups of parts of two people
+  std::vector<PairEvent> events_;       ///< events between two people in this frame
+  ContactTracker<MaxDepth> open_;       ///< contacts of two people
+  ContactTracker<NoData> open_groups_;  ///< contacts of two groups of parts of two people
   std::array<uint64_t, kLevels> contacts_{};
   std::array<double, kLevels> person_s_at_{};
   std::array<uint64_t, kGroupPairs> group_contacts_{};
   double person_s_ = 0;
 
-  Histogram depths_;                  ///< of two parts, at sampled instants
-  Histogram max_depths_;              ///< of a contact
-  std::vector<Histogram> depths_at_;  ///< by level
-  std::vector<Histogram> depths_of_;  ///< by pair of groups
+  Histogram depths_;                  ///< depth of touching parts at sampled instants
+  Histogram max_depths_;              ///< maximum depth of each contact
+  std::vector<Histogram> depths_at_;  ///< indexed by density level
+  std::vector<Histogram> depths_of_;  ///< indexed by pair of part groups
 };
 
 }  // namespace throng

@@ -1,6 +1,6 @@
-// Everything that `throng compare` measures of a run, as a sink.
-// One rule: ten times a second, or at every frame where these are fewer, and the same way for
-// recordings, logs and simulations; memory grows with people and ground, not with the frames.
+// CrowdMeasures computes all measures of `throng compare` as a sink.
+// Invariant: recordings, logs and simulations are measured alike: 10 times per second, or at every
+// frame if frames are rarer.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,11 @@
 namespace throng {
 
 struct MeasureOptions {
-  std::optional<Passage> line;  ///< over which the flow is measured; none: see motion_measures.h
+  std::optional<Passage> line;  ///< line for the flow; none: see FlowLines
 };
 
+/// Memory grows with the number of people and the area of the ground, not with the number of
+/// frames.
 class CrowdMeasures final : public Sink {
  public:
   explicit CrowdMeasures(const MeasureOptions& options = {});
@@ -28,16 +30,16 @@ class CrowdMeasures final : public Sink {
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 
-  /// After end(): speed_density, spacing, flow, width_use, sway, accelerations, contacts, depth;
-  /// all of them, empty ones included.
+  /// All tables, including empty ones: speed_density, spacing, flow, width_use, sway,
+  /// accelerations, contacts, depth. Requires end().
   std::vector<MeasureTable> tables() const;
 
   struct Facts {
-    size_t people = 0;      ///< seen at any sampled instant
-    double seconds = 0;     ///< of the run
-    double sample_s = 0;    ///< between sampled instants
-    double person_s = 0;    ///< sampled
-    uint64_t off_area = 0;  ///< person-instants with the head off the area
+    size_t people = 0;      ///< present at one or more samples
+    double seconds = 0;     ///< duration of the run
+    double sample_s = 0;    ///< time between samples
+    double person_s = 0;    ///< sampled time of people
+    uint64_t off_area = 0;  ///< number of samples with the head off the walkable area
   };
   Facts facts() const;
 

@@ -1,4 +1,4 @@
-// What measures are made of: values counted in bins, and tables of what they found.
+// MeasureTable holds the results of a measure as rows; Histogram counts values in bins.
 #pragma once
 
 #include <cstddef>
@@ -11,25 +11,25 @@
 
 namespace throng {
 
-/// Numbers without end in bins of one width: how many, their mean, their quantiles.
-/// Memory depends on the range, never on how many numbers came.
+/// Counts values in bins of equal width and returns their count, mean and quantiles.
+/// Memory depends on the number of bins only.
 class Histogram {
  public:
-  /// What is below `low` counts in the first bin, what is above the last bin in the last.
+  /// Values outside of the bins count in the first or last bin.
   Histogram(double low, double width, size_t bins);
 
   void add(double value);
-  /// All of another's, whose bins are the same.
+  /// Adds all values of a histogram with the same bins.
   void add(const Histogram& other);
 
   uint64_t count() const { return count_; }
   double sum() const { return sum_; }
-  /// NaN without numbers, as the next three.
+  /// NaN without values; so do max(), quantile() and share_above().
   double mean() const;
   double max() const;
-  /// To within a bin's width, but never beyond the least or the greatest number; `share` in [0, 1].
+  /// Accurate to a bin's width and clamped to the range of the values; `share` in [0, 1].
   double quantile(double share) const;
-  /// The share of numbers above a bound, which should be a bin's edge.
+  /// Share of values above `bound`, which should be the edge of a bin.
   double share_above(double bound) const;
 
  private:
@@ -42,15 +42,13 @@ class Histogram {
   double max_ = 0;
 };
 
-/// What a measure of a crowd found, as rows that the same measure of another crowd can stand
-/// beside. A row is known by where it applies and what it says, so that rows of two crowds match by
-/// these alone.
+/// One result of a measure. Rows of two crowds match if `at`, `which` and `what` are equal.
 struct MeasureRow {
   std::string at{};              ///< "0.25 to 0.5"; "arm and trunk"; "both ways"
-  std::optional<double> from{};  ///< where `at` is a range of numbers
-  std::optional<double> to{};    ///< none: without end
-  std::string which{};           ///< which of several at one place: "ahead"; or ""
-  std::string what{};            ///< "mean", "5 %"
+  std::optional<double> from{};  ///< lower end if `at` is a range
+  std::optional<double> to{};    ///< upper end; none: unbounded
+  std::string which{};           ///< distinguishes several results at one place: "ahead"; or ""
+  std::string what{};            ///< statistic: "mean", "5 %"
   std::string unit{};            ///< "m/s"; "": a share or a count
   double value = std::numeric_limits<double>::quiet_NaN();
 
@@ -60,26 +58,25 @@ struct MeasureRow {
 };
 
 struct MeasureCurve {
-  std::string name;  ///< of what several curves of a measure show
+  std::string name;  ///< names one of several curves of a measure
   std::vector<std::pair<double, double>> points;
 };
 
 struct MeasureTable {
   std::string id;     ///< "speed_density"
   std::string title;  ///< "Speed against density"
-  std::string key;    ///< what `at` is: "density", "width", "part", "way"
+  std::string key;    ///< quantity of `at`: "density", "width", "part"
   std::string key_unit;
-  std::string method;  ///< how it was measured, a sentence or two
+  std::string method;  ///< method in one or two sentences
   std::vector<MeasureRow> rows;
   std::vector<MeasureCurve> curves;
 
-  /// NaN where there is no such row.
+  /// Value of a row; NaN if there is no such row.
   double value(const std::string& at, const std::string& which, const std::string& what) const;
 };
 
-/// "0.25 to 0.5", "above 5".
+/// Text of a range: "0.25 to 0.5", "above 5".
 std::string range_text(double from, std::optional<double> to);
-/// A row at a range of numbers.
 MeasureRow ranged_row(double from, std::optional<double> to, std::string which, std::string what,
                       std::string unit, double value);
 

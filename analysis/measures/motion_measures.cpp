@@ -43,8 +43,9 @@ MeasureTable Accelerations::table() const {
                      "Accelerations",
                      "point",
                      "",
-                     "Over a tenth of a second and in every direction: of the head, with its sway, "
-                     "and of the body's way on the ground.",
+                     "Over 0.1 s, in any direction, of the head (which sways) and of the root of "
+                     "the "
+                     "body.",
                      {},
                      {}};
   for (const auto& [name, histogram] :
@@ -59,20 +60,19 @@ MeasureTable Accelerations::table() const {
 
 namespace {
 
-/// Nobody walks through less.
+/// Narrower gaps are not passages.
 constexpr double kMinWidth_m = 0.3;
 constexpr size_t kMaxLines = 24;
-/// Between the middles of two gaps that are watched.
+/// Minimum distance between the centres of two watched gaps.
 constexpr double kApart_m = 1.5;
 constexpr double kStep_m = 0.2;
 constexpr double kMaxPoints = 40'000;
-/// Heads sway beyond the ends of a line.
+/// Lines are extended by this at both ends, because heads sway beyond them.
 constexpr double kBeyond_m = 0.1;
-/// Somebody who passed it can pass it again only after having been this far from it: standing and
-/// swaying on a line is no flow.
+/// A person must be this far away before another passage counts: swaying on the line is not flow.
 constexpr double kLeft_m = 0.5;
 
-/// A line that fewer than one in so many of the busiest's people pass is not the crowd's way.
+/// A line with fewer than 1 / kUsedShare of the busiest line's passages is not in use.
 constexpr uint64_t kUsedShare = 5;
 
 double length_m(const Passage& line) { return (line.to_m - line.from_m).norm(); }
@@ -86,7 +86,6 @@ double walkable_length_m(const Walkable& walkable, const Passage& line) {
   return length_m(line) * inside / steps;
 }
 
-/// Middles of cells side by side from one end to the other.
 std::vector<double> middles_m(double from_m, double to_m, double cell_m) {
   std::vector<double> middles;
   double at_m = from_m + 0.5 * cell_m;
@@ -137,8 +136,8 @@ double FlowLines::Line::flow_per_s() const {
                                            : static_cast<double>(passed() - 1) / (last_s - first_s);
 }
 
-uint64_t FlowLines::Line::beside() const {
-  return static_cast<uint64_t>(std::count(has_passed_beside.begin(), has_passed_beside.end(), 1));
+uint64_t FlowLines::Line::passed_outside() const {
+  return static_cast<uint64_t>(std::count(has_passed_outside.begin(), has_passed_outside.end(), 1));
 }
 
 FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> chosen)
@@ -156,7 +155,7 @@ FlowLines::FlowLines(const Scene& scene, size_t people, std::optional<Passage> c
   }
   for (Line& line : lines_) {
     line.has_just_passed.assign(people, 0);
-    line.has_passed_beside.assign(people, 0);
+    line.has_passed_outside.assign(people, 0);
   }
 }
 
@@ -179,9 +178,9 @@ void FlowLines::take(const RecentCrowd& crowd) {
       if ((side_from < 0) == (side_to < 0)) continue;
       const double share = side_from / (side_from - side_to);
       const double place = along.dot(from + share * (to - from));
-      const bool is_beside = place < -kBeyond_m || place > length + kBeyond_m;
-      if (is_beside) line.has_passed_beside[i] = 1;
-      if (is_beside || line.has_just_passed[i] != 0) continue;
+      const bool is_outside = place < -kBeyond_m || place > length + kBeyond_m;
+      if (is_outside) line.has_passed_outside[i] = 1;
+      if (is_outside || line.has_just_passed[i] != 0) continue;
       line.has_just_passed[i] = std::abs(side_to) <= kLeft_m;
       const double time_s = before.time_s + share * (now.time_s - before.time_s);
       line.first_s = line.passed() == 0 ? time_s : std::min(line.first_s, time_s);
@@ -195,11 +194,11 @@ const FlowLines::Line& FlowLines::used() const {
   uint64_t busiest = 0;
   for (const Line& line : lines_) busiest = std::max(busiest, line.passed());
   const auto is_used = [&](const Line& line) { return kUsedShare * line.passed() >= busiest; };
-  auto best = std::find_if(lines_.begin(), lines_.end(), is_used);  // the busiest is
+  auto best = std::find_if(lines_.begin(), lines_.end(), is_used);  // exists: the busiest is used
   for (auto line = best; line != lines_.end(); ++line) {
     if (!is_used(*line)) continue;
     const double narrower_m = best->width_m - line->width_m;
-    // Of places as wide the busier one.
+    // Of equally wide lines the busier one.
     if (narrower_m > 0.05 || (narrower_m > -0.05 && line->passed() > best->passed())) best = line;
   }
   return *best;
@@ -214,11 +213,11 @@ MeasureTable FlowLines::table() const {
       "width",
       "m",
       fmt::format(
-          "From ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.2f} m of it wide. "
-          "People: passes, both ways. Flow: one less over the time from the "
-          "first to the last.{}",
+          "From ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, walkable width {:.2f} m. "
+          "People: passages in both directions. Flow: (N - 1) over the time from the "
+          "first to the last passage.{}",
           at.from_m.x(), at.from_m.y(), at.to_m.x(), at.to_m.y(), line.width_m,
-          is_chosen_ ? " People beside it: those who cross its straight beyond its ends." : ""),
+          is_chosen_ ? " People past its ends: they cross its straight line beyond an end." : ""),
       {},
       {}};
   const auto row = [&](const std::string& what, const std::string& unit, double value) {
@@ -226,31 +225,31 @@ MeasureTable FlowLines::table() const {
   };
   row("width", "m", line.width_m);
   row("people", "", static_cast<double>(line.passed()));
-  row("of them back", "", static_cast<double>(std::min(line.forward, line.back)));
-  if (is_chosen_) row("people beside it", "", static_cast<double>(line.beside()));
+  row("people in the minor direction", "", static_cast<double>(std::min(line.forward, line.back)));
+  if (is_chosen_) row("people past its ends", "", static_cast<double>(line.passed_outside()));
   row("flow", "1/s", line.flow_per_s());
-  row("flow a metre", "1/(m s)", line.width_m > 0 ? line.flow_per_s() / line.width_m : 0);
+  row("flow per metre", "1/(m s)", line.width_m > 0 ? line.flow_per_s() / line.width_m : 0);
   return table;
 }
 
 namespace {
 
-/// Half the window that smooths the path. Weights fall off evenly to both sides: what sways once in
-/// about a second is gone from the path, so all of it is seen as sway.
+/// Half the window that smooths the path. The weights fall linearly to both sides and remove
+/// oscillations of about 1 Hz, to keep all of them in the sway.
 constexpr double kHalfSmoothing_s = 1;
-/// With fewer instants a second the extremes are missed.
+/// With rarer samples the extremes are missed.
 constexpr double kMaxSwaySample_s = 0.15;
-/// Slower people do not sway step by step.
+/// Slower people do not sway with their steps.
 constexpr double kMinWalking_mps = 0.3;
-/// Less is noise.
+/// Smaller amplitudes are noise.
 constexpr double kMinAmplitude_m = 0.005;
-/// Half waves shorter or longer are not those of steps: 0.4 to 2 strides a second.
+/// Other half waves are not those of steps: 0.4 to 2 strides per second.
 constexpr double kMinWave_s = 0.25, kMaxWave_s = 1.25;
-/// A smoothed path cuts corners by what hardly changes over so long.
+/// Averaging time of the deviation caused by cut corners.
 constexpr double kLevel_s = 2;
-/// Until that is known no wave counts.
+/// Half waves count after this time, when that deviation is known.
 constexpr double kSettling_s = 1;
-/// Of a person, to have an amplitude.
+/// Minimum number of half waves for a person's amplitude.
 constexpr uint32_t kMinHalfWaves = 4;
 
 }  // namespace
@@ -333,8 +332,8 @@ MeasureTable HeadSway::table() const {
       "Head sway",
       "speed",
       "m/s",
-      "Across the head's path, smoothed over two seconds, of those who walk (0.3 m/s "
-      "or more). Amplitude: a person's mean over half waves. Frequency: strides a "
+      "Deviation of the head from its path smoothed over 2 s, of people who walk (0.3 m/s "
+      "or more). Amplitude: mean over a person's half waves. Frequency: strides per "
       "second.",
       {},
       {}};
@@ -399,8 +398,8 @@ MeasureTable WidthUse::table() const {
                      "Use of the width",
                      "width",
                      "m from the right edge",
-                     "Share of the time of all people in lanes of 0.5 m across the direction in "
-                     "which most walk, from the right edge of the walkable area.",
+                     "Share of the time of all people in lanes of 0.5 m across the main walking "
+                     "direction, from the right edge of the walkable area.",
                      {},
                      {}};
   if (outline_.empty()) return table;

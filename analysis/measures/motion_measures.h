@@ -1,4 +1,4 @@
-// Measures of how people move: accelerations, lines of flow, sway of the head, use of the width.
+// Motion measures: accelerations, flow over lines, sway of heads and use of the width.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,19 +15,19 @@
 
 namespace throng {
 
-/// How hard people speed up, slow down and turn, over a tenth of a second.
-/// Of heads, as a camera sees them with all their sway, and of the body's way apart.
+/// Accelerations over 0.1 s in any direction. Heads, as cameras see them with their sway, and roots
+/// are measured separately.
 class Accelerations {
  public:
   explicit Accelerations(double sample_s);
 
-  /// Whether samples come about ten times a second; otherwise the table stays empty.
+  /// True if samples are about 0.1 s apart; otherwise the table stays empty.
   bool is_measured() const { return is_measured_; }
-  /// The moment before the newest.
+  /// Measures the second newest moment.
   void take(const RecentCrowd& crowd);
 
   MeasureTable table() const;
-  /// Of bodies, in m/s2.
+  /// Accelerations of roots, in m/s2.
   const Histogram& of_bodies() const { return roots_mps2_; }
 
  private:
@@ -37,34 +37,35 @@ class Accelerations {
   Histogram roots_mps2_;
 };
 
-/// The flow over a line: how many people pass it, and how fast one after another.
-/// Without a line that somebody chose several are watched, and what is reported is the
-/// narrowest of those that the crowd uses.
+/// Flow over a line: number of people who pass it, and passages per second.
+/// Without a chosen line, several lines are watched and the narrowest one in use is reported.
 class FlowLines {
  public:
-  /// None: across the narrowest places, and through the middle of the ground.
+  /// `chosen`: the line; none: lines across the narrowest gaps and through the centre of the
+  /// ground.
   FlowLines(const Scene& scene, size_t people, std::optional<Passage> chosen);
 
-  /// The way from the moment before the newest to the newest.
+  /// Counts passages from the second newest moment to the newest.
   void take(const RecentCrowd& crowd);
 
   struct Line {
     Passage across{};
-    double width_m = 0;    ///< of it that people can walk on
-    uint64_t forward = 0;  ///< to the left of the way from its first end to its second
+    double width_m = 0;    ///< walkable length of the line
+    uint64_t forward = 0;  ///< passages to the left, seen from the first end to the second
     uint64_t back = 0;
     double first_s = 0;
     double last_s = 0;
-    std::vector<uint8_t> has_just_passed{};  ///< by person: passed, and not far from it since
-    std::vector<uint8_t>
-        has_passed_beside{};  ///< by person: crossed its straight beyond one of its ends
-    /// How many did.
-    uint64_t beside() const;
+    /// Indexed by person: passed, and not yet kLeft_m away.
+    std::vector<uint8_t> has_just_passed{};
+    /// Indexed by person: crossed beyond an end of the line.
+    std::vector<uint8_t> has_passed_outside{};
+    /// Number of people in has_passed_outside.
+    uint64_t passed_outside() const;
     uint64_t passed() const { return forward + back; }
-    /// N - 1 over the time from the first to the last.
+    /// (N - 1) over the time from the first to the last passage.
     double flow_per_s() const;
   };
-  /// The one that counts: narrowest of those passed by a fifth as many as the busiest.
+  /// The reported line: the narrowest with at least a fifth of the passages of the busiest one.
   const Line& used() const;
   MeasureTable table() const;
 
@@ -73,34 +74,33 @@ class FlowLines {
   bool is_chosen_;
 };
 
-/// How heads sway from side to side as people walk: how far, and how often.
-/// The way is the head's own path, smoothed over two seconds; what is left across it is
-/// sway, half a wave at a time.
+/// Lateral sway of walking heads: amplitude and frequency.
+/// Sway is the deviation of the head from its path smoothed over 2 s, measured in half waves.
 class HeadSway {
  public:
   HeadSway(size_t people, double sample_s);
 
-  /// Moments before and after the one that is looked at; 0: samples are too rare to see sway.
+  /// Number of moments before and after the measured one; 0: samples are too rare to measure sway.
   static size_t half_window(double sample_s);
-  /// The moment half_window() ago.
+  /// Measures the moment half_window() ago.
   void take(const RecentCrowd& crowd);
 
   MeasureTable table() const;
 
  private:
-  /// A person who is followed.
+  /// State of a person whose sway is followed.
   struct Wave {
-    double level_m = 0;    ///< what sways is so far off the smoothed path: it cuts corners
-    int followed = 0;      ///< moments since somebody began to walk
-    double last_m = 0;     ///< off that level, at the moment before
-    double extreme_m = 0;  ///< the largest since the last crossing
-    double since_s = 0;    ///< the last crossing
-    double speed_mps = 0;  ///< summed over the moments of the half wave
-    int moments = 0;       ///< of the half wave
+    double level_m = 0;    ///< mean deviation: the smoothed path cuts corners
+    int followed = 0;      ///< number of moments since the person began to walk
+    double last_m = 0;     ///< deviation from the level at the previous moment
+    double extreme_m = 0;  ///< largest deviation since the last crossing
+    double since_s = 0;    ///< time of the last crossing
+    double speed_mps = 0;  ///< sum over the moments of the half wave
+    int moments = 0;       ///< number of moments in the half wave
     bool has_crossed = false;
   };
   struct PersonSway {
-    double amplitude_m = 0;  ///< summed over half waves
+    double amplitude_m = 0;  ///< sum over half waves
     uint32_t half_waves = 0;
   };
   struct Pace {
@@ -119,9 +119,8 @@ class HeadSway {
   std::array<Pace, 3> paces_{};
 };
 
-/// How the width of the way is used: the time that people spend in each lane of half a metre across
-/// the direction in which most of them walk.
-/// That direction is found out by watching, so places are kept as a map of the ground.
+/// Use of the width: time of people in lanes of 0.5 m across the main walking direction.
+/// Memory: a map of visits, because the main direction is known only at the end.
 class WidthUse {
  public:
   static constexpr double kLane_m = 0.5;
@@ -130,9 +129,9 @@ class WidthUse {
 
   void take(const Moment& moment, const Velocities& velocities);
 
-  /// Unit; the way most walk, whichever of the two along it more do. X where nobody walked.
+  /// Unit vector of the main walking axis, in its more frequent sense; X if no person walked.
   Eigen::Vector2d main_direction() const;
-  /// Lanes from the right edge of the area to the left, as one walks.
+  /// Shares of the lanes, from the right edge of the area to the left in walking direction.
   MeasureTable table() const;
 
  private:

@@ -7,12 +7,11 @@
 namespace throng {
 namespace {
 
-/// Half of the window over which a speed is taken.
 constexpr double kHalfWindow_s = 0.5;
-/// Everybody who can matter for a cell, and for the density by the sixth nearest.
+/// Radius that contains all people who affect a cell or the density by the sixth nearest.
 constexpr double kSearchRadius_m = 2 * VoronoiCells::kCap_m;
 constexpr double kGridCell_m = 1;
-/// Slower people walk in no direction.
+/// The direction of slower people is undefined.
 constexpr double kWalking_mps = 0.1;
 constexpr double kSpacingReach_m = 1.2;
 constexpr size_t kDensityNeighbours = 6;
@@ -70,7 +69,7 @@ void SpeedAndSpacing::take(const Moment& moment, const Velocities& velocities) {
 
 void SpeedAndSpacing::add_spacing(const Moment& moment, size_t person,
                                   const Eigen::Vector2d& velocity_mps) {
-  double density_per_m2 = 0;  // with fewer near: below all bounds
+  double density_per_m2 = 0;  // fewer neighbours: the lowest level
   if (neighbours_.size() >= kDensityNeighbours) {
     std::nth_element(neighbours_.begin(), neighbours_.begin() + kDensityNeighbours - 1,
                      neighbours_.end());
@@ -96,8 +95,9 @@ MeasureTable SpeedAndSpacing::speed_table() const {
                      "Speed against density",
                      "density",
                      "people per m2",
-                     "Density: one over the Voronoi cell of the head, cut at the walls, no farther "
-                     "than 2 m. Speed: how far the head gets in a second, half of it before and "
+                     "Density: 1 over the area of the head's Voronoi cell, cut at walls and "
+                     "limited "
+                     "to 2 m. Speed: displacement of the head over 1 s, half of it before and "
                      "half after.",
                      {},
                      {}};
@@ -137,7 +137,7 @@ MeasureTable SpeedAndSpacing::spacing_table() const {
                      "Spacing ahead and beside",
                      "density",
                      "people per m2",
-                     "Distances of the head of somebody who walks (0.1 m/s or more) to others "
+                     "Distances from the head of a walking person (0.1 m/s or more) to others "
                      "within 1.2 m: ahead, within 30 degrees of the walking direction; beside, 60 "
                      "to 120 degrees from it. Density by the sixth nearest.",
                      {},

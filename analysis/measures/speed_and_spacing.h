@@ -1,6 +1,6 @@
-// Speed against density, and how much room people keep ahead of them and beside.
-// One rule: everything is asked of heads, as cameras see them, and of displacements over a second,
-// so that sway is no speed; recordings and simulations alike.
+// SpeedAndSpacing measures speed against density and the distances to people ahead and to the side.
+// Invariant: positions are those of heads, as cameras see them; speeds are displacements over 1 s,
+// to exclude sway. Recordings and simulations are measured alike.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace throng {
 
-/// How fast everybody is at a moment, over about a second around it.
+/// Velocities of all people at a moment, over about 1 s around it.
 struct Velocities {
-  /// Moments before and after; a second in all.
+  /// Number of moments before and after; 1 s in total.
   static size_t half_window(double sample_s);
 
   std::vector<Eigen::Vector2d> of_mps;
-  std::vector<uint8_t> known;  ///< there for the whole window
+  std::vector<uint8_t> known;  ///< 1: present during the whole window
 
   void find(const RecentCrowd& crowd, size_t ago, double sample_s);
 };
@@ -30,28 +30,27 @@ class SpeedAndSpacing {
  public:
   explicit SpeedAndSpacing(const Scene& scene);
 
-  /// The people of one moment.
   void take(const Moment& moment, const Velocities& velocities);
 
-  /// How near others are ahead or beside, at a level of density.
+  /// Distances to people ahead or to the side at a level of density.
   struct Spacing {
     std::string at;  ///< "1 to 2"
     bool is_ahead = false;
     uint64_t pairs = 0;
-    std::array<double, 3> quantiles_m{};  ///< kQuantiles
+    std::array<double, 3> quantiles_m{};  ///< at kQuantiles
   };
   static constexpr std::array<double, 3> kQuantiles = {0.01, 0.05, 0.25};
-  /// All cells, those without a pair included.
+  /// All cells, including those without a pair.
   std::vector<Spacing> spacings() const;
 
   MeasureTable speed_table() const;
   MeasureTable spacing_table() const;
-  /// Person-instants whose head was in an obstacle or off the ground: they have no cell.
+  /// Number of samples with the head in an obstacle or off the ground; they have no cell.
   uint64_t off_the_area() const { return off_the_area_; }
 
   static constexpr double kDensityBin_per_m2 = 0.25;
   static constexpr size_t kDensityBins = 48;
-  /// Fewer say nothing; rows of less are left out.
+  /// Rows with fewer values are omitted.
   static constexpr uint64_t kMinValues = 15;
 
  private:
@@ -62,8 +61,8 @@ class SpeedAndSpacing {
 
   VoronoiCells cells_;
   PointGrid grid_;
-  std::vector<Histogram> speeds_mps_;  ///< by bin of density
-  std::vector<Histogram> spacing_m_;   ///< by level of density and side
+  std::vector<Histogram> speeds_mps_;  ///< indexed by density bin
+  std::vector<Histogram> spacing_m_;   ///< indexed by density level and side
   uint64_t off_the_area_ = 0;
   std::vector<Eigen::Vector2d> others_;
   std::vector<std::pair<double, uint32_t>> neighbours_;  ///< squared distance and index

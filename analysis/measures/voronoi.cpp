@@ -10,9 +10,9 @@ namespace {
 
 namespace bp = boost::polygon;
 
-/// Corners of the polygon that stands for the circle of the cap; it has the circle's area.
+/// Number of corners of the polygon that represents the cap's circle; it has the circle's area.
 constexpr int kCapCorners = 64;
-/// Who is nearer than this stands at the same point.
+/// People closer than this share a point.
 constexpr double kSamePoint_m = 1e-6;
 
 const std::vector<Eigen::Vector2d>& cap() {
@@ -36,7 +36,6 @@ double area_of(const std::vector<Eigen::Vector2d>& corners) {
   return 0.5 * doubled;
 }
 
-/// Whether a cell reaches the circle.
 bool reaches_cap(const std::vector<Eigen::Vector2d>& corners) {
   constexpr double kCapReached_m = VoronoiCells::kCap_m - 1e-3;
   return std::any_of(corners.begin(), corners.end(), [](const Eigen::Vector2d& corner) {
@@ -44,9 +43,9 @@ bool reaches_cap(const std::vector<Eigen::Vector2d>& corners) {
   });
 }
 
-// Whole numbers make the difference of polygons exact, as in walkable_area.cpp; 0.01 mm.
+// Integer coordinates in units of 0.01 mm make differences of polygons exact.
 constexpr double kUnit_m = 1e-5;
-/// Obstacles are taken so much larger to all sides that those which touch in a corner join.
+/// Obstacles grow by this to all sides, which joins those that touch at a corner.
 constexpr double kJoin_m = 1e-4;
 using Point = bp::point_data<int>;
 
@@ -69,7 +68,7 @@ bp::polygon_data<int> polygon_of(const std::vector<Eigen::Vector2d>& corners) {
 VoronoiCells::VoronoiCells(const Scene& scene)
     : walkable_(scene), footprints_(walkable_.footprints()) {}
 
-/// Keeps of the cell what has normal . x <= offset (Sutherland and Hodgman 1974).
+/// Keeps the part of the cell with normal . x <= offset (Sutherland and Hodgman 1974).
 void VoronoiCells::cut(const Eigen::Vector2d& normal, double offset) {
   cut_.clear();
   for (size_t i = 0; i < corners_.size(); ++i) {
@@ -99,7 +98,7 @@ std::optional<VoronoiCell> VoronoiCells::cell(const Eigen::Vector2d& point,
   for (const auto& [distance_m, normal] : sorted_neighbours_) {
     double reach = 0;
     for (const Eigen::Vector2d& corner : corners_) reach = std::max(reach, corner.squaredNorm());
-    if (distance_m * distance_m > 4 * reach) break;  // nor will those farther off
+    if (distance_m * distance_m > 4 * reach) break;  // nor do farther ones
     cut(normal, 0.5 * distance_m);
   }
   const Rectangle& ground = walkable_.ground();

@@ -1,5 +1,5 @@
-// The room that somebody has: a Voronoi cell, cut at the walls.
-// One rule: of a cell that a wall cuts apart only the part with the person counts.
+// VoronoiCells computes the free area of a person: a Voronoi cell, cut at walls.
+// Invariant: if a wall divides a cell, only the piece with the person counts.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,19 +15,18 @@ namespace throng {
 
 struct VoronoiCell {
   double area_m2 = 0;
-  bool is_capped = false;  ///< reaches kCap_m in some direction in which no wall ends it before
+  bool is_capped = false;  ///< true if the cell reaches kCap_m in a direction without a wall
 };
 
 class VoronoiCells {
  public:
-  /// Nobody's cell reaches farther than this: at the rim of a crowd the rest belongs to no one.
+  /// Maximum radius of a cell; bounds cells at the rim of a crowd.
   static constexpr double kCap_m = 2;
 
   explicit VoronoiCells(const Scene& scene);
 
-  /// The cell of a person at `point`; `others` hold everybody else nearer than 2 kCap_m, in any
-  /// order. Those at the very same point share it. Nothing for a point in an obstacle or off the
-  /// ground.
+  /// Cell of a person at `point`. `others`: all other people within 2 kCap_m, in any order. People
+  /// at the same point share its cell. None for points in an obstacle or off the ground.
   std::optional<VoronoiCell> cell(const Eigen::Vector2d& point,
                                   std::span<const Eigen::Vector2d> others);
 
@@ -37,7 +36,7 @@ class VoronoiCells {
 
   Walkable walkable_;
   std::vector<std::vector<Eigen::Vector2d>> footprints_;
-  // Of the latest cell, as offsets from its person; kept for their memory.
+  // Polygons of the latest cell relative to its person; members to reuse their memory.
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Eigen::Vector2d> cut_;
   std::vector<std::pair<double, Eigen::Vector2d>> sorted_neighbours_;

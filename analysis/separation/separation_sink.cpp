@@ -71,7 +71,7 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
     for (size_t i = 0; i < robot.regions[region].size(); ++i) {
       const Point& point = robot.regions[region][i];
       const bool is_far = point.lo_m == RegionSeparation::kFar;
-      // A line that is broken where nothing is known.
+      // A blank line breaks the curve where no distance is known.
       if (is_far && !was_far) data += '\n';
       was_far = is_far;
       if (is_far) continue;
@@ -79,13 +79,13 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
       append(data, "{:.6g} {:.6g} {:.6g} {}\n", from_s + static_cast<double>(i) * point_s,
              point.lo_m, point.required_m, point.is_short ? 0 : -1);
     }
-    // gnuplot refuses a block without a point.
+    // gnuplot rejects an empty data block.
     data += "\n-1 -1 NaN -1\nEOD\n";
   }
   const uint32_t id = ids_[which];
   const std::string group =
       id < run.group_of_avatar.size() ? run.groups[run.group_of_avatar[id]] : "robot";
-  const std::string title = fmt::format("How near {} {} came to people", group, id);
+  const std::string title = fmt::format("Distance of {} {} to people", group, id);
   const int rows = static_cast<int>((shown.size() + 1) / 2);
   std::string script = data;
   append(script,
@@ -107,7 +107,7 @@ Figure SeparationHistory::figure(const RunInfo& run, const SeparationTotals& tot
            "$r{4} using 1:2 with lines linewidth 1.6 linecolor rgb '{5}' title 'separation', "
            "$r{4} using 1:3 with lines linewidth 1.6 linecolor rgb '{6}' title 'required', "
            "$r{4} using 1:($4 < 0 ? NaN : 0.012 * {7:.6g}) with points pointtype 5 pointsize 0.35 "
-           "linecolor rgb '{8}' title 'too near'\n",
+           "linecolor rgb '{8}' title 'too close'\n",
            name, i + 1 == static_cast<size_t>(rows) || is_last ? "s" : "",
            is_last ? "set key at screen 0.5,0.02 center horizontal maxrows 1\n" : "", proximity_m_,
            region, kFigureColours[0], kFigureColours[3], 1.05 * static_cast<double>(axis_max_m),
@@ -144,13 +144,12 @@ void SeparationSink::begin(const RunInfo& run) {
       std::make_unique<SeparationHistory>(run, frame_count(run.scene->duration_s, run.step_s));
   rows_ = std::make_unique<OutputFile>(folder_ / kRows, kOption);
   rows_->write(
-      "frame,time_s,robot,region,lo_m,hi_m,person,robot_part,person_part,closing_speed_mps,robot_"
-      "speed_mps,"
-      "human_speed_mps,required_m,min_slack_m,people_too_close\n");
+      "frame,time_s,robot,region,distance_lo_m,distance_hi_m,person,robot_part,person_part,closing_"
+      "speed_mps,robot_speed_mps,human_speed_mps,required_m,min_slack_m,people_too_close\n");
   shortfalls_ = std::make_unique<OutputFile>(folder_ / kShortfalls, kOption);
   shortfalls_->write(
       "begin_s,end_s,robot,person,region,min_distance_lo_m,min_distance_hi_m,max_shortfall_m,"
-      "beyond_margin,cut\n");
+      "beyond_margin,truncated\n");
 }
 
 void SeparationSink::list_ended(const RunInfo& run) {
@@ -201,13 +200,13 @@ void SeparationSink::end(const RunInfo& run, const RunEnd&) {
 }
 
 void SeparationSink::draw_figure(const RunInfo& run) {
-  // A figure of an earlier run beside the numbers of this one would be wrong.
+  // A figure of an earlier run does not belong to these numbers.
   std::error_code error;
   fs::remove(folder_ / kFigure, error);
   if (!has_gnuplot())
-    note_ = fmt::format("no figure in {}: gnuplot is not installed", folder_.string());
+    note_ = fmt::format("no figure in {}; install gnuplot to draw it", folder_.string());
   else if (!history_->has_figure())
-    note_ = fmt::format("no {} in {}: no robot came within the margin of anybody", kFigure,
+    note_ = fmt::format("no {} in {}: no robot came within the margin of a person", kFigure,
                         folder_.string());
   else
     draw(history_->figure(run, monitor_->totals()), folder_);

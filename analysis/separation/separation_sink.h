@@ -1,4 +1,4 @@
-// Writes how far people and robots stay apart: tables and a figure.
+// SeparationSink writes the distances between robots and people as tables and a figure.
 #pragma once
 
 #include <array>
@@ -16,18 +16,18 @@
 
 namespace throng {
 
-/// The figure of a run's separation: how near a robot came to each region, and what was required.
-/// Memory does not grow with the run; each point is the frame of its stretch that came
-/// nearest.
+/// Collects the separation of a run for its figure: distance and required distance by region.
+/// Memory does not grow with the run: each point keeps the frame with the least distance of a
+/// segment of the run.
 class SeparationHistory {
  public:
-  /// A run of so many frames at most, as far as it is known.
+  /// `frames`: expected maximum number of frames.
   SeparationHistory(const RunInfo& run, int64_t frames);
 
   void add(int64_t frame, std::span<const RegionSeparation> rows);
 
-  /// Of the robot that was too near for the longest time, or else came nearest; the regions that
-  /// people have. False: no robot came within the margin.
+  /// The figure shows the robot that was too close for the longest time, or else came closest, and
+  /// the regions that people have. False: no robot came within the margin.
   bool has_figure() const;
   Figure figure(const RunInfo& run, const SeparationTotals& totals) const;
 
@@ -39,31 +39,31 @@ class SeparationHistory {
   };
   static constexpr int64_t kPoints = 600;
   struct Robot {
-    uint64_t short_frames = 0;  ///< of all regions together
+    uint64_t short_frames = 0;  ///< sum over all regions
     float min_distance_m = RegionSeparation::kFar;
-    std::array<std::vector<Point>, kBodyRegions> regions;  ///< by stretch; empty: always far
+    /// Indexed by region, then segment; empty: always far.
+    std::array<std::vector<Point>, kBodyRegions> regions;
   };
 
   size_t worst() const;
 
   double step_s_;
   float proximity_m_;
-  int64_t frames_per_point_;  ///< frames
+  int64_t frames_per_point_;  ///< length of a segment
   size_t points_ = 0;
   int64_t first_frame_ = -1;
-  std::vector<int32_t> index_;  ///< by avatar, into robots_; -1: not yet
+  std::vector<int32_t> index_;  ///< index into robots_, by avatar; -1: none
   std::vector<std::unique_ptr<Robot>> robots_;
   std::vector<uint32_t> ids_;
 };
 
-/// Writes how near robots came to which region of people: CSV files, and a figure where gnuplot is
-/// there.
-/// Rows are written as the run goes; the figure at its end.
+/// Writes how close robots came to each region of people: CSV files, and a figure if gnuplot is
+/// installed. Rows are written during the run, the figure at its end.
 class SeparationSink final : public Sink {
  public:
-  /// Of a run of a scene with this rule. Creates the folder; begin() replaces the files in it.
-  /// Empty: only the totals are of interest. Throws EnvironmentError, here and in all calls, if
-  /// something cannot be written.
+  /// Creates the folder; begin() replaces the files in it. An empty folder writes no files and only
+  /// computes the totals. Throws EnvironmentError, also in all other calls, if a file cannot be
+  /// written.
   SeparationSink(std::filesystem::path folder, const SeparationRule& rule);
 
   SinkNeeds needs() const override { return {.postures = is_measured_}; }
@@ -74,7 +74,7 @@ class SeparationSink final : public Sink {
   /// Null before begin().
   const SeparationTotals* totals() const { return monitor_ ? &monitor_->totals() : nullptr; }
   const std::filesystem::path& folder() const { return folder_; }
-  /// Why there is no figure, or "".
+  /// Reason why there is no figure, or "".
   const std::string& note() const { return note_; }
 
  private:
@@ -89,7 +89,7 @@ class SeparationSink final : public Sink {
   std::string text_, note_;
 };
 
-/// The names of all files that it writes into the folder.
+/// Names of all files that SeparationSink can write.
 std::vector<std::string> separation_files();
 
 }  // namespace throng

@@ -77,14 +77,14 @@ Journal::Journal(std::filesystem::path file, const std::string& owner) : file_(s
     throw write_error(file_);
 }
 
-/// Returns how many bytes are whole lines.
+/// Returns the number of bytes in whole lines.
 size_t Journal::read(const std::string& text, const std::string& head) {
   const size_t end = text.find('\n');
-  if (end == std::string::npos && head.starts_with(text)) return 0;  // killed within the head
+  if (end == std::string::npos && head.starts_with(text)) return 0;  // ended within the head
   if (!text.starts_with(head))
     throw InputError(file_.string(),
                      fmt::format("a journal of this study ({})", head.substr(0, head.size() - 1)),
-                     fmt::format("{}; remove it to begin anew, or choose another --out",
+                     fmt::format("{}; remove it to start again, or choose another --out",
                                  in_quotes(text.substr(0, end))));
   std::set<size_t> seen;
   size_t at = head.size();

@@ -1,6 +1,6 @@
-// What of a study is done, beside its table, so that a study that was killed goes on.
-// One rule: a run is in the journal when its whole line is; what a kill left of a line is cut off,
-// and nobody else's runs are ever taken for one's own.
+// Journal stores the finished runs of a study next to its table, to resume an interrupted study.
+// Invariant: a run is in the journal if its whole line is; partial lines are cut off, and a journal
+// of another study is rejected.
 #pragma once
 
 #include <filesystem>
@@ -13,18 +13,18 @@ namespace throng {
 
 class Journal {
  public:
-  /// Opens the journal, or begins it. `owner` is the study, its part and the program, in words:
-  /// a journal that begins otherwise is refused. Throws InputError, EnvironmentError.
+  /// Opens or creates the journal. `owner` identifies the study, its shard and the program. Throws
+  /// InputError if the journal has another owner, EnvironmentError if it cannot be written.
   Journal(std::filesystem::path file, const std::string& owner);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  /// What was there when it was opened, each run once.
+  /// Runs in the journal when it was opened, each once.
   const std::vector<StudyRow>& done() const { return done_; }
-  /// Throws EnvironmentError.
+  /// Appends a run. Throws EnvironmentError.
   void add(const StudyRow& row);
-  /// After the table is written.
+  /// Deletes the journal; called after the table is written.
   void remove();
 
  private:
@@ -35,11 +35,12 @@ class Journal {
   std::vector<StudyRow> done_;
 };
 
+/// File name of the journal of a table.
 std::filesystem::path journal_of(const std::filesystem::path& table);
 
-/// A finished run in one line, with its checksum; also between processes.
+/// A finished run as one line with a checksum; also the message between MPI ranks.
 std::string line_of(const StudyRow& row);
-/// False if the line is no such thing.
+/// Returns false if the line is not a valid one.
 bool read_line(const std::string& line, StudyRow& row);
 
 }  // namespace throng

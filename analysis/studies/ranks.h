@@ -1,5 +1,5 @@
-// The processes of an MPI job, which `mpirun -n R throng study` starts: the first hands out runs.
-// One rule: this header alone stands for MPI; a Throng that was built without it says so.
+// Ranks connects the processes of an MPI job (`mpirun -n R throng study`); the first distributes
+// the runs. It is the only interface to MPI, and has a substitute for builds without it.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace throng {
 
 class Ranks {
  public:
-  /// Whether this process is one of several that mpirun started.
+  /// True if mpirun started this process as one of several.
   static bool are_launched();
 
-  /// Throws EnvironmentError if Throng was built without MPI.
+  /// Initialises MPI. Throws EnvironmentError if Throng was built without it.
   Ranks();
-  /// Ends all ranks if an exception is on its way.
+  /// Finalises MPI, or ends all ranks during stack unwinding.
   ~Ranks();
   Ranks(const Ranks&) = delete;
   Ranks& operator=(const Ranks&) = delete;
@@ -25,19 +25,20 @@ class Ranks {
   int rank() const;
   int count() const;
 
-  /// Each rank waits here until the first is here, too.
+  /// Blocks until the first rank calls it as well.
   void wait_for_first();
 
-  /// What the first rank does with the others. All are called on this thread.
+  /// Callbacks of the first rank, called on the thread of run_leader().
   struct LeaderCallbacks {
-    std::function<std::optional<size_t>()> next;   ///< a number to work on
-    std::function<void(const std::string&)> take;  ///< what came of one
-    std::function<void(size_t)> return_run;        ///< somebody left without a result
-    std::function<bool()> is_busy;                 ///< this rank still works itself
+    std::function<std::optional<size_t>()> next;   ///< returns the next run, if any
+    std::function<void(const std::string&)> take;  ///< receives a result
+    /// Takes back a run whose rank left without a result.
+    std::function<void(size_t)> return_run;
+    std::function<bool()> is_busy;  ///< true while this rank works on runs itself
   };
-  /// Until nobody works any more.
+  /// Distributes runs until all ranks have finished.
   void run_leader(const LeaderCallbacks& callbacks);
-  /// What the others do: nothing from `work` means that this rank leaves.
+  /// Executes runs on the other ranks until `work` returns nothing.
   void run_follower(const std::function<std::optional<std::string>(size_t)>& work);
 
  private:

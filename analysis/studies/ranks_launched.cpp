@@ -6,7 +6,7 @@
 namespace throng {
 
 bool Ranks::are_launched() {
-  // Open MPI; MPICH and what speaks its language.
+  // Open MPI; MPICH and its derivatives.
   for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
     if (const char* size = std::getenv(variable); size != nullptr && std::atoi(size) > 1)
       return true;

@@ -14,11 +14,10 @@ namespace {
 constexpr int kFirst = 0;
 enum Tag { kResult = 1, kLeave = 2, kWork = 3 };
 constexpr int64_t kNoMore = -1;
-/// Ranks that wait must not take a core from one that works.
+/// Polling leaves the cores to ranks that work; a blocking MPI call would spin.
 constexpr std::chrono::milliseconds kPollPeriod{2};
 
-/// The next message, once there is one.
-MPI_Status wait_politely(int source) {
+MPI_Status wait_for_message(int source) {
   for (;;) {
     int there = 0;
     MPI_Status status;
@@ -37,7 +36,7 @@ struct Ranks::State {
 };
 
 Ranks::Ranks() : state_(std::make_unique<State>()) {
-  // One thread of a rank speaks.
+  // FUNNELED: only one thread per rank calls MPI.
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &state_->rank);
@@ -45,7 +44,7 @@ Ranks::Ranks() : state_(std::make_unique<State>()) {
 }
 
 Ranks::~Ranks() {
-  // Without a farewell mpirun ends the others, too, once this rank has said what went wrong.
+  // Without MPI_Finalize, mpirun ends the other ranks once this one has printed its error.
   if (std::uncaught_exceptions() > state_->exceptions) return;
   MPI_Finalize();
 }
@@ -60,7 +59,7 @@ void Ranks::wait_for_first() {
       MPI_Send(&here, 1, MPI_INT64_T, other, kWork, MPI_COMM_WORLD);
     return;
   }
-  wait_politely(kFirst);
+  wait_for_message(kFirst);
   MPI_Recv(&here, 1, MPI_INT64_T, kFirst, kWork, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }
 
@@ -100,7 +99,7 @@ void Ranks::run_follower(const std::function<std::optional<std::string>(size_t)>
   for (;;) {
     MPI_Send(result.data(), static_cast<int>(result.size()), MPI_CHAR, kFirst, kResult,
              MPI_COMM_WORLD);
-    wait_politely(kFirst);
+    wait_for_message(kFirst);
     int64_t run = kNoMore;
     MPI_Recv(&run, 1, MPI_INT64_T, kFirst, kWork, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     if (run == kNoMore) return;

@@ -1,4 +1,4 @@
-// Throng without MPI.
+// Ranks of a Throng without MPI.
 #include "analysis/studies/ranks.h"
 #include "base/errors.h"
 
@@ -9,7 +9,7 @@ struct Ranks::State {};
 Ranks::Ranks() {
   throw EnvironmentError(
       "mpirun: this throng was built without MPI (OpenMPI was not found, or -DTHRONG_MPI=OFF); "
-      "`throng study --shard I/N` shares a study without it");
+      "use `throng study --shard I/N` to share a study without it");
 }
 Ranks::~Ranks() = default;
 int Ranks::rank() const { return 0; }

@@ -30,7 +30,7 @@ YamlNode scalar(std::string text, int line) {
   return node;
 }
 
-/// Without the digits that steps of 0.1 leave behind.
+/// Formats a number without the rounding digits of steps such as 0.1.
 std::string number_text(double value) { return fmt::format("{:.12g}", value + 0.0); }
 
 std::vector<YamlNode> range_values(const Fields& range) {
@@ -40,7 +40,7 @@ std::vector<YamlNode> range_values(const Fields& range) {
     throw InputError(range.where(), "a range with 'to' from 'from' on",
                      fmt::format("{} to {}", number_text(from), number_text(to)));
   const double step = range.number("step", {0, 1e15, true});
-  // The last one may be 'to' but for rounding.
+  // The tolerance keeps `to` as the last value in spite of rounding.
   const double count = std::floor((to - from) / step + 1e-9) + 1;
   if (!(count <= static_cast<double>(kMaxStudyRuns)))
     throw InputError(range.where(), fmt::format("at most {} values", kMaxStudyRuns),
@@ -51,7 +51,6 @@ std::vector<YamlNode> range_values(const Fields& range) {
   return values;
 }
 
-/// A list or a range.
 std::vector<YamlNode> values_of(const std::string& file, const std::string& name,
                                 const YamlNode& node) {
   if (node.kind == YamlNode::Kind::kMap)
@@ -81,7 +80,7 @@ StudyParameter parameter_of(const std::string& file, const YamlEntry& entry) {
   return {name, entry.line, std::find(options.begin(), options.end(), name) != options.end()};
 }
 
-/// Which of `count` equal strata each sample of a key lies in: a permutation (Fisher and Yates).
+/// Random permutation of `count` strata for one parameter (Fisher and Yates).
 std::vector<size_t> strata(size_t count, uint64_t seed, uint64_t key) {
   std::vector<size_t> order(count);
   std::iota(order.begin(), order.end(), size_t{0});
@@ -92,13 +91,13 @@ std::vector<size_t> strata(size_t count, uint64_t seed, uint64_t key) {
   return order;
 }
 
-/// The value of a key at a share of its range, from 0 to below 1.
-struct CubeKey {
-  std::vector<YamlNode> choices;  ///< instead of numbers
+struct HypercubeParameter {
+  std::vector<YamlNode> choices;  ///< values of a list; empty: a range of numbers
   double from = 0, to = 0;
   bool integer = false;
   int line = 0;
 
+  /// Value at a share of the range in [0, 1).
   YamlNode at(double share) const {
     if (!choices.empty())
       return choices[static_cast<size_t>(share * static_cast<double>(choices.size()))];
@@ -108,51 +107,57 @@ struct CubeKey {
   }
 };
 
-CubeKey cube_key(const std::string& file, const std::string& name, const YamlNode& node) {
-  CubeKey key;
-  key.line = node.line;
+HypercubeParameter hypercube_parameter(const std::string& file, const std::string& name,
+                                       const YamlNode& node) {
+  HypercubeParameter parameter;
+  parameter.line = node.line;
   if (node.kind == YamlNode::Kind::kList) {
-    key.choices = values_of(file, name, node);
-    return key;
+    parameter.choices = values_of(file, name, node);
+    return parameter;
   }
   const Fields range(file, node, fmt::format("'{}', a range {{from, to}} or a list", name));
-  range.expect_keys({"from", "to", "whole"});
-  key.from = range.number("from", kAnyNumber);
-  key.to = range.number("to", kAnyNumber);
-  key.integer = range.boolean_or("whole", false);
-  if (!(key.from < key.to))
-    throw InputError(range.where(), "a range with 'to' above 'from'",
-                     fmt::format("{} to {}", number_text(key.from), number_text(key.to)));
-  if (key.integer && (key.from != std::floor(key.from) || key.to != std::floor(key.to)))
-    throw InputError(range.where(), "whole numbers from and to",
-                     fmt::format("{} to {}", number_text(key.from), number_text(key.to)));
-  return key;
+  range.expect_keys({"from", "to", "integer"});
+  parameter.from = range.number("from", kAnyNumber);
+  parameter.to = range.number("to", kAnyNumber);
+  parameter.integer = range.boolean_or("integer", false);
+  if (!(parameter.from < parameter.to))
+    throw InputError(
+        range.where(), "a range with 'to' above 'from'",
+        fmt::format("{} to {}", number_text(parameter.from), number_text(parameter.to)));
+  if (parameter.integer &&
+      (parameter.from != std::floor(parameter.from) || parameter.to != std::floor(parameter.to)))
+    throw InputError(
+        range.where(), "integers 'from' and 'to'",
+        fmt::format("{} to {}", number_text(parameter.from), number_text(parameter.to)));
+  return parameter;
 }
 
-/// McKay, Beckman and Conover 1979: every key takes a value in each of its strata once.
+/// Each parameter has one value in each of its strata (McKay, Beckman and Conover 1979).
 ParameterBlock hypercube(const std::string& file, const YamlNode& node) {
   const Fields fields(file, node, "a Latin hypercube");
-  fields.expect_keys({"samples", "seed", "keys"});
+  fields.expect_keys({"samples", "seed", "parameters"});
   fields.require("samples");
   const auto samples =
       static_cast<size_t>(fields.integer_or("samples", 1, static_cast<int64_t>(kMaxStudyRuns), 1));
   const auto seed = static_cast<uint64_t>(fields.integer_or("seed", 0, INT64_MAX, 1));
-  const Fields keys(file, fields.require("keys"), "the keys of a Latin hypercube");
-  if (keys.node().entries.empty()) throw InputError(keys.where(), "at least one key", "none");
-  if (samples * keys.node().entries.size() > kMaxStudyRuns)
+  const Fields parameters(file, fields.require("parameters"),
+                          "the parameters of a Latin hypercube");
+  if (parameters.node().entries.empty())
+    throw InputError(parameters.where(), "at least one parameter", "none");
+  if (samples * parameters.node().entries.size() > kMaxStudyRuns)
     throw InputError(fields.where(), fmt::format("at most {} values in all", kMaxStudyRuns),
                      "more");
   ParameterBlock block;
   block.rows.resize(samples);
-  for (const YamlEntry& entry : keys.node().entries) {
-    const CubeKey key = cube_key(file, entry.key, entry.value);
+  for (const YamlEntry& entry : parameters.node().entries) {
+    const HypercubeParameter parameter = hypercube_parameter(file, entry.key, entry.value);
     const uint64_t id = block.parameters.size();
     block.parameters.push_back(parameter_of(file, entry));
     const std::vector<size_t> order = strata(samples, seed, id);
     for (size_t i = 0; i < samples; ++i) {
       const double within = random_uniform({seed, id, i, Purpose::kStudy}, 1);
       block.rows[i].push_back(
-          key.at((static_cast<double>(order[i]) + within) / static_cast<double>(samples)));
+          parameter.at((static_cast<double>(order[i]) + within) / static_cast<double>(samples)));
     }
   }
   return block;
@@ -180,7 +185,7 @@ void read_parameters(const Fields& fields, Study& study) {
   }
 }
 
-/// What is set for all runs is not varied, and nothing twice.
+/// Throws if a parameter is also set for all runs, or occurs twice.
 void require_once(const Fields& fields, const Study& study) {
   std::set<std::string> names;
   for (const YamlEntry& option : study.options.entries) names.insert(option.key);

@@ -1,6 +1,5 @@
-// A study: scenes x seeds x parameters, as its YAML file describes it.
-// One rule: the file alone says which runs there are and in which order; every complaint names
-// file:line.
+// Study describes scenes x seeds x parameters, as read from its YAML file.
+// Invariant: the file alone determines the runs and their order; errors name file:line.
 #pragma once
 
 #include <cstdint>
@@ -14,43 +13,44 @@
 namespace throng {
 
 struct StudyScene {
-  std::string name;            ///< as the study says it
-  std::filesystem::path file;  ///< of the scene
+  std::string name;            ///< as written in the study
+  std::filesystem::path file;  ///< scene file
   YamlNode tree;
 };
 
-/// A column of the table that the study sets.
+/// Column of the table that the study sets.
 struct StudyParameter {
-  std::string name;  ///< an option of a run, or the path of a key in a scene: "groups.1.count"
+  std::string name;  ///< an option of a run, or the path of a scene key: "groups.1.count"
   int line = 0;
   bool is_option = false;
 };
 
-/// Parameters that change together: one from a list or a range, or those of a hypercube.
+/// Parameters that change together: one from a list or a range, or all of a hypercube.
 struct ParameterBlock {
   std::vector<StudyParameter> parameters;
-  std::vector<std::vector<YamlNode>> rows;  ///< values, one a parameter
+  std::vector<std::vector<YamlNode>> rows;  ///< one value per parameter
 };
 
 struct Study {
   std::filesystem::path file;
   std::vector<StudyScene> scenes;
-  std::vector<int64_t> seeds;  ///< none: each scene has its own
-  YamlNode options;            ///< a map of those that hold for all runs
+  std::vector<int64_t> seeds;  ///< empty: the seed of each scene
+  YamlNode options;            ///< map of the options of all runs
   std::vector<ParameterBlock> blocks;
 
-  /// A run for each seed of each point of each scene, seeds changing fastest.
+  /// Number of combinations of parameter values.
   size_t points() const;
+  /// Number of runs: one per scene, point and seed, seeds changing fastest.
   size_t runs() const { return scenes.size() * points() * (seeds.empty() ? 1 : seeds.size()); }
 };
 
-/// Each is looked at before the first one begins.
+/// Maximum number of runs: all are checked before the first one begins.
 inline constexpr size_t kMaxStudyRuns = 100'000;
 
-/// Paths of scenes are relative to the study's folder. Throws InputError.
+/// Reads a study. Paths of scenes are relative to the study's folder. Throws InputError.
 Study read_study(const std::filesystem::path& file);
 
-/// A value as a cell of a table: scalars as they stand, the rest in one line of YAML.
+/// A value as a cell of a table: scalars unchanged, lists and maps as one line of YAML.
 std::string text_of(const YamlNode& value);
 
 }  // namespace throng

@@ -11,7 +11,7 @@
 namespace throng {
 namespace {
 
-/// The value as a command line would have it: of numbers YAML allows fractions, too.
+/// The value as on a command line; numeric options also accept YAML fractions.
 std::string value_text(const Fields& fields, const RunOption& option, const YamlNode& node) {
   const bool is_text =
       option.kind == RunOption::Kind::kText || option.kind == RunOption::Kind::kWord;
@@ -48,7 +48,7 @@ RunOptions read_study_options(const Fields& fields) {
   for (const RunOption& option : run_options())
     if (const YamlNode* node = option.is_of_study ? fields.find(option.name) : nullptr)
       option.read(value_text(fields, option, *node), fields.where(*node), options);
-  simulation_options(options);  // whether they fit each other
+  simulation_options(options);  // throws if the options contradict each other
   return options;
 }
 

@@ -1,5 +1,5 @@
-// The options of a run that a study may set or vary: those rows of run_options() that shape a
-// result. Where results go and how fast they come is the study's own business.
+// Study options: the options of `throng run` that a study may set or vary.
+// They are the rows of run_options() that affect results; outputs and speed belong to the study.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace throng {
 
-/// "avatars", "seconds", ...
 const std::vector<std::string>& study_option_names();
 
-/// From a map that has no other keys. Throws InputError.
+/// Reads options from a map without other keys. Throws InputError.
 RunOptions read_study_options(const Fields& fields);
 
-/// Why an option of `throng run` is none of a study, to follow "expected"; "" for any other word.
+/// Reason why an option of `throng run` is not allowed in a study, phrased to follow "expected"; ""
+/// for other words.
 std::string reason_not_in_study(const std::string& name);
 
 }  // namespace throng

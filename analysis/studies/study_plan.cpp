@@ -23,7 +23,7 @@ const YamlNode* name_of_item(const YamlNode& item) {
   return nullptr;
 }
 
-/// With all lines where it is put, so that the scene's reader names those.
+/// Sets all lines of a value to `line`, for errors that name the place in the study.
 YamlNode moved_to(YamlNode value, int line) {
   value.line = line;
   for (YamlNode& item : value.items) item = moved_to(std::move(item), line);
@@ -96,10 +96,10 @@ class Setter {
   const std::string& where_;
 };
 
-/// The way to a value in a scene file: "groups.1.desired_speed_mps.mean". Steps are divided by
-/// dots: a key of a map, which is added where the file does not have it, for the scene's reader to
-/// judge; of a list an item's number, counted from 1, its `name`, or "*" for each. Throws
-/// InputError at `where` if a step leads nowhere.
+/// Sets a value in a scene file by its path, for example "groups.1.desired_speed_mps.mean". A step
+/// is a key of a map (added if absent; the scene's reader validates it) or selects items of a list
+/// by number from 1, by `name` or by "*" for all. Throws InputError at `where` if a step does not
+/// exist.
 void set_value(YamlNode& root, const std::string& path, const YamlNode& value,
                const std::string& where) {
   Setter(path, value, where).set(root, 0);
@@ -107,7 +107,7 @@ void set_value(YamlNode& root, const std::string& path, const YamlNode& value,
 
 void put(YamlNode& map, const StudyParameter& parameter, const YamlNode& value) {
   map.entries.push_back({parameter.name, parameter.line, value});
-  // A value stands where the study says it.
+  // Errors in the value name the study's line.
   map.entries.back().value.line = parameter.line;
 }
 
@@ -171,7 +171,7 @@ StudyPlan::RunPosition StudyPlan::position_of(size_t run) const {
   return {run / seeds / points, run / seeds % points, run % seeds};
 }
 
-/// The last block changes fastest.
+/// Row of each block at a point; the last block changes fastest.
 std::vector<size_t> StudyPlan::rows_of(size_t point) const {
   std::vector<size_t> rows(study_.blocks.size());
   for (size_t i = rows.size(); i-- > 0;) {
@@ -208,15 +208,15 @@ PlannedRun StudyPlan::planned(size_t scene, size_t point, LoadedModels& models) 
 
 PlannedRun StudyPlan::planned(size_t run) const {
   const RunPosition position = position_of(run);
-  LoadedModels models = models_;  // all of them, so that runs share them
+  LoadedModels models = models_;  // copies share the loaded models
   PlannedRun planned_run = planned(position.scene, position.point, models);
   if (!study_.seeds.empty())
     planned_run.scene.seed = static_cast<uint64_t>(study_.seeds[position.seed]);
   return planned_run;
 }
 
-/// Names the first value that the scene refuses after those before it; called while the error that
-/// it found is handled.
+/// Called while a scene's error is handled: rethrows it for the first value that the scene rejects
+/// when values are applied in order.
 void StudyPlan::rethrow_at_value(size_t scene, size_t point) {
   const std::string file = study_.file.string();
   const std::vector<size_t> rows = rows_of(point);
@@ -235,7 +235,7 @@ void StudyPlan::rethrow_at_value(size_t scene, size_t point) {
       }
   } catch (const InputError& error) {
     const std::string message = error.what();
-    // The study's own lines say enough, and so do the scene's where the study changes nothing.
+    // Errors in the study itself, or in an unmodified scene, are specific enough.
     if (faulty == nullptr || message.starts_with(file + ":")) throw;
     throw InputError(
         at_line(file, faulty->line),

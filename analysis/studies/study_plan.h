@@ -1,6 +1,6 @@
-// The runs of a study, one by one: which scene, which seed, which values.
-// One rule: whoever has a plan knows that every run of it can begin: all scenes were read with all
-// values before.
+// StudyPlan lists the runs of a study with their scene, seed and values.
+// Invariant: every run of a plan can begin, because the constructor has read all scenes with all
+// values.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace throng {
 
-/// A run, ready to begin.
+/// A run that is ready to begin.
 struct PlannedRun {
   Scene scene;
   CullerOptions culler;
@@ -23,21 +23,21 @@ struct PlannedRun {
 
 class StudyPlan {
  public:
-  /// Reads each scene with each point's values. Throws InputError naming the line of the value that
-  /// a scene does not take.
+  /// Reads each scene with the values of each point. Throws InputError naming the line of the value
+  /// that a scene rejects.
   explicit StudyPlan(Study study);
 
   size_t runs() const { return study_.runs(); }
   const Study& study() const { return study_; }
-  /// What the runs do otherwise than their files say, each once: enlarged plans, for example.
+  /// Notes on deviations from the files, each once; for example enlarged plans.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Of all that the study asks for, scenes and models included, wherever they lie: two plans of
-  /// the same identity have the same table.
+  /// Hash of everything that the study asks for, including scenes and models but not their paths.
+  /// Plans of equal identity have equal tables.
   uint64_t identity() const { return identity_; }
 
-  /// "run", "runs", "study", "scene", "seed", and the parameters.
+  /// Column names: "run", "runs", "study", "scene", "seed", then the parameters.
   std::vector<std::string> columns() const;
-  /// Of a run, counted from 0. May be asked from several threads.
+  /// Cells of a run, for columns(). Runs count from 0. Thread-safe.
   std::vector<std::string> cells(size_t run) const;
   PlannedRun planned(size_t run) const;
 
@@ -52,7 +52,7 @@ class StudyPlan {
 
   Study study_;
   LoadedModels models_;
-  std::vector<uint64_t> own_seeds_;  ///< by scene and point, where the study names no seeds
+  std::vector<uint64_t> own_seeds_;  ///< indexed by scene and point, if the study has no seeds
   uint64_t identity_ = 0;
   std::vector<std::string> notes_;
 };

@@ -39,7 +39,7 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// How fast people are, and when they leave.
+/// Measures speed, presence and leaving times of people.
 class Movement {
  public:
   void frame(const Frame& frame, double step_s) {
@@ -63,7 +63,6 @@ class Movement {
 
   double mean_speed_mps() const { return mean(speeds_mps_, person_frames_); }
   double mean_present() const { return mean(static_cast<double>(person_frames_), frames_); }
-  /// None if nobody left.
   std::optional<double> last_left_s() const { return if_any(last_left_s_); }
   std::optional<double> mean_stay_s() const { return if_any(mean(stayed_s_, left_)); }
 
@@ -75,7 +74,7 @@ class Movement {
     return left_ > 0 ? std::optional(value) : std::nullopt;
   }
 
-  std::vector<double> entered_s_;  ///< by person; below 0: is not there
+  std::vector<double> entered_s_;  ///< indexed by person; negative: not in the scene
   uint64_t person_frames_ = 0, frames_ = 0, left_ = 0;
   double speeds_mps_ = 0, stayed_s_ = 0, last_left_s_ = 0;
 };
@@ -106,12 +105,12 @@ std::vector<uint64_t> contacts_by_kind(const PartMatrix& parts) {
   std::vector<PartGroup> groups;
   for (const std::string& name : parts.names) groups.push_back(part_group(name));
   for (size_t i = 0; i < groups.size(); ++i)
-    for (size_t k = 0; k <= i; ++k)  // the matrix says it all twice
+    for (size_t k = 0; k <= i; ++k)  // the matrix is symmetric
       counts[group_pair(groups[i], groups[k])] += parts.counts[i * groups.size() + k];
   return counts;
 }
 
-/// Cells in the order in which they are named.
+/// Collects cells in the order of study_measures().
 class Cells {
  public:
   void integer(uint64_t value) { cells_.push_back(fmt::format("{}", value)); }
@@ -172,43 +171,53 @@ std::vector<std::string> measures_of(const RunSummary& summary, const StudyMeasu
 const std::vector<StudyMeasure>& study_measures() {
   static const std::vector<StudyMeasure> measures = [] {
     std::vector<StudyMeasure> all = {
-        {"simulated_s", Kind::kNumber, "how long the run was"},
-        {"people", Kind::kInteger, "everybody there may ever be"},
+        {"simulated_s", Kind::kNumber, "simulated duration"},
+        {"people", Kind::kInteger, "number of people of the scene, present or not"},
         {"plan_growth", Kind::kNumber,
-         "factor by which `avatars` enlarged the sides of the plan; 1: not at all"},
-        {"unplaced", Kind::kInteger, "people who found no place at the start"},
-        {"entered", Kind::kInteger, "those of the start included"},
-        {"left", Kind::kInteger, "people who left, at their last goal"},
-        {"present", Kind::kInteger, "people who are there at the end"},
-        {"waiting", Kind::kInteger, "outside at the end, due, without room to enter"},
-        {"scheduled", Kind::kInteger, "not due yet at the end"},
-        {"stranded", Kind::kInteger, "people who cannot reach a goal"},
-        {"mean_present", Kind::kNumber, "people who were there, mean over the frames"},
-        {"mean_speed_mps", Kind::kNumber, "mean over everybody and the frames they were there"},
-        {"mean_stay_s", Kind::kNumber, "from entering to leaving, of those who left"},
-        {"last_left_s", Kind::kNumber, "when the last one of those left"},
-        {"queuing_peak", Kind::kInteger, "people queuing at once"},
-        {"longest_stall_s", Kind::kNumber, "how long a walker stood still without queuing"},
-        {"max_overlap_m", Kind::kNumber, "of two steering discs"},
-        {"mean_heading_rate_radps", Kind::kNumber, "how fast headings turn, mean"},
+         "factor by which `avatars` enlarged the sides of the plan; 1: not enlarged"},
+        {"unplaced", Kind::kInteger, "people without a place at the start"},
+        {"entered", Kind::kInteger, "people who entered, including those present at the start"},
+        {"left", Kind::kInteger, "people who left at their last goal"},
+        {"present", Kind::kInteger, "people present at the end"},
+        {"waiting", Kind::kInteger, "people due but still outside at the end, for lack of space"},
+        {"scheduled", Kind::kInteger, "people not due before the end"},
+        {"stranded", Kind::kInteger, "people without a path to a goal"},
+        {"mean_present", Kind::kNumber, "number of people present, mean over frames"},
+        {"mean_speed_mps", Kind::kNumber,
+         "mean speed over people and the frames of their "
+         "presence"},
+        {"mean_stay_s", Kind::kNumber, "mean time from entering to leaving, of people who left"},
+        {"last_left_s", Kind::kNumber, "time at which the last person left"},
+        {"queuing_peak", Kind::kInteger, "maximum number of people queuing at a time"},
+        {"longest_stall_s", Kind::kNumber,
+         "longest time that a walking agent stood still outside "
+         "of queues"},
+        {"max_overlap_m", Kind::kNumber, "maximum overlap of two steering discs"},
+        {"mean_heading_rate_radps", Kind::kNumber, "mean rate of turn of headings"},
         {"contacts", Kind::kInteger,
-         "of two people, from their first parts that touch to the last"},
-        {"contacts_per_person_min", Kind::kNumber, "the same, a person and minute"},
+         "contacts of two people, from their first touching pair of parts to the last"},
+        {"contacts_per_person_min", Kind::kNumber, "contacts per person and minute"},
         {"people_touched", Kind::kInteger, "people with at least one contact"},
-        {"contact_time_share", Kind::kNumber, "of the time that people were there"},
-        {"median_contact_s", Kind::kNumber, "of contacts that began and ended within the run"},
-        {"obstacle_contacts", Kind::kInteger, "of a person and an obstacle"},
-        {"part_contacts", Kind::kInteger, "of two parts, obstacles included"},
-        {"part_pairs_peak", Kind::kInteger, "pairs of parts that touch at once"},
+        {"contact_time_share", Kind::kNumber,
+         "share of the people's time that is spent in "
+         "contact"},
+        {"median_contact_s", Kind::kNumber,
+         "median duration of contacts that begin and end "
+         "within the run"},
+        {"obstacle_contacts", Kind::kInteger, "contacts of a person and an obstacle"},
+        {"part_contacts", Kind::kInteger, "contacts of two parts, including those of obstacles"},
+        {"part_pairs_peak", Kind::kInteger, "maximum number of touching pairs of parts at a time"},
     };
     for (size_t pair = 0; pair < kGroupPairs; ++pair) {
       std::string name = "contacts_" + name_of_group_pair(pair);
       std::replace(name.begin(), name.end(), ' ', '_');
       all.push_back({std::move(name), Kind::kInteger,
-                     "of two parts of two people: " + name_of_group_pair(pair)});
+                     "contacts of two parts of two people: " + name_of_group_pair(pair)});
     }
-    all.push_back({"run_id", Kind::kText, "of the scene, the seed and all that changes results"});
-    all.push_back({"hash", Kind::kText, "of all events"});
+    all.push_back({"run_id", Kind::kText,
+                   "hash of the scene, the seed and all options that "
+                   "affect results"});
+    all.push_back({"hash", Kind::kText, "hash of all events"});
     return all;
   }();
   return measures;
@@ -244,7 +253,7 @@ std::optional<StudyRow> run_one(const StudyPlan& plan, size_t run, int threads,
     return row;
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: run {}", plan.study().file.string(), run + 1),
-                     "a scene that can be run", error.what());
+                     "a scene that runs without errors", error.what());
   }
 }
 

@@ -1,4 +1,4 @@
-// One run of a study, and all runs of one, several at once.
+// study_run executes one run of a study, or all runs of a study in parallel.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,11 @@
 
 namespace throng {
 
-// One run of a study, carried out and measured.
-// What is measured depends on the run alone; what the clock says stays apart from it.
+// Invariant: measures depend on the run alone; times are stored separately.
 
 class BodyTables;
 
-/// A column that a run fills.
+/// Column that a run fills.
 struct StudyMeasure {
   enum class Kind : uint8_t { kInteger, kNumber, kText };
   std::string name;
@@ -25,45 +24,43 @@ struct StudyMeasure {
   std::string meaning;
 };
 
-/// In the order of the table.
+/// All measured columns, in the order of the table.
 const std::vector<StudyMeasure>& study_measures();
 
-/// What the clock says of a run, and of the process that carried it out.
+/// Times of a run and the memory of its process.
 struct StudyTimes {
-  double setup_s = 0;  ///< before the first frame
-  double wall_s = 0;   ///< all of it
-  double cpu_s = 0;    ///< of the thread that carried it out; others that helped have their own
+  double setup_s = 0;  ///< time before the first frame
+  double wall_s = 0;   ///< duration of the whole run
+  double cpu_s = 0;    ///< CPU time of the thread that executed the run, without helper threads
   double realtime_factor = 0;
-  double peak_rss_mb = 0;  ///< of the process so far
+  double peak_rss_mb = 0;  ///< peak memory of the process so far
 };
 const std::vector<std::string>& study_times_columns();
 
 /// A finished run.
 struct StudyRow {
   size_t run = 0;                     ///< counted from 0
-  std::vector<std::string> measures;  ///< a cell each
-  std::vector<std::string> times;     ///< a cell each
+  std::vector<std::string> measures;  ///< one cell per study_measures()
+  std::vector<std::string> times;     ///< one cell per study_times_columns()
 };
 
-/// Nothing if keep_going() said no before the end. Throws InputError, naming the run.
+/// Executes a run. Returns nothing if keep_going() returned false. Throws InputError naming the
+/// run.
 std::optional<StudyRow> run_one(const StudyPlan& plan, size_t run, int threads,
                                 const std::shared_ptr<BodyTables>& tables,
                                 const std::function<bool()>& keep_going);
 
-// Carries out the runs of a study, several at once.
-// A run a worker, and whoever is free takes the next; the order in which runs end never
-// reaches a result.
-
+/// The runs of a study for run_all(). Invariant: the order in which runs end affects no result.
 struct StudyWork {
   const StudyPlan& plan;
-  /// The next run, or nothing when there is none left; one thread at a time.
+  /// Returns the next run, or nothing at the end; called by one thread at a time.
   std::function<std::optional<size_t>()> next;
-  std::function<void(const StudyRow&)> done;  ///< one thread at a time
-  std::function<bool()> keep_going;           ///< from any thread
+  std::function<void(const StudyRow&)> done;  ///< receives results; called by one thread at a time
+  std::function<bool()> keep_going;           ///< called from any thread
 };
 
-/// `workers` threads, each with as many for its own run. What a run or done() throws ends all and
-/// is thrown again.
+/// Executes runs on `workers` threads, each with `threads_each` threads for its run. The first
+/// exception of a run or of done() stops all and is rethrown.
 void run_all(const StudyWork& work, int workers, int threads_each);
 
 }  // namespace throng

@@ -31,7 +31,7 @@ std::string field(const std::string& cell) {
   return out + "\"";
 }
 
-/// The cells of one row; moves `text` behind its end.
+/// Parses the cells of one row and moves `text` past it.
 std::vector<std::string> take_row(std::string_view& text, const std::string& where) {
   std::vector<std::string> cells(1);
   bool quoted = false;
@@ -74,13 +74,11 @@ std::optional<size_t> integer_from(const std::string& text) {
   return value;
 }
 
-/// What rows of one study share.
 struct TableCheck {
   std::string study;
   size_t runs = 0;
 };
 
-/// Where a row belongs.
 size_t run_of(const StudyTable& table, const std::vector<std::string>& row, const std::string& name,
               size_t runs) {
   const std::string& cell = row[table.column("run")];
@@ -162,7 +160,7 @@ StudyTable read_table(const std::filesystem::path& file) {
 StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables) {
   StudyTable all;
   TableCheck check;
-  std::vector<const std::string*> from;  // by run: the table it is from
+  std::vector<const std::string*> from;  // by run: name of its table; null: missing
   for (const auto& [name, table] : tables) {
     require_study(name, table);
     if (table.rows.empty()) continue;
@@ -179,7 +177,7 @@ StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables)
     }
     for (const std::vector<std::string>& row : table.rows) {
       if (table.columns != all.columns || row[table.column("study")] != check.study)
-        throw InputError(name, fmt::format("runs of study {}, as in the first table", check.study),
+        throw InputError(name, fmt::format("runs of study {} as in the first table", check.study),
                          fmt::format("those of {}", row[table.column("study")]));
       const size_t run = run_of(table, row, name, check.runs);
       if (from[run] != nullptr && all.rows[run] != row)
@@ -194,7 +192,7 @@ StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables)
   if (missing != from.end())
     throw InputError(
         "--merge", fmt::format("all {} runs of the study", check.runs),
-        fmt::format("{} missing, run {} the first of them",
+        fmt::format("{} missing, the first is run {}",
                     std::count(from.begin(), from.end(), nullptr), missing - from.begin() + 1));
   return all;
 }
@@ -210,7 +208,7 @@ bool is_number(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// Of a measure as it says, of all else by what stands there.
+/// Kind of a measured column; for other columns the kind that all cells have.
 Kind kind_of(const StudyTable& table, size_t column) {
   const std::string& name = table.columns[column];
   if (name == "study" || name == "scene") return Kind::kText;
@@ -224,7 +222,7 @@ Kind kind_of(const StudyTable& table, size_t column) {
   return all(is_number<double>) ? Kind::kNumber : Kind::kText;
 }
 
-/// What goes wrong in memory is its lack.
+/// Throws if a step failed. In-memory databases fail only for lack of memory.
 void require(bool done, sqlite3* database) {
   if (!done)
     throw EnvironmentError(
@@ -288,7 +286,7 @@ void fill(sqlite3* database, const StudyTable& table) {
   require(sqlite3_exec(database, "COMMIT", nullptr, nullptr, nullptr) == SQLITE_OK, database);
 }
 
-/// In the child. A number with a point keeps it, so that its column stays one of such numbers.
+/// Runs in the child. Numbers with a decimal point keep it, to keep the kind of their column.
 std::string text_at(sqlite3_stmt* statement, int column) {
   if (sqlite3_column_type(statement, column) == SQLITE_FLOAT) {
     const std::string text = fmt::format("{}", sqlite3_column_double(statement, column));
@@ -357,7 +355,7 @@ bool varies(const StudyTable& table, size_t column) {
                      [&](const auto& row) { return row[column] != table.rows.front()[column]; });
 }
 
-/// What is drawn along x: parameters that vary, or the scenes where none does.
+/// Columns for the x axis: parameters that vary, or the scene if none varies.
 std::vector<size_t> abscissas(const StudyTable& table) {
   std::vector<size_t> out;
   const size_t end = std::min(table.column(study_measures().front().name), table.columns.size());
@@ -383,7 +381,7 @@ struct Group {
   }
 };
 
-/// Where the values of a column lie along x: numbers where they are, words one after another.
+/// Positions of a column's values along x: numbers as they are, words at 0, 1, 2, ...
 class Axis {
  public:
   Axis(const StudyTable& table, size_t column) : column_(column) {
@@ -436,7 +434,7 @@ std::vector<Series> series_of(const StudyTable& table, const Axis& axis, size_t 
   return all;
 }
 
-/// Whether enough runs share a place to tell their mean and spread.
+/// True if runs share x values, which makes mean and spread meaningful.
 bool has_groups(const Series& series) {
   return series.points.size() >= 2 * series.groups.size() || series.groups.size() <= 12;
 }
@@ -475,8 +473,10 @@ Figure figure_of(const StudyTable& table, size_t along, size_t measure) {
     append(plot, "{}$runs{} with points pt 7 ps 0.35 lc rgb '{}' title {}", i > 0 ? ", " : "", i,
            colour, gnuplot_quoted(all[i].scene.empty() ? "a run" : all[i].scene));
     if (has_groups(all[i]))
-      append(plot, ", $means{} with yerrorlines pt 6 lc rgb '{}' title 'mean and deviation'", i,
-             colour);
+      append(plot,
+             ", $means{} with yerrorlines pt 6 lc rgb '{}' title 'mean and standard "
+             "deviation'",
+             i, colour);
   }
   append(script, "plot {}\n", plot);
   return figure;

@@ -1,4 +1,4 @@
-// The table of a study's runs, its pictures, and its database.
+// StudyTable holds a study's results; this file also reads, writes, merges and plots tables.
 #pragma once
 
 #include <cstdint>
@@ -11,51 +11,44 @@
 
 namespace throng {
 
-// The table of a study: a row a run, as CSV or as SQLite.
-// Cells are text until the file is written, rows lie in the order of their runs, and
-// equal rows make equal bytes, whoever made them.
-
+/// Table with one row per run, written as CSV or SQLite.
+/// Invariant: rows are in the order of their runs, and equal rows give equal bytes.
 struct StudyTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
 
-  /// npos if there is none.
+  /// Index of a column; npos if there is none.
   size_t column(std::string_view name) const;
 };
 
-/// A line of comma-separated values (RFC 4180), without its end.
+/// A line of comma-separated values (RFC 4180), without a line end.
 std::string csv_line(const std::vector<std::string>& cells);
-/// All lines; `where` names the text in errors. Throws InputError if a row has other cells than the
-/// first.
+/// Parses CSV text; `where` names it in errors. Throws InputError if rows differ in their number of
+/// cells.
 StudyTable parse_csv(std::string_view text, const std::string& where);
 std::string csv_text(const StudyTable& table);
 
-/// ".csv" or ".sqlite", by the name. Throws InputError for another one.
+/// Kind of a table by its extension, .csv or .sqlite. Throws InputError for other extensions.
 enum class TableKind { kCsv, kSqlite };
 TableKind table_kind(const std::filesystem::path& file);
 
-/// Replaces the file. Columns of numbers are numbers in SQLite, table `runs`. Throws
-/// EnvironmentError.
+/// Writes the table, replacing the file. SQLite has one table `runs`, with numeric columns where
+/// all cells are numbers. Throws EnvironmentError.
 void write_table(const std::filesystem::path& file, const StudyTable& table);
-/// Throws InputError.
+/// Reads a table from either format. Throws InputError.
 StudyTable read_table(const std::filesystem::path& file);
 
-/// Rows of several tables of one study, each run once, all of them there. Throws InputError.
+/// Merges tables of one study. Throws InputError unless each of its runs occurs.
 StudyTable merged(const std::vector<std::pair<std::string, StudyTable>>& tables);
 
-// Tables of studies as SQLite databases.
-// A database is made in memory, so that equal rows make equal bytes, and read in a
-// process of its own.
-
+/// The table as a SQLite database, built in memory: equal rows give equal bytes.
 std::vector<uint8_t> sqlite_bytes(const StudyTable& table);
-/// Table `runs` as CSV. Throws InputError.
+
+/// Table `runs` of a SQLite file as CSV, read in a separate process. Throws InputError.
 std::string csv_of_sqlite(const std::filesystem::path& file);
 
-// Pictures of a study: each measured column against each parameter.
-// A column that is the same in all runs has no picture; every run is a point, and their
-// mean stands with one standard deviation to either side.
-
-/// "people_by_avatars", ... A curve a scene.
+/// Figures "people_by_avatars", ...: each measured column that varies against each parameter. They
+/// show one point per run, means with one standard deviation, and one curve per scene.
 std::vector<Figure> study_figures(const StudyTable& table);
 
 }  // namespace throng

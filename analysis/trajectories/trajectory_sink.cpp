@@ -1,4 +1,4 @@
-// Trajectories as comma-separated values, a row a person and frame.
+// Trajectories as comma-separated values (one row per person and frame) or SQLite.
 #include "analysis/trajectories/trajectory_sink.h"
 
 #include <fcntl.h>
@@ -35,7 +35,7 @@ class CsvWriter final : public TrajectoryWriter {
   CsvWriter& operator=(const CsvWriter&) = delete;
 
   void begin(const TrajectoryHead& head) override {
-    // A pipe or device has nothing to lose (EINVAL).
+    // EINVAL: pipes and devices cannot be truncated.
     if (ftruncate(descriptor_, 0) != 0 && errno != EINVAL) fail();
     frame_s_ = 1 / head.fps;
     text_ = "frame,time_s,id,x_m,y_m,heading_rad,speed_mps\n";
@@ -64,7 +64,7 @@ class CsvWriter final : public TrajectoryWriter {
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) {
         const int error = errno;
-        // Whole frames only: a torn line would read as a wrong number.
+        // Cut off incomplete frames: a torn line would read as a wrong number.
         [[maybe_unused]] const int cut = ftruncate(descriptor_, complete_);
         errno = error;
         fail();
@@ -96,10 +96,10 @@ std::unique_ptr<TrajectoryWriter> open_csv_trajectory(const std::filesystem::pat
 
 namespace {
 
-/// A transaction is one fsync: at 10 frames a second and 500 people one in 10 s.
-constexpr int64_t kRowsATransaction = 50'000;
-/// ... but what was recorded a while ago is in the file, however few there are.
-constexpr int kFramesATransaction = 100;
+/// One transaction is one fsync: every 10 s at 10 frames per second and 500 people.
+constexpr int64_t kRowsPerTransaction = 50'000;
+/// Bounds the delay of small crowds.
+constexpr int kFramesPerTransaction = 100;
 
 constexpr const char* kSchema = R"(
 CREATE TABLE trajectory_data(
@@ -119,7 +119,7 @@ CREATE TABLE throng_people(id INTEGER PRIMARY KEY, name TEXT NOT NULL);
 class SqliteWriter final : public TrajectoryWriter {
  public:
   explicit SqliteWriter(const std::filesystem::path& file) : file_(file.string()) {
-    // Not as a database yet: what stands there is only lost when the run begins.
+    // Not opened as a database yet: an existing file is only replaced when the run begins.
     const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor < 0) fail(std::strerror(errno));
     struct flock lock {};
@@ -129,7 +129,7 @@ class SqliteWriter final : public TrajectoryWriter {
     if (is_in_use) fail("another program has it open");
   }
   ~SqliteWriter() override {
-    // What is not committed was not promised.
+    // Drops uncommitted rows.
     close();
   }
   SqliteWriter(const SqliteWriter&) = delete;
@@ -172,7 +172,7 @@ class SqliteWriter final : public TrajectoryWriter {
     run(shape_);
     ++pending_frames_;
     pending_rows_ += static_cast<int64_t>(rows.size());
-    if (pending_frames_ >= kFramesATransaction || pending_rows_ >= kRowsATransaction) commit();
+    if (pending_frames_ >= kFramesPerTransaction || pending_rows_ >= kRowsPerTransaction) commit();
   }
 
   void end() override {
@@ -182,7 +182,7 @@ class SqliteWriter final : public TrajectoryWriter {
 
  private:
   void create() {
-    // Emptied, not removed: its owner, its other names and who has locked it stay.
+    // Truncates the file instead of removing it, to keep its owner, hard links and locks.
     std::error_code error;
     if (std::filesystem::is_regular_file(file_, error)) {
       std::filesystem::resize_file(file_, 0, error);
@@ -260,8 +260,8 @@ class SqliteWriter final : public TrajectoryWriter {
                     file_, reason));
   }
 
-  /// A write that failed leaves the journal of its transaction beside the file: readers would need
-  /// the right to write. The next one who opens it takes the transaction back; that is us.
+  /// A failed write leaves the journal of its transaction next to the file, and readers would need
+  /// write permission. Opening the file again rolls the transaction back.
   void roll_back() {
     sqlite3* again = nullptr;
     if (sqlite3_open_v2(file_.c_str(), &again, SQLITE_OPEN_READWRITE, nullptr) == SQLITE_OK)
@@ -314,7 +314,7 @@ double usual_fps(const Scene& scene) {
   return recorded_fps > 0 ? recorded_fps : 10;
 }
 
-/// "walkers 7"; of those who were recorded the number is the file's.
+/// "walkers 7"; for recorded people the number is that of the recording.
 std::string name_of(const RunInfo& run, size_t id) {
   const std::string& group = run.groups[run.group_of_avatar[id]];
   if (!run.scene->recorded) return fmt::format("{} {}", group, id);

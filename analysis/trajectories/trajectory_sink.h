@@ -1,4 +1,4 @@
-// Writes where people walk, in the formats that other programs read.
+// TrajectorySink writes the positions of people in formats that other programs read.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,14 @@
 
 namespace throng {
 
-// Where recorded positions go: one implementation a file format.
-// What a writer has completed stays readable, whatever fails later.
+// Writers keep the frames that they have completed readable, regardless of later failures.
 
-/// What holds for a whole recording.
+/// Properties of a whole trajectory file.
 struct TrajectoryHead {
-  double fps = 0;    ///< recorded frames a second of simulated time
-  Rectangle bounds;  ///< of the walkable area
-  std::string wkt;   ///< the walkable area, see trajectory_area(); empty: not asked for
-  std::vector<std::pair<std::string, std::string>> facts;  ///< scene, seed, run: name and value
+  double fps = 0;    ///< frames per second of simulated time
+  Rectangle bounds;  ///< bounds of the walkable area
+  std::string wkt;   ///< walkable area, see trajectory_area(); empty: not required
+  std::vector<std::pair<std::string, std::string>> facts;  ///< names and values: scene, seed, run
   std::vector<std::string> people;                         ///< display names by id
 };
 
@@ -36,50 +35,51 @@ struct TrajectoryRow {
   double speed_mps = 0;
 };
 
+/// Writes one file; each format has an implementation. Calls throw EnvironmentError if the file
+/// cannot be written.
 class TrajectoryWriter {
  public:
   virtual ~TrajectoryWriter() = default;
-  /// Each throws EnvironmentError if the file cannot take it.
   virtual void begin(const TrajectoryHead& head) = 0;
   virtual void frame(int64_t number, std::span<const TrajectoryRow> rows) = 0;
   virtual void end() = 0;
 };
 
-/// What SQLite keeps beside a database while it is written: these endings are added to its name.
+/// Suffixes of the files that SQLite keeps next to a database while it is written.
 inline constexpr const char* kSqliteSideFiles[] = {"-journal", "-wal", "-shm"};
 
-/// Opens the file; begin() empties it. Throws EnvironmentError if it cannot be opened.
+/// Opens the file; begin() truncates it. Throws EnvironmentError if it cannot be opened.
 std::unique_ptr<TrajectoryWriter> open_sqlite_trajectory(const std::filesystem::path& file);
 std::unique_ptr<TrajectoryWriter> open_csv_trajectory(const std::filesystem::path& file);
 
-/// Records where people are, for tools that read trajectories (PedPy, JuPedSim, spreadsheets).
-/// A row for everybody who is there, none for anybody who is not.
+/// Options of a trajectory for tools such as PedPy, JuPedSim or spreadsheets. Frames have one row
+/// per present person.
 struct TrajectoryOptions {
   std::filesystem::path file;  ///< NAME.sqlite or NAME.csv
-  /// Wanted; every so many steps are written that it comes nearest. None: as a recording has it,
-  /// else 10.
+  /// Target frame rate; the sink writes every n-th step, with n chosen to come closest. None: that
+  /// of the recording, or 10.
   std::optional<double> fps = {};
-  /// Of a walkable area that falls into pieces, see trajectory_area().
+  /// Number of the piece if the walkable area has several, see trajectory_area().
   std::optional<int64_t> piece = {};
 };
 
 class TrajectorySink final : public Sink {
  public:
-  /// Opens the file; begin() empties it. Throws InputError for another extension, EnvironmentError
-  /// if it cannot be opened; so do all calls if it cannot be written any more.
+  /// Opens the file; begin() truncates it. Throws InputError for other extensions; all calls throw
+  /// EnvironmentError if the file cannot be opened or written.
   explicit TrajectorySink(const TrajectoryOptions& options);
 
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 
-  int64_t frames() const { return frames_; }  ///< recorded so far
+  int64_t frames() const { return frames_; }  ///< number of frames so far
   int64_t rows() const { return rows_total_; }
 
  private:
   TrajectoryOptions options_;
   std::unique_ptr<TrajectoryWriter> writer_;
-  int64_t every_ = 1;  ///< steps
+  int64_t every_ = 1;  ///< steps per frame
   int64_t frames_ = 0;
   int64_t rows_total_ = 0;
   std::vector<TrajectoryRow> rows_;
@@ -88,8 +88,8 @@ class TrajectorySink final : public Sink {
 /// True if the name ends in .sqlite or .csv.
 bool is_trajectory_name(const std::filesystem::path& file);
 
-/// Throws InputError if one of the files has the walkable area and no piece of it can be chosen;
-/// `option` is the one that chooses.
+/// Throws InputError if a file needs the walkable area and no piece of it can be chosen. `option`
+/// names the option that chooses a piece.
 void require_trajectory_area(std::span<const std::filesystem::path> files, const Scene& scene,
                              std::optional<int64_t> piece, std::string_view option);
 

@@ -18,12 +18,11 @@ namespace {
 
 namespace bp = boost::polygon;
 
-/// No disc of the smallest radius has room in less.
+/// Smaller pieces cannot hold the smallest disc.
 constexpr double kMinPiece_m2 = std::numbers::pi * kMinRadius_m * kMinRadius_m;
-/// Corners of a disc's outline: within 0.1 mm of the circle.
+/// Number of corners of a disc's outline: within 0.1 mm of the circle.
 constexpr int kDiscCorners = 64;
 
-/// A little larger to all sides.
 std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& corner : corners)
@@ -34,7 +33,7 @@ std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
   return corners;
 }
 
-/// All of it, or what a recording says of it.
+/// The whole ground, or the area that a recording states.
 GridSet ground_of(const Scene& scene) {
   GridSet ground;
   const Eigen::Vector2d &low = scene.ground.min_m, &high = scene.ground.max_m;
@@ -56,7 +55,7 @@ std::vector<Eigen::Vector2d> ring_of(const Ring& ring, bool counter_clockwise) {
   if (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
   if ((doubled_area(corners) > 0) != counter_clockwise)
     std::reverse(corners.begin(), corners.end());
-  // The corner that a ring starts in says nothing: always the leftmost.
+  // Rings start at their leftmost corner, to make the text unique.
   const auto first = std::min_element(corners.begin(), corners.end(),
                                       [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
                                         return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
@@ -69,7 +68,7 @@ std::string text_of(const std::vector<Eigen::Vector2d>& ring) {
   std::string text = "(";
   for (size_t i = 0; i <= ring.size(); ++i) {
     const Eigen::Vector2d& corner = ring[i % ring.size()];
-    // Four digits are the whole unit; adding zero turns -0 into 0.
+    // Four digits express the unit exactly; adding zero turns -0 into 0.
     append(text, "{}{:.4f} {:.4f}", i == 0 ? "" : ", ", corner.x() + 0.0, corner.y() + 0.0);
   }
   return text + ")";
@@ -81,7 +80,7 @@ double area_m2(const WalkablePolygon& polygon) {
   return 0.5 * doubled_m2;
 }
 
-/// Of the ring from corner i - 1 to i + 1, in which the walkable side is on the left.
+/// Corner i of a ring with its neighbours; the walkable side is on the left.
 struct Corner {
   Eigen::Vector2d before, at, after;
 
@@ -106,8 +105,8 @@ std::vector<Corner> corners_of(const WalkablePolygon& polygon) {
   return corners;
 }
 
-/// Whether a disc of the smallest radius has room that touches the middle of an edge; of large
-/// pieces one of the first edges says so.
+/// True if the smallest disc fits at the middle of an edge. Fast answer for large pieces: usually
+/// one of the first edges fits.
 bool fits_disc_at_edge(const std::vector<Corner>& corners) {
   constexpr size_t kMaxEdges = 64;
   const auto distance_m = [](const Eigen::Vector2d& p, const Corner& edge) {
@@ -126,8 +125,7 @@ bool fits_disc_at_edge(const std::vector<Corner>& corners) {
   return std::any_of(corners.begin(), end, fits);
 }
 
-/// Whether a disc of the smallest radius has room: something is left of the polygon less all that
-/// is nearer to its edges.
+/// True if the smallest disc fits: the polygon minus a strip along its edges is not empty.
 bool fits_disc(const WalkablePolygon& polygon) {
   if (area_m2(polygon) < kMinPiece_m2) return false;
   const std::vector<Corner> corners = corners_of(polygon);
@@ -184,18 +182,17 @@ std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
 TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
                                std::string_view option) {
   std::vector<WalkablePolygon> pieces = walkable_area(scene);
-  if (pieces.empty())
-    throw InputError(scene.name, "some ground that people can walk on for a trajectory", "none");
+  if (pieces.empty()) throw InputError(scene.name, "walkable ground for the trajectory", "none");
   if (pieces.size() > 1) {
-    // Where no disc has room at all the largest piece, which comes first, stands for the area.
+    // If no piece can hold a disc, the largest piece, which comes first, represents the area.
     const auto narrow = std::stable_partition(pieces.begin(), pieces.end(), fits_disc);
     pieces.erase(std::max(narrow, pieces.begin() + 1), pieces.end());
   }
   if (!piece && pieces.size() > 1)
     throw InputError(
-        option, "to be told which piece of the walkable area a trajectory has, as SQLite holds one",
-        fmt::format("{} pieces, the largest of {:.1f} and {:.1f} m2; 'largest' or a number from 1 "
-                    "chooses one by its size",
+        option, "the piece of the walkable area for the trajectory, as SQLite holds only one",
+        fmt::format("{} pieces, the largest of {:.1f} and {:.1f} m2; choose 'largest', or a number "
+                    "from 1 in order of size",
                     pieces.size(), area_m2(pieces[0]), area_m2(pieces[1])));
   const auto count = static_cast<int64_t>(pieces.size());
   if (piece.value_or(1) > count)

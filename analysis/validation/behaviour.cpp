@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSample_s = 0.1;
 
-/// From one direction to another, in turns: in (-0.5, 0.5].
+/// Angle between two directions in turns, in (-0.5, 0.5].
 double turn_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to)) / (2 * kPi);
 }
@@ -54,7 +54,7 @@ SceneAccelerations accelerations_of(const std::string& where, const Plan& plan, 
 QueueTurning measure_queue(const std::string& where, const Plan& plan, const Rectangle& area,
                            double seconds, Outcome& outcome) {
   constexpr double kWaits_mps = 0.2;
-  constexpr double kSetOut_s = 2;  // everybody has begun to walk by then
+  constexpr double kSetOut_s = 2;  // all people walk by then
   Trial trial(plan);
   std::vector<double> net(trial.size(), 0);
   QueueTurning out{where, 0, 0, 0};
@@ -120,13 +120,12 @@ DenseStanding place_dense_crowd(double per_m2, const Conditions& conditions, Out
 
 namespace {
 
-// Each encounter has a room of its own, whose walls are 3 m off all of its ways: a field of ways
-// then ends there.
+// Each encounter has a separate room, with walls 3 m from its paths, to limit its flow field.
 constexpr double kApart_m = 24;
 constexpr uint64_t kColumns = 5;
 constexpr uint64_t kBatch = kColumns * kColumns;
 
-/// Both set out where the encounter begins, and would pass its middle if nobody gave way.
+/// Both people start where the encounter begins, and would pass its centre if neither avoided.
 Scene steered(const std::vector<Encounter>& encounters, const Conditions& conditions) {
   const double half_m = 0.5 * kApart_m * static_cast<double>(kColumns);
   Plan plan("encounters", {{-half_m, -half_m}, {half_m, half_m}}, {conditions.model},
@@ -192,13 +191,13 @@ std::vector<EncounterOutcome> simulate_encounters(uint64_t count, const Conditio
 std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds) {
   Scene scene = plan.scene;
   scene.exact = true;
-  // As recorded bodies are stepped: longer steps miss short contacts.
+  // The step of retargeted recordings; longer steps miss short contacts.
   scene.step_s = std::min(scene.step_s, Scene().step_s);
   SimulationOptions options;
   options.postures = false;
   Simulation simulation(std::move(scene), options);
-  // Recorded bodies know for so long who will come in beside them, simulated ones do not: a quarter
-  // of the contacts in a corridor at 1 to 2 per m2 were those of people who had just appeared.
+  // Recorded bodies anticipate new neighbours for this time, simulated ones do not. In a corridor
+  // at 1 to 2 per m2, a quarter of the contacts were with people who had just appeared.
   ContactMeasures measures(simulation.info(), ContactMeasures::kGap_s, kExpected_s);
   const auto frames = static_cast<int64_t>(std::llround(seconds / simulation.scene().step_s));
   for (int64_t frame = 0; frame < frames; ++frame) measures.frame(simulation.step());
@@ -213,28 +212,28 @@ void add_social_groups(Plan& plan, int groups, const Rectangle& from,
                        const std::vector<Rectangle>& to) {
   for (int i = 0; i < groups; ++i) {
     const int size = 2 + i % 3;
-    SocialGroupRule companions{1, {0, 0, 0}};
-    companions.sizes[static_cast<size_t>(size - 2)] = 1;
-    plan.people(size, from, to).social_groups = companions;
+    SocialGroupRule social_groups{1, {0, 0, 0}};
+    social_groups.sizes[static_cast<size_t>(size - 2)] = 1;
+    plan.people(size, from, to).social_groups = social_groups;
   }
 }
 
 Plan crossing_groups_plan(SteeringKind model, uint64_t seed) {
-  Plan plan("crossing_parties", {{-20, -20}, {20, 20}}, {model}, seed);
+  Plan plan("crossing_groups", {{-20, -20}, {20, 20}}, {model}, seed);
   add_social_groups(plan, 27, {{-19.5, -5}, {-6, 5}}, {{{18, -5}, {20, 5}}});
   add_social_groups(plan, 27, {{-5, -19.5}, {5, -6}}, {{{-5, 18}, {5, 20}}});
   return plan;
 }
 
 Plan groups_at_a_door_plan(SteeringKind model, uint64_t seed) {
-  Plan plan("parties_at_a_door", {{-10, -4}, {25, 4}}, {model}, seed);
+  Plan plan("groups_at_a_door", {{-10, -4}, {25, 4}}, {model}, seed);
   plan.wall_along_y(-4, 4, 0, {0}, 1);
   add_social_groups(plan, 15, {{-9, -3.5}, {-2, 3.5}}, {{{22, -3}, {24, 3}}});
   return plan;
 }
 
 Plan groups_with_two_exits_plan(SteeringKind model, uint64_t seed) {
-  Plan plan("parties_with_two_exits", {{0, -3}, {30, 20}}, {model}, seed);
+  Plan plan("groups_with_two_exits", {{0, -3}, {30, 20}}, {model}, seed);
   plan.wall_along_x(0, 30, -0.1, {7.5, 22.5}, 1);
   add_social_groups(plan, 60, {{0, 0}, {15, 20}}, {{{0, -3}, {30, -2.2}}});
   return plan;
@@ -249,7 +248,7 @@ GroupCohesion measure_cohesion(const std::string& where, const Plan& plan, doubl
   while (trial.step(seconds)) {
     if (trial.now_s() < next_s) continue;
     next_s += 0.1;
-    // Those of a group have ids one after another.
+    // Members of a group have consecutive ids.
     for (size_t id = 0; id < trial.size(); ++id) {
       double nearest_m = INFINITY;
       for (size_t other = id < 3 ? 0 : id - 3; other < trial.size() && other < id + 4; ++other)

@@ -1,5 +1,4 @@
-// How people move, stand, meet and keep together: what is measured of each in bundled scenes, as
-// they are but for seed and model, and of people in parties.
+// behaviour measures motion, standing, encounters and cohesion of people in simulated scenes.
 #pragma once
 
 #include <string>
@@ -11,40 +10,40 @@
 
 namespace throng::validation {
 
-/// A bundled scene; its walls are not checked against moves.
+/// A bundled scene. Trial does not check moves against its walls.
 Plan bundled_plan(const std::string& name, const Conditions& conditions);
 
 SceneAccelerations accelerations_of(const std::string& where, const Plan& plan, double seconds,
                                     Outcome& outcome);
-/// People who wait in an area: slower than 0.2 m/s, on their way.
+/// Turning of people who wait in an area: slower than 0.2 m/s and not at their last goal.
 QueueTurning measure_queue(const std::string& where, const Plan& plan, const Rectangle& area,
                            double seconds, Outcome& outcome);
-/// Shares that face what their group faces, ten times a second, of those who stand; those whose
-/// group faces nothing do not count.
+/// Shares of standing people that face the point of their group, 10 times per second. Groups
+/// without such a point do not count.
 std::vector<double> facing_shares(const Plan& plan, double seconds, Outcome& outcome);
-/// A crowd that stands in the middle of a hall.
+/// Measures a crowd that stands in the middle of a hall.
 DenseStanding place_dense_crowd(double per_m2, const Conditions& conditions, Outcome& outcome);
 
-/// Encounters, steered from where they begin, with bodies; so many of one seed.
+/// Simulates `count` encounters of one seed, with bodies.
 std::vector<EncounterOutcome> simulate_encounters(uint64_t count, const Conditions& conditions);
-/// By level of density, of bodies; not of those who have been there for less than kExpected_s.
+/// Contacts by density level, between people present for at least kExpected_s.
 std::vector<CountedContacts> contacts_of(const Plan& plan, double seconds);
 
-// People in parties: through a crossing crowd, through a door, out of a hall with two exits.
-// Every party is a group of its own, so that a run tells who belongs to whom.
+// Social groups: through a crossing crowd, through a door, out of a hall with two exits. Each is a
+// separate group of the scene, which identifies its members.
 
-/// So many parties, in turn of two, three and four, from an area to others.
+/// Adds `groups` social groups with 2, 3 and 4 members in turn, walking from one area to others.
 void add_social_groups(Plan& plan, int groups, const Rectangle& from,
                        const std::vector<Rectangle>& to);
 
-/// Two streams of parties that cross at right angles.
+/// Two streams of social groups that cross at right angles.
 Plan crossing_groups_plan(SteeringKind model, uint64_t seed);
-/// A room, a door of 1 m, and 20 m more to go.
+/// A room, a door of 1 m, and 20 m of ground behind it.
 Plan groups_at_a_door_plan(SteeringKind model, uint64_t seed);
-/// A hall of 30 m x 20 m with two exits in a long side; parties begin in the half with one of them.
+/// A hall of 30 m x 20 m with two exits in a long side; groups start in the half with one of them.
 Plan groups_with_two_exits_plan(SteeringKind model, uint64_t seed);
 
-/// Ten times a second, of whoever has a companion there.
+/// Cohesion, sampled 10 times per second over people whose group has other members present.
 GroupCohesion measure_cohesion(const std::string& where, const Plan& plan, double seconds,
                                Outcome& outcome);
 GroupExits measure_group_exits(const Plan& plan, double seconds, Outcome& outcome);

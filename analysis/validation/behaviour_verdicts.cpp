@@ -35,7 +35,7 @@ Judgement judge_accelerations(std::span<const SceneAccelerations> scenes) {
   out.readings.push_back({"worst scene", "acceleration, 99.9 % are at most", "m/s2", worst_mps2,
                           kNone, kNone, kMax_mps2, out.passed, true});
   out.summary =
-      fmt::format("99.9 % are at most {:.2f} m/s2 where they are fastest ({}); {} accelerations",
+      fmt::format("99.9 % are at most {:.2f} m/s2 in the worst scene ({}); {} accelerations",
                   worst_mps2, worst_where, samples);
   return out;
 }
@@ -55,7 +55,7 @@ Judgement judge_queues(std::span<const QueueTurning> queues) {
     out.readings.push_back(
         {queue.where, "turns, net", "1/min", net, kNone, kNone, kMaxTurns_per_min, met});
     out.readings.push_back({queue.where,
-                            "turns, there and back",
+                            "turns in both directions",
                             "1/min",
                             minutes > 0 ? queue.all_turns / minutes : kNone,
                             kNone,
@@ -65,7 +65,7 @@ Judgement judge_queues(std::span<const QueueTurning> queues) {
     out.readings.push_back({queue.where, "waited", "person s", queue.waited_s, kNone, kMinWaited_s,
                             kNone, queue.waited_s >= kMinWaited_s});
     out.summary +=
-        fmt::format("{}{}: {:.2f} turns a minute net, {:.2f} there and back",
+        fmt::format("{}{}: {:.2f} turns per minute net, {:.2f} in both directions",
                     out.summary.empty() ? "" : "; ", queue.where, net, queue.all_turns / minutes);
   }
   out.readings.push_back({"worst queue", "turns, net", "1/min", highest, kNone, kNone,
@@ -104,9 +104,9 @@ Judgement judge_standing(std::span<const DenseStanding> crowds) {
     out.passed = out.passed && placed && clear;
     out.readings.push_back(
         {at, "placed", "1/m2", crowd.placed_per_m2, kNone, low, high, placed, true});
-    out.readings.push_back({at, "deepest overlap of bodies", "m", crowd.max_overlap_m, kNone, kNone,
+    out.readings.push_back({at, "maximum overlap of bodies", "m", crowd.max_overlap_m, kNone, kNone,
                             kMaxOverlap_m, clear});
-    out.summary += fmt::format("{}{:g} asked, {:.2f} placed ({:.1f} mm in each other)",
+    out.summary += fmt::format("{}{:g} requested, {:.2f} placed ({:.1f} mm overlap)",
                                out.summary.empty() ? "" : ", ", crowd.target_per_m2,
                                crowd.placed_per_m2, 1000 * std::max(0.0, crowd.max_overlap_m));
   }
@@ -149,8 +149,8 @@ Judgement judge_encounters(std::span<const EncounterOutcome> met) {
     out.readings.push_back({at, "nearest middles", "m", sum.nearest_m, kNone, kNone, kNone, {}});
   }
   out.summary = fmt::format(
-      "{} of {} touch ({} head-on, {} crossing, {} the same way); in {} middles come nearer than "
-      "{:g} m, {:.2f} m at the nearest",
+      "{} of {} touch ({} head-on, {} crossing, {} same way); in {} centres come closer than "
+      "{:g} m, minimum {:.2f} m",
       all.touch, all.all, sums[0].touch, sums[1].touch, sums[2].touch, all.close,
       Encounter::kDisc_m, all.all > 0 ? all.nearest_m : kNone);
   return out;
@@ -211,26 +211,25 @@ Judgement judge_social_groups(std::span<const GroupCohesion> places, const Group
   for (const GroupCohesion& place : places) {
     const bool met = place.moments > 0 && place.share() >= kMinShare;
     out.passed = out.passed && met;
-    out.readings.push_back({place.where, "share of the time within 3 m of a companion", "",
+    out.readings.push_back({place.where, "share of the time within 3 m of a member", "",
                             place.share(), kNone, kMinShare, 1, met, true});
-    out.summary += fmt::format("{}{}: within 3 m of a companion {:.1f} % of the time",
+    out.summary += fmt::format("{}{}: within 3 m of a member {:.1f} % of the time",
                                out.summary.empty() ? "" : "; ", place.where, 100 * place.share());
   }
   const double share = exits.groups > 0 ? static_cast<double>(exits.by_one_exit) / exits.groups : 0;
   const bool one_exit = exits.groups > 0 && share >= kMinShare;
-  out.readings.push_back({"two exits", "share of the parties that leave by one", "", share, kNone,
+  out.readings.push_back({"two exits", "share of the groups that leave by one", "", share, kNone,
                           kMinShare, 1, one_exit, true});
   out.readings.push_back({"two exits", "people left behind", "",
                           static_cast<double>(exits.left_behind), kNone, 0, 0,
                           exits.left_behind == 0});
   out.passed = out.passed && one_exit && exits.left_behind == 0;
-  out.summary += fmt::format("; {} of {} parties leave by one exit, {} people do not leave",
+  out.summary += fmt::format("; {} of {} groups leave by one exit, {} people do not leave",
                              exits.by_one_exit, exits.groups, exits.left_behind);
   return out;
 }
 
 double CountedContacts::per_person_min() const {
-  // Both people have it.
   return person_s > 0 ? 2 * 60 * static_cast<double>(contacts) / person_s : kNone;
 }
 
@@ -263,13 +262,13 @@ CountedContacts of_all(std::span<const PlaceContacts> places, size_t level) {
   return sum;
 }
 
-/// How many standard errors a level has fewer than the one below it.
+/// Fall of the contact rate from the level below, in standard errors.
 double fall_in_errors(const CountedContacts& below, const CountedContacts& level) {
   return (below.per_person_min() - level.per_person_min()) /
          std::hypot(below.error_per_person_min(), level.error_per_person_min());
 }
 
-/// The contacts of a level, not judged yet: lower bounds are NaN where only the upper one counts.
+/// Reading of a level before it is judged; the lower bound is NaN if only the upper one counts.
 Reading contact_reading(size_t level, const CountedContacts& simulated,
                         double two_sided_from_per_m2) {
   constexpr double kMaxContacts = 1, kLow = 0.5, kHigh = 1.5, kWithin = 0.5;
@@ -279,7 +278,7 @@ Reading contact_reading(size_t level, const CountedContacts& simulated,
   const double high = level == 0 ? kMaxContacts : std::max(kHigh * recorded, recorded + kWithin);
   return {fmt::format("{:g} to {:g} per m2", from_per_m2, to_per_m2),
           "contacts",
-          "a person and minute",
+          "per person and minute",
           simulated.per_person_min(),
           recorded,
           is_two_sided ? low : kNone,
@@ -292,7 +291,7 @@ void list_places(std::span<const PlaceContacts> places, size_t level, const std:
   for (const PlaceContacts& place : places) {
     const CountedContacts counted = at_level(place, level);
     if (counted.person_s <= 0) continue;
-    out.readings.push_back({at, fmt::format("contacts, {}", place.name), "a person and minute",
+    out.readings.push_back({at, fmt::format("contacts, {}", place.name), "per person and minute",
                             counted.per_person_min()});
     out.readings.push_back(
         {at, fmt::format("watched, {}", place.name), "person min", counted.person_s / 60});
@@ -335,9 +334,9 @@ Judgement judge_contacts(std::span<const PlaceContacts> places, double two_sided
   }
   out.passed = reached >= kMinLevels && has_low && as_recorded == reached && !falls;
   out.summary = fmt::format(
-      "{} of {} levels of density within their bounds; {} contacts a person and minute from the "
+      "{} of {} levels of density within their bounds; {} contacts per person and minute from the "
       "lowest on{}{}{}",
-      as_recorded, reached, list, outside, falls ? "; fewer where it is denser" : "",
+      as_recorded, reached, list, outside, falls ? "; fewer at a higher density" : "",
       has_low ? "" : "; no level with a lower bound was reached");
   return out;
 }

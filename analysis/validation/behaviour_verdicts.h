@@ -1,5 +1,5 @@
-// Verdicts on how people move, stand and meet: accelerations, queues, audiences, contacts.
-// One rule: as judging.h, numbers in, readings and a verdict out.
+// Verdicts on accelerations, queues, audiences, encounters, spacing, social groups and contacts.
+// As in verdicts.h, they depend on measured numbers only.
 #pragma once
 
 #include <array>
@@ -13,99 +13,101 @@
 
 namespace throng::validation {
 
-/// Accelerations over 0.1 s of the people of a scene.
+/// Accelerations of the people of a scene over 0.1 s.
 struct SceneAccelerations {
   std::string where;
-  double at_999_mps2 = 0;  ///< of 99.9 % at most
+  double at_999_mps2 = 0;  ///< 99.9 % quantile
   uint64_t samples = 0;
 };
-/// Below 5 m/s2 in 99.9 % everywhere.
+/// Passes if the 99.9 % quantile is below 5 m/s2 in all scenes.
 Judgement judge_accelerations(std::span<const SceneAccelerations> scenes);
 
-/// Of the people who wait before a door: how far round they turned, in turns.
+/// Turning of people who wait at a door, in turns.
 struct QueueTurning {
   std::string where;
-  double net_turns = 0;  ///< there and back is nothing; of each person, whatever the direction
-  double all_turns = 0;  ///< every turning, there and back
+  double net_turns = 0;  ///< sum over people of the absolute net turn
+  double all_turns = 0;  ///< sum of all turning in both directions
   double waited_s = 0;   ///< person-seconds
 };
-/// Net at most one turn a person and minute; less than 5 person-minutes of waiting say nothing.
+/// Passes with at most one net turn per person and minute; queues below 5 person-minutes do not
+/// count.
 Judgement judge_queues(std::span<const QueueTurning> queues);
 
-/// Shares of an audience that face the stage within 20 degrees, moment by moment: at no moment less
-/// than 95 %.
+/// `facing_shares`: by moment, the share of an audience that faces the stage within 20 degrees.
+/// Passes if none is below 95 %.
 Judgement judge_audience(std::span<const double> facing_shares);
 
-/// People who stand as close as a scene asks.
+/// Density of people who stand, as requested by a scene and as placed.
 struct DenseStanding {
   double target_per_m2 = 0;
   double placed_per_m2 = 0;
-  double max_overlap_m = 0;  ///< of two bodies, seen from above
+  double max_overlap_m = 0;  ///< maximum overlap of two bodies, seen from above
 };
-/// As many as asked, to within one in a hundred, bodies less than a centimetre in each other.
+/// Passes if densities are within 1 % and overlaps below 1 cm.
 Judgement judge_standing(std::span<const DenseStanding> crowds);
 
-/// Two who met with nobody else near.
+/// Result of an encounter of two people.
 struct EncounterOutcome {
   EncounterKind kind = EncounterKind::kHeadOn;
-  double nearest_m = 0;  ///< of their middles
+  double nearest_m = 0;  ///< minimum distance between their centres
   bool touched = false;
 };
-/// None of them touch.
+/// Passes if no pair touches.
 Judgement judge_encounters(std::span<const EncounterOutcome> met);
 
-/// Fewer pairs say nothing about a cell of spacing.
+/// Minimum number of pairs for a cell of spacing to count.
 inline constexpr uint64_t kMinPairs = 500;
-/// How near others are, by density, ahead and beside: 5 and 25 % within 0.08 m of the recording, 1
-/// % within 0.12 m, in cells with enough pairs of both. Half of the recording's cells at least have
-/// to be reached. Cells in the same order.
+/// Judges distances to others by density, ahead and beside. Passes if the 5 % and 25 % quantiles
+/// are within 0.08 m of the recording and the 1 % quantile within 0.12 m, in all cells with enough
+/// pairs of both. At least half of the recording's cells must be reached. Both spans have the same
+/// order of cells.
 Judgement judge_spacing(std::span<const SpeedAndSpacing::Spacing> simulated,
                         std::span<const SpeedAndSpacing::Spacing> recorded);
 
-/// People who walk in parties of two to four.
+/// Cohesion of social groups of 2 to 4 members.
 struct GroupCohesion {
   std::string where;
-  uint64_t moments = 0;  ///< of a person with a companion who is there, too
-  uint64_t close = 0;    ///< of these, with one within 3 m
+  uint64_t moments = 0;  ///< samples of people with another member present
+  uint64_t close = 0;    ///< samples with another member within 3 m
 
   double share() const {
     return moments > 0 ? static_cast<double>(close) / static_cast<double>(moments) : 0;
   }
 };
-/// Parties that left by one of several exits all together, and those that did not.
+/// Exits taken by social groups.
 struct GroupExits {
-  int groups = 0;
-  int by_one_exit = 0;
-  int left_behind = 0;  ///< people
+  int groups = 0;       ///< number of groups
+  int by_one_exit = 0;  ///< groups whose leaving members took one exit
+  int left_behind = 0;  ///< people who did not leave
 };
-/// Near a companion 95 % of the time everywhere; 95 % of the parties leave by one exit, and
-/// everybody leaves.
+/// Passes if members are close at least 95 % of the time in all places, 95 % of the groups leave by
+/// one exit, and all people leave.
 Judgement judge_social_groups(std::span<const GroupCohesion> places, const GroupExits& exits);
 
-/// Contacts of two people at a level of density, as counted.
+/// Counted contacts of two people at a density level.
 struct CountedContacts {
   uint64_t contacts = 0;
   double person_s = 0;
 
   double per_person_min() const;
-  /// Standard error of that: counts are Poisson's.
+  /// Standard error of that rate, from Poisson statistics.
   double error_per_person_min() const;
 };
-/// By level, as in recorded_contacts().
+/// Contacts of a place by level, as in recorded_contacts().
 struct PlaceContacts {
   std::string name;
   std::vector<CountedContacts> levels;
 
   void add(const std::vector<CountedContacts>& more);
 };
-/// Fewer person-minutes say nothing about a level.
+/// Minimum person-minutes for a level to count.
 inline constexpr double kMinPersonMinutes = 30;
-/// Judges the contacts per person-minute of all places together, by level: at the lowest level at
-/// most 1, at the others at most 1.5 times as many as recorded people have or 0.5 more. Levels that
-/// begin at `two_sided_from_per_m2` or above also have a lower bound: 0.5 times the recorded or 0.5
-/// less (0 at the lowest level). No level may have fewer than the level below it, except by chance
-/// (5 % of the time if both were equal). Three levels must be reached, at least one of them with a
-/// lower bound: people who never touch and are never dense have shown nothing.
+/// Judges contacts per person-minute over all places together, by density level. Bounds: at most 1
+/// at the lowest level, elsewhere at most 1.5 times the recorded rate or 0.5 more. Levels that
+/// begin at `two_sided_from_per_m2` or above also have a lower bound: 0.5 times the recorded rate
+/// or 0.5 less (0 at the lowest level). No level may have fewer contacts than the level below it,
+/// except by chance (5 % if both were equal). Three levels must be reached, at least one with a
+/// lower bound: an empty crowd without contacts proves nothing.
 Judgement judge_contacts(std::span<const PlaceContacts> places, double two_sided_from_per_m2);
 
 }  // namespace throng::validation

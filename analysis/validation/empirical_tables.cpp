@@ -12,7 +12,7 @@
 namespace throng::validation {
 namespace {
 
-/// The 10 and 90 % of a normal distribution are so many standard deviations apart.
+/// Distance from the 10 % to the 90 % quantile of a normal distribution, in standard deviations.
 constexpr double kTenthToTenth = 2.563;
 
 const char* const kArchive =
@@ -203,7 +203,7 @@ const RecordedDoor& recorded_door(double width_m) {
 
 const char* const kRecordedContactsSource =
     "three recordings of the Pedestrian Dynamics Data Archive (corridor of 1.8 m twice, bottleneck "
-    "of 0.5 m) on whose tracks bodies of ours walk (docs/realism.md)";
+    "of 0.5 m) retargeted to Throng's bodies (docs/recordings.md)";
 
 const std::vector<RecordedContacts>& recorded_contacts() {
   static const std::vector<RecordedContacts> levels = {

@@ -13,9 +13,9 @@
 namespace throng::validation {
 namespace {
 
-/// Headings that differ by less are the same way, those less from opposite are head-on.
-constexpr double kNearlyParallel_rad = 15 * kDegree;
-/// Slower, they would be beside each other for longer than an encounter lasts.
+/// Headings that differ by less count as the same way, those within this of opposite as head-on.
+constexpr double kParallelWithin_rad = 15 * kDegree;
+/// At lower closing speeds the two stay next to each other longer than an encounter lasts.
 constexpr double kMinClosing_mps = 0.25;
 constexpr double kCheck_s = 1.0 / 240;
 
@@ -27,15 +27,15 @@ Eigen::Vector2d direction(double heading_rad) {
 double angle_between(EncounterKind kind, double share) {
   switch (kind) {
     case EncounterKind::kHeadOn:
-      return std::numbers::pi + (2 * share - 1) * kNearlyParallel_rad;
+      return std::numbers::pi + (2 * share - 1) * kParallelWithin_rad;
     case EncounterKind::kSameWay:
-      return (2 * share - 1) * kNearlyParallel_rad;
+      return (2 * share - 1) * kParallelWithin_rad;
     case EncounterKind::kCrossing:
       break;
   }
   const double side = share < 0.5 ? -1 : 1;
   const double within = share < 0.5 ? 2 * share : 2 * share - 1;
-  return side * (kNearlyParallel_rad + within * (std::numbers::pi - 2 * kNearlyParallel_rad));
+  return side * (kParallelWithin_rad + within * (std::numbers::pi - 2 * kParallelWithin_rad));
 }
 
 }  // namespace
@@ -90,8 +90,8 @@ void Encounter::draw(uint64_t seed, int attempt) {
     across_ = side * Eigen::Vector2d(-relative.y(), relative.x()) / closing_mps_;
 }
 
-/// From 0 to 1 and back: all of it while they are beside each other, with the acceleration of a
-/// raised cosine before and after.
+/// Share of the avoiding displacement: 1 while the discs pass each other, with a raised-cosine ramp
+/// before and after.
 double Encounter::avoidance_share(double since_closest_s) const {
   const double beside_s = (kDisc_m + kMargin_m) / closing_mps_;
   const double outside = (std::abs(since_closest_s) - beside_s) / ramp_s_;
@@ -110,7 +110,7 @@ Eigen::Vector2d Encounter::place_m(size_t person, double time_s) const {
          (person == 0 ? -off_m : off_m) * across_;
 }
 
-/// By looking, not by what was meant.
+/// Checks the sampled paths against the bounds.
 bool Encounter::is_sound() const {
   if (closing_mps_ < kMinClosing_mps) return false;
   const auto count = static_cast<int>(kDuration_s / kCheck_s);

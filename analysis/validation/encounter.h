@@ -1,7 +1,7 @@
-// Two people who meet on otherwise empty ground: who they are and the ways they take.
-// Dressed, they show what bodies make of a path; steered from where they begin, what steering does.
-// One rule: an encounter is a function of seed and number, whatever else is run beside it, and its
-// ways keep the discs of the two apart by themselves: what touches are bodies on sound paths.
+// Encounter describes two people who meet on otherwise empty ground, and their paths.
+// Retargeted bodies on these paths test body motion; the same start with steering tests steering.
+// Invariant: an encounter depends on seed and number only, and its paths keep both discs apart;
+// contacts are therefore due to bodies.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,26 +17,26 @@ enum class EncounterKind : uint8_t { kHeadOn, kCrossing, kSameWay };
 inline constexpr size_t kEncounterKinds = 3;
 const char* name_of(EncounterKind kind);
 
-/// One of the two.
+/// One of the two people.
 struct EncounterPerson {
   double heading_rad = 0;
   double speed_mps = 0;
   double height_m = 0;
-  double phase = 0;  ///< of the gait, at the start
+  double phase = 0;  ///< gait phase at the start
   GaitStyle style = GaitStyle::kPlain;
-  double avoidance_weight = 0;  ///< this one's share of the way by which the two keep clear
+  double avoidance_weight = 0;  ///< this person's share of the avoiding displacement
 };
 
 class Encounter {
  public:
   /// Diameter of the discs around roots that never overlap.
   static constexpr double kDisc_m = 0.45;
-  /// Ways keep so much more apart, since bodies are dressed on them.
+  /// Additional distance between the paths, as a margin for retargeting.
   static constexpr double kMargin_m = 0.005;
   static constexpr double kMaxAcceleration_mps2 = 1.5;
-  /// The two are nearest half of this after the start, if nobody gives way.
+  /// The two are closest after half of this time, if neither avoids.
   static constexpr double kDuration_s = 9;
-  /// Nobody gets farther from the middle.
+  /// Maximum distance of both from the centre.
   static constexpr double kReach_m = 9;
 
   Encounter(uint64_t seed, uint64_t number);
@@ -44,12 +44,12 @@ class Encounter {
   uint64_t number() const { return number_; }
   EncounterKind kind() const { return kind_; }
   const std::array<EncounterPerson, 2>& people() const { return people_; }
-  /// Across the relative motion: how near their middles would come if nobody gave way.
+  /// Distance of the centres at closest approach if neither avoids, across the relative motion.
   double offset_m() const { return offset_m_; }
-  /// How many draws were put away before this one, since their ways would have broken a bound.
+  /// Number of rejected draws, whose paths broke a bound.
   int rejected() const { return rejected_; }
 
-  /// Where a root is, from the middle of the encounter, `time_s` after the start.
+  /// Position of a root relative to the encounter's centre, `time_s` after the start.
   Eigen::Vector2d place_m(size_t person, double time_s) const;
 
   /// "head-on at 178 degrees, 1.21 and 0.84 m/s, offset 0.12 m"
@@ -64,9 +64,11 @@ class Encounter {
   EncounterKind kind_ = EncounterKind::kHeadOn;
   std::array<EncounterPerson, 2> people_;
   double offset_m_ = 0;
-  Eigen::Vector2d across_ = Eigen::Vector2d::UnitY();  ///< from the first to the second
-  double closing_mps_ = 0;                             ///< relative speed
-  double ramp_s_ = 0;                                  ///< how long before they give way
+  /// Unit vector from the first person to the second.
+  Eigen::Vector2d across_ = Eigen::Vector2d::UnitY();
+  double closing_mps_ = 0;  ///< relative speed
+  /// Duration of the avoiding motion before closest approach.
+  double ramp_s_ = 0;
   int rejected_ = 0;
 };
 

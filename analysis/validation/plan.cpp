@@ -10,7 +10,7 @@
 namespace throng::validation {
 namespace {
 
-/// Decisions are ten a second whatever the step; nobody is posed here, so smoothness is not needed.
+/// Decisions are at 10 Hz regardless of the step. Bodies are not posed, so a long step is enough.
 constexpr double kStep_s = 0.05;
 constexpr double kWallHeight_m = 3;
 
@@ -19,7 +19,6 @@ const std::shared_ptr<const Model>& adult() {
   return model;
 }
 
-/// What is left of [from, to] beside the doors.
 std::vector<std::pair<double, double>> pieces(double from, double to, std::vector<double> middles,
                                               double door_m) {
   std::sort(middles.begin(), middles.end());
@@ -41,7 +40,7 @@ Plan::Plan(const std::string& name, const Rectangle& ground, const SteeringRule&
   scene.seed = seed;
   scene.step_s = kStep_s;
   scene.ground = ground;
-  scene.part_volume = VolumeKind::kSphere;  // nothing is culled: the one that is made fastest
+  scene.part_volume = VolumeKind::kSphere;  // unused, fastest to build
   scene.steering = steering;
 }
 
@@ -76,7 +75,7 @@ Group& Plan::people(int count, const Rectangle& from, const std::vector<Rectangl
   group.name = fmt::format("group {}", scene.groups.size());
   group.model = adult_urdf();
   group.body = adult();
-  group.gait_styles = styles_of("plain");  // nobody looks at it: one table of a gait is enough
+  group.gait_styles = styles_of("plain");  // unused, one gait table is fastest
   group.count = count;
   group.spawn = from;
   Goal goal;
@@ -95,7 +94,7 @@ Group& Plan::people_packed(int count, const Rectangle& from, const std::vector<R
 
 void Plan::people_in_rows(int rows, int columns, const Rectangle& from,
                           const std::vector<Rectangle>& to) {
-  // All of one size, so that a place fits everybody.
+  // Equal sizes, because all positions have the same spacing.
   constexpr double kHeight_m = 1.70;
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(disc_radius_m(kHeight_m) + 0.005);
   const Eigen::Vector2d low = from.min_m + margin;

@@ -1,6 +1,5 @@
-// Scenes of the standard tests: rooms of straight walls, groups with a way to an exit.
-// One rule: every wall is an axis-aligned rectangle, so that a few lines can tell, without the code
-// that steers, whether somebody went through one.
+// Plan builds scenes of the standard tests: rooms with straight walls, groups that walk to exits.
+// Invariant: walls are axis-aligned rectangles, which Trial checks independently of steering.
 #pragma once
 
 #include <string>
@@ -15,24 +14,24 @@ struct Plan {
        uint64_t seed);
 
   void wall(double min_x, double min_y, double max_x, double max_y);
-  /// A wall of 0.2 m along x or y from one point to the other with a gap in it: a door. The gap is
-  /// `door_m` wide around `middle`, a coordinate along the wall.
+  /// Adds a wall of 0.2 m along x or y with doors. `middles`: coordinates of their centres along
+  /// the wall; `door_m`: their width.
   void wall_along_x(double from_x, double to_x, double y, std::vector<double> middles,
                     double door_m);
   void wall_along_y(double from_y, double to_y, double x, std::vector<double> middles,
                     double door_m);
 
-  /// A wall of another shape, which Trial does not check moves against.
+  /// Adds a wall of another shape, which Trial does not check.
   void solid(Obstacle obstacle);
 
-  /// People who walk from an area to the nearest of others and leave there.
+  /// Adds people who walk from an area to the nearest of others and leave there.
   Group& people(int count, const Rectangle& from, const std::vector<Rectangle>& to);
 
-  /// The same with room for all of them with every seed: as close as it takes, no body in another.
+  /// As people(), packed as closely as needed to place all of them with any seed, without overlap.
   Group& people_packed(int count, const Rectangle& from, const std::vector<Rectangle>& to);
 
-  /// The same with everybody in a place of one's own, rows along x shifted by half a place: more
-  /// people than chance finds room for. `rows` times `columns` of them, each a group.
+  /// As people(), at fixed positions in rows along x that are shifted by half a spacing, denser
+  /// than random placement allows. Adds `rows` times `columns` groups of one person.
   void people_in_rows(int rows, int columns, const Rectangle& from,
                       const std::vector<Rectangle>& to);
 
@@ -42,7 +41,7 @@ struct Plan {
   std::vector<Rectangle> walls;
 };
 
-/// The same for everybody.
+/// Distribution with a single value.
 Distribution fixed(double value);
 
 }  // namespace throng::validation

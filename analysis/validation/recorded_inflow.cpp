@@ -20,7 +20,7 @@ namespace {
 constexpr double kInflowSample_s = 0.1;
 constexpr double kSlack_s = 1e-9;
 
-/// A room of 3.8 m, a corridor of 8 m x 1.8 m, an exit in its middle. People walk towards -y.
+/// A room of 3.8 m, a corridor of 8 m x 1.8 m and an exit in its middle. People walk towards -y.
 InflowSite corridor(const std::string& id, const std::string& file, double exit_m,
                     const Conditions& conditions) {
   const double middle = 0.9;
@@ -42,7 +42,7 @@ InflowSite corridor(const std::string& id, const std::string& file, double exit_
           normal(curve.desired_speed_mps, curve.desired_std_dev_mps())};
 }
 
-/// Everybody is there from the start, behind barriers with a door of 0.5 m whose corners are cut.
+/// All people start behind barriers with a door of 0.5 m with cut corners.
 InflowSite door(const Conditions& conditions) {
   Plan plan = carved("door",
                      {{{-2.8, 0}, {2.8, 6.7}},
@@ -61,7 +61,7 @@ InflowSite door(const Conditions& conditions) {
   return {"spacing_door", "040_c_56_h-.txt", {}, std::move(plan), {{{-3, -3}, {3, -2}}}, {}, 0.3};
 }
 
-/// Walls of the corridor from x = -5 to 4.2, wider ground before and behind it.
+/// Walls of the corridor from x = -5 to 4.2, wider ground before and after it.
 InflowSite two_way_corridor(const Conditions& conditions) {
   Plan plan = carved("two_way_corridor",
                      {{{-13, -1}, {-5, 5}}, {{-5, 0}, {4.2, 4}}, {{4.2, -1}, {12.2, 5}}},
@@ -76,7 +76,7 @@ InflowSite two_way_corridor(const Conditions& conditions) {
           5};
 }
 
-/// Where a track is at an instant; none before its first sample and after its last.
+/// Position on a track; none before its first and after its last sample.
 std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double time_s) {
   const auto after =
       std::lower_bound(track.begin(), track.end(), time_s - kSlack_s,
@@ -90,7 +90,7 @@ std::optional<Eigen::Vector2d> place_at(const std::vector<Sample>& track, double
   return from.position_m + share * (to.position_m - from.position_m);
 }
 
-/// Speed over the first second of a track; none where it ends too soon to tell.
+/// Speed over the first second of a track; none for shorter tracks.
 std::optional<double> entry_speed_mps(const std::vector<Sample>& track) {
   constexpr double kOver_s = 1, kMinTime_s = 0.2;
   const Sample& first = track.front();
@@ -111,7 +111,6 @@ size_t closest_goal(const InflowSite& site, const Eigen::Vector2d& place_m) {
       site.goals.begin());
 }
 
-/// Measures spacing moment by moment.
 class SpacingMeter {
  public:
   explicit SpacingMeter(const Scene& scene) : measure_(scene) {}
@@ -151,7 +150,7 @@ std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Cond
                                               Outcome& outcome) {
   if (conditions.recordings.empty()) {
     outcome.skipped = true;
-    outcome.measured = fmt::format("needs {}: --recordings FOLDER names where it lies", site.file);
+    outcome.measured = fmt::format("needs {}; set its folder with --recordings FOLDER", site.file);
     return nullptr;
   }
   RecordingOptions reading = site.reading;
@@ -161,10 +160,10 @@ std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Cond
 
 Plan with_inflow(const InflowSite& site, const Recording& recording) {
   Plan plan = site.plan;
-  // Heads lean towards each other and towards walls farther than discs may.
+  // Heads lean closer to each other and to walls than discs can be.
   const Eigen::Vector2d slack = Eigen::Vector2d::Constant(0.15);
   std::vector<Sample> samples;
-  // Those of the first instant stand closer together than discs can be placed.
+  // People of the first instant stand closer together than discs can be placed.
   int at_first = 0;
   Rectangle around = {Eigen::Vector2d::Constant(1e9), Eigen::Vector2d::Constant(-1e9)};
   for (size_t person = 0; person < recording.people().size(); ++person) {

@@ -1,7 +1,6 @@
-// Experiments walked again: everybody enters when and where a recorded person did, and both crowds
-// are measured alike.
-// One rule: geometry, times and places are the recording's; how people steer is what everybody
-// gets.
+// recorded_inflow simulates experiments with the recorded times and places of entering.
+// Invariant: geometry, times and places are the recording's, steering parameters the defaults. Both
+// crowds are measured alike.
 #pragma once
 
 #include <array>
@@ -20,45 +19,46 @@
 
 namespace throng::validation {
 
-/// Where a recording was made.
+/// Site of a recording.
 struct InflowSite {
   std::string id;
   std::string file;
-  /// Read with these; its folder comes from the conditions.
+  /// How to read the file; its folder comes from the conditions.
   RecordingOptions reading;
-  Plan plan;                     ///< without people
-  std::vector<Rectangle> goals;  ///< each leaves by the one nearest to where it was last seen
+  Plan plan;  ///< walls and ground, without people
+  /// People leave by the goal nearest to their last recorded position.
+  std::vector<Rectangle> goals;
   std::optional<Distribution> speed_mps{};
-  double min_y = -1e9;  ///< nobody stands nearer to the barrier at first
-  /// So much farther back along x than recorded does each enter, to choose its way among others
-  /// before it is measured.
+  double min_y = -1e9;  ///< least y of starting positions: distance from the barrier
+  /// Distance by which people enter farther back along x than recorded, to form lanes before they
+  /// are measured.
   double upstream_m = 0;
 };
-/// Whose contacts and distances are measured.
+/// Sites whose contacts and spacing are measured.
 inline constexpr std::array<const char*, 3> kInflowSites = {"spacing_corridor", "spacing_door",
                                                             "free_corridor"};
-/// One of these or `two_way_corridor`; throws std::out_of_range for others.
+/// One of kInflowSites or `two_way_corridor`; throws std::out_of_range for other ids.
 InflowSite inflow_site(const std::string& id, const Conditions& conditions);
-/// What was recorded there. None, and the outcome is `skipped`, unless the conditions name the
-/// folder of the recordings.
+/// Reads the recording of a site. Null, with `skipped` set in the outcome, if the conditions name
+/// no folder of recordings.
 std::shared_ptr<const Recording> recording_of(const InflowSite& site, const Conditions& conditions,
                                               Outcome& outcome);
 
-/// One of the plan's people for each of the recording: enters at its first instant and place, or as
-/// soon as there is room. Those of the very first instant, if there are several, stand anywhere in
-/// the rectangle around them.
+/// Plan with one person per recorded person, who enters at the recorded time and place or as soon
+/// as there is space. If several are present at the first instant, they start anywhere in their
+/// bounding rectangle.
 Plan with_inflow(const InflowSite& site, const Recording& recording);
 
-/// A crowd at even times, the latest of them last.
+/// Receives a crowd at regular times, with the latest moment last.
 using OnMoment = std::function<void(const RecentCrowd&)>;
-/// Calls `each` every `sample_s` of the recording, with so many moments to look back at.
+/// Calls `each` every `sample_s` of a recording, with the last `moments` moments.
 void watch_recorded(const Recording& recording, double sample_s, size_t moments,
                     const OnMoment& each);
-/// The same of a plan, for at most so many seconds.
+/// Calls `each` for a simulation of the plan, for at most `seconds`.
 void watch_steered(const Plan& plan, Trial::Detail detail, double seconds, double sample_s,
                    size_t moments, Outcome& outcome, const OnMoment& each);
 
-/// Ten times a second.
+/// Spacing of recorded and of simulated people, sampled 10 times per second.
 std::vector<SpeedAndSpacing::Spacing> recorded_spacing(const Scene& scene,
                                                        const Recording& recording);
 std::vector<SpeedAndSpacing::Spacing> steered_spacing(const Plan& plan, double seconds,

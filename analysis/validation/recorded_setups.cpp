@@ -59,26 +59,26 @@ void AreaSpeeds::watch(const Trial& trial, bool counts) {
 
 namespace {
 
-// Both ways round are 26 m long in their middle.
+// Both loops are 26 m long along their centre lines.
 constexpr Oval kSingleFile = {6.4, 1.7, 0.8};
 constexpr Oval kCorridor = {6.4, 1.2, 1.8};
 constexpr int kFileCounts[] = {8, 14, 20, 25, 30, 35, 40, 46, 52, 58, 64, 70};
 constexpr int kCorridorCounts[] = {5, 10, 20, 30, 40, 50, 60, 75, 90, 105, 120, 140, 160};
 constexpr double kSettle_s = 60;
-constexpr double kRound_s = 180;  ///< until when people who go round are watched
+constexpr double kRound_s = 180;  ///< end of loop runs
 
-// Widths of entrance and exit; at first the exit is free, then the entrance.
+// {entrance, exit}: first only the entrance is narrow, then only the exit.
 constexpr double kThrough_m[][2] = {{0.8, 3.0}, {1.2, 3.0}, {1.8, 3.0}, {2.4, 3.0}, {3.0, 3.0},
                                     {3.0, 2.0}, {3.0, 1.6}, {3.0, 1.2}, {3.0, 0.8}};
 constexpr double kEntrances_m[] = {0.5, 0.8, 1.0, 1.5, 2.0, 2.4};
 constexpr double kTwoWayEntrances_m[] = {0.5, 0.8, 1.2, 1.6, 2.0, 2.5};
-constexpr double kEmptying_s = 300;  ///< the longest that people who come through are watched
-constexpr double kFirst_s = 10;      ///< after the first one got there
+constexpr double kEmptying_s = 300;  ///< longest duration of other runs
+constexpr double kFirst_s = 10;      ///< time from the first arrival to the first sample
 constexpr int kPeople = 200;
-constexpr int kJammed = 400;  ///< where an exit dams people up, who have to last
+constexpr int kJammed = 400;  ///< more people for a narrow exit, to last for the whole run
 
 constexpr double kWall_m = Plan::kWall_m;
-/// Of the place where people wait: 1.7 per m2.
+/// Depth of waiting areas at a density of 1.7 per m2.
 constexpr double kDepth_m = 12;
 constexpr double kHalf_m = 5;
 
@@ -91,14 +91,14 @@ RecordedRun round_run(const std::string& id, const Oval& oval, int people,
                       const SteeringRule& steering, uint64_t seed) {
   RecordedRun run{oval.plan(id, steering, seed), {}, {}, oval, kRound_s};
   oval.populate(run.plan, people, desired_speed(id), false);
-  // As long as the corridor is wide; of the single file 3 m.
+  // The measured length equals the corridor's width; 3 m in single file.
   const double half_m = id == "ug" ? 0.5 * oval.width_m : 1.5;
   run.areas = {{{-half_m, oval.inner_m}, {half_m, oval.outer_m()}},
                {{-half_m, -oval.outer_m()}, {half_m, -oval.inner_m}}};
   return run;
 }
 
-/// A place to wait behind an entrance at x, to its left or (sign -1) to its right: both rectangles.
+/// Two waiting rectangles at an entrance at x, on its left (sign 1) or right (sign -1) side.
 std::vector<Rectangle> place_to_wait(double x, double middle_y, double entrance_m, double sign,
                                      int people = kPeople) {
   const double depth_m = kDepth_m * people / kPeople;
@@ -113,7 +113,7 @@ void add(std::vector<Rectangle>& open, const std::vector<Rectangle>& more) {
   open.insert(open.end(), more.begin(), more.end());
 }
 
-/// Corridor 3 m wide from x = 0 to 8, a room of 4 m before it.
+/// A corridor 3 m wide from x = 0 to 8 behind a room of 4 m.
 RecordedRun one_way_run(double entrance_m, double exit_m, const SteeringRule& steering,
                         uint64_t seed) {
   const int people = exit_m < 3 ? kJammed : kPeople;
@@ -143,7 +143,7 @@ RecordedRun corner_run(double entrance_m, const SteeringRule& steering, uint64_t
   return run;
 }
 
-/// Two arms along x, 8 m each, and a stem along y.
+/// Two arms of 8 m along x, and a stem along y.
 RecordedRun junction_run(double entrance_m, const SteeringRule& steering, uint64_t seed) {
   const std::vector<Rectangle> left = place_to_wait(-9.2, 1.2, entrance_m, 1);
   const std::vector<Rectangle> right = place_to_wait(9.2, 1.2, entrance_m, -1);
@@ -160,8 +160,7 @@ RecordedRun junction_run(double entrance_m, const SteeringRule& steering, uint64
   return run;
 }
 
-/// Corridor 3.6 m wide from x = 0 to 8; at both ends a room of 4 m, which people leave to the
-/// sides.
+/// A corridor 3.6 m wide from x = 0 to 8, with a room of 4 m at both ends and exits to the sides.
 RecordedRun two_way_run(double entrance_m, const SteeringRule& steering, uint64_t seed) {
   const std::vector<Rectangle> left = place_to_wait(-4, 0, entrance_m, 1);
   const std::vector<Rectangle> right = place_to_wait(12, 0, entrance_m, -1);
@@ -180,7 +179,7 @@ RecordedRun two_way_run(double entrance_m, const SteeringRule& steering, uint64_
   return run;
 }
 
-/// Of a single file: half the way to whoever is ahead and to whoever is behind.
+/// Single file: half the distance to the person ahead plus half of that behind.
 CellOf lengths_along(const Oval& oval) {
   return [oval](const Moment& moment, size_t person) {
     const double length = oval.length_m();
@@ -196,40 +195,38 @@ CellOf lengths_along(const Oval& oval) {
   };
 }
 
-/// How many widths or numbers of people there are.
-int cases_of(const std::string& id) {
+int setting_count(const std::string& id) {
   if (id == "single_file") return static_cast<int>(std::size(kFileCounts));
   if (id == "ug") return static_cast<int>(std::size(kCorridorCounts));
   if (id == "uo") return static_cast<int>(std::size(kThrough_m));
   if (id == "bot") return static_cast<int>(std::size(kTwoWayEntrances_m));
   if (id == "eo" || id == "ko") return static_cast<int>(std::size(kEntrances_m));
-  throw std::out_of_range("no set-up " + id);
+  throw std::out_of_range("no setup " + id);
 }
 
-/// How often each is run. Through the oval of `ug` hundreds pass for two minutes; elsewhere few
-/// pass in seconds, as they happen to meet, and where two streams do, one crowd's lanes are not
-/// another's.
-int times_of(const std::string& id) {
+/// Number of repetitions. Loop runs yield many samples; in other runs few people pass in seconds,
+/// and the walking lanes of two streams differ between crowds.
+int repetitions(const std::string& id) {
   if (id == "ug") return 1;
   return id == "bot" ? 6 : 3;
 }
 
 }  // namespace
 
-int recorded_runs(const std::string& id) { return times_of(id) * cases_of(id); }
+int recorded_runs(const std::string& id) { return repetitions(id) * setting_count(id); }
 
 RecordedRun recorded_run(const std::string& id, int run, const Conditions& conditions) {
   const SteeringRule steering{conditions.model};
-  const int index = run % cases_of(id);
-  const uint64_t seed = conditions.seed_of_run(static_cast<uint64_t>(run / cases_of(id)),
-                                               static_cast<uint64_t>(times_of(id)));
+  const int index = run % setting_count(id);
+  const uint64_t seed = conditions.seed_of_run(static_cast<uint64_t>(run / setting_count(id)),
+                                               static_cast<uint64_t>(repetitions(id)));
   if (id == "single_file") return round_run(id, kSingleFile, kFileCounts[index], steering, seed);
   if (id == "ug") return round_run(id, kCorridor, kCorridorCounts[index], steering, seed);
   if (id == "uo") return one_way_run(kThrough_m[index][0], kThrough_m[index][1], steering, seed);
   if (id == "eo") return corner_run(kEntrances_m[index], steering, seed);
   if (id == "ko") return junction_run(kEntrances_m[index], steering, seed);
   if (id == "bot") return two_way_run(kTwoWayEntrances_m[index], steering, seed);
-  throw std::out_of_range("no set-up " + id);
+  throw std::out_of_range("no setup " + id);
 }
 
 std::vector<DensitySpeed> speeds_of(const RecordedRun& run, const std::string& id,

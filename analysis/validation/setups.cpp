@@ -15,10 +15,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRim_m = 0.5;
 constexpr double kHeight_m = 1.70;
 constexpr double kWallHeight_m = 3;
-/// Spawning leaves 2 cm between two discs of 0.22 m and asks for less than this from walls.
+/// Spawning keeps 2 cm between two discs of 0.22 m, and less than this from walls.
 constexpr double kApart_m = 0.465;
 constexpr double kClear_m = 0.03;
-/// Corners of a cylinder's mesh stand so far out of it.
+/// Corners of a cylinder's mesh are this factor farther out than its radius.
 constexpr double kCorner = 1.009;
 
 std::vector<double> edges(const std::vector<Rectangle>& open, const Rectangle& ground, int axis) {
@@ -40,7 +40,7 @@ void wall_off(Plan& plan, const std::vector<Rectangle>& open) {
     return std::any_of(open.begin(), open.end(),
                        [&](const Rectangle& each) { return each.contains(middle); });
   };
-  // Rows of cells with the same walls become one.
+  // Merges rows of cells with the same walls.
   using Runs = std::vector<std::pair<double, double>>;
   Runs before;
   double since_y = y.front();
@@ -63,7 +63,6 @@ void wall_off(Plan& plan, const std::vector<Rectangle>& open) {
   close(y.back());
 }
 
-/// Its corners lie on the radius.
 Obstacle pillar(const Eigen::Vector2d& at, double corner_m) {
   const double radius_m = corner_m / kCorner;
   Obstacle obstacle;
@@ -74,7 +73,7 @@ Obstacle pillar(const Eigen::Vector2d& at, double corner_m) {
   return obstacle;
 }
 
-/// Of a wall around a half circle: boxes whose inner faces touch it.
+/// Box of a wall around a half circle, with its inner face touching the circle.
 Obstacle segment(const Eigen::Vector2d& middle, double radius_m, double angle_rad,
                  double step_rad) {
   Obstacle obstacle;
@@ -110,7 +109,6 @@ Eigen::Vector2d Oval::at(double along_m, double aside_m) const {
   const double quarter_m = 0.5 * kPi * middle_m();
   const double half_m = 2 * quarter_m + straight_m;
   const double along = std::fmod(along_m, length_m());
-  // The second half is the first one, turned by half a circle.
   const double sign = along < half_m ? 1 : -1;
   const double u = along < half_m ? along : along - half_m;
   const auto bend = [&](double middle_x, double angle_rad) -> Eigen::Vector2d {
@@ -167,7 +165,7 @@ Plan Oval::plan(const std::string& name, const SteeringRule& steering, uint64_t 
 }
 
 std::vector<Goal> Oval::goals(bool clockwise) const {
-  // A strip across a bend, and one across the straight at the end that is reached last.
+  // One strip across a bend, and one across the straight that is reached last.
   constexpr double kHalf_m = 0.25;
   const double half_x = 0.5 * straight_m;
   const double end_x = clockwise ? half_x : -half_x;
@@ -181,8 +179,8 @@ std::vector<Goal> Oval::goals(bool clockwise) const {
   return out;
 }
 
-/// As many rows as leave most room. Two rows too near for people abreast take turns; rows farther
-/// apart have as many as their length takes.
+/// Positions in as many rows as maximise the spacing. Rows too close for people abreast alternate;
+/// other rows hold as many as fit their length.
 std::vector<Eigen::Vector2d> Oval::places(int people) const {
   const double usable_m = width_m - 2 * disc_radius_m(kHeight_m) - kClear_m;
   const double inner_share = (middle_m() - 0.5 * usable_m) / middle_m();
@@ -208,7 +206,7 @@ std::vector<Eigen::Vector2d> Oval::places(int people) const {
   for (int row = 0; row < rows; ++row) {
     const double aside = rows > 1 ? usable_m * (static_cast<double>(row) / (rows - 1) - 0.5) : 0;
     const Oval line = {straight_m, middle_m() + aside, 0};
-    // Rows lie evenly about the middle line, so that their lengths add up to this.
+    // Rows are symmetric about the centre line, so their mean length equals its length.
     const double share = line.length_m() / (rows * length_m());
     const int left = people - static_cast<int>(out.size());
     const int count = row + 1 == rows ? left : static_cast<int>(std::lround(share * people));
@@ -227,7 +225,7 @@ void Oval::populate(Plan& plan, int people, const std::optional<Distribution>& s
   for (size_t i = 0; i < whole; ++i) {
     const bool clockwise = two_way && i % 2 == 1;
     std::vector<Goal> route = goals(clockwise);
-    // Whichever comes first on the way round, by at least a metre.
+    // The goal that is next along the path, by at least 1 m.
     const auto ahead_m = [&](const Goal& goal) {
       const double along = along_m(goal.areas.front().middle_m()) - along_m(all[i]);
       return std::fmod((clockwise ? -along : along) - 1 + 2 * length, length);

@@ -13,7 +13,7 @@ SimulationOptions people_only(Trial::Detail detail) {
   return options;
 }
 
-/// True if the segment runs through the inside of the rectangle, or ends there.
+/// True if the segment crosses the inside of the rectangle or ends there.
 bool enters(const Rectangle& wall, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   constexpr double kTouch_m = 1e-9;
   double enter = 0;

@@ -1,5 +1,4 @@
-// One run of a test's scene, watched: where everybody is, who passed which line when.
-// It only looks; walls are checked here with its own arithmetic, for every move of everybody.
+// Trial runs the scene of a test step by step, checks walls and records positions.
 #pragma once
 
 #include <cstdint>
@@ -14,16 +13,14 @@
 
 namespace throng::validation {
 
-/// One run of a test's scene, watched: where everybody is, who passed which line when.
-/// It only looks; walls are checked here with its own arithmetic, for every move of
-/// everybody.
+/// Walls are checked for every move with arithmetic that is independent of steering.
 class Trial {
  public:
-  /// With bodies, everybody has a head; without, which is faster, only a place.
+  /// kBodies provides heads; kPositions is faster and only provides roots.
   enum class Detail { kPositions, kBodies };
   explicit Trial(const Plan& plan, Detail detail = Detail::kPositions);
 
-  /// Advances by a step; false once the time is over or everybody has come and left.
+  /// Advances by a step; false at `until_s` or when all people have entered and left.
   bool step(double until_s);
 
   double now_s() const { return now_s_; }
@@ -34,23 +31,22 @@ class Trial {
   int unplaced() const { return simulation_.unplaced(); }
   uint16_t group(size_t id) const { return simulation_.info().group_of_avatar[id]; }
   const Eigen::Vector2d& position_m(size_t id) const { return positions_m_[id]; }
-  /// Seen from above; without bodies the same as the place.
+  /// Position seen from above; that of the root without bodies.
   const Eigen::Vector2d& head_m(size_t id) const {
     return heads_ ? heads_m_[id] : positions_m_[id];
   }
-  /// A step earlier.
   const Eigen::Vector2d& previous_m(size_t id) const { return previous_m_[id]; }
-  /// Of the latest step.
+  /// Mean velocity during the latest step.
   Eigen::Vector2d velocity_mps(size_t id) const {
     return (positions_m_[id] - previous_m_[id]) / step_s_;
   }
-  /// The way that somebody's body faces; unit.
+  /// Unit vector of the body's heading.
   const Eigen::Vector2d& heading(size_t id) const { return headings_[id]; }
   const Eigen::Vector2d& previous_heading(size_t id) const { return previous_headings_[id]; }
   const RunInfo& info() const { return simulation_.info(); }
-  /// Moves so far that ended in a wall, went through one or left the ground.
+  /// Number of moves so far that ended in a wall, crossed one or left the ground.
   int wall_crossings() const { return wall_crossings_; }
-  /// Of two discs, so far.
+  /// Maximum overlap of two discs so far.
   double max_overlap_m() const { return max_overlap_m_; }
 
  private:
@@ -64,7 +60,7 @@ class Trial {
   double now_s_ = 0;
   std::optional<Heads> heads_;
   std::vector<Eigen::Vector2d> positions_m_;
-  std::vector<Eigen::Vector2d> heads_m_;  ///< empty without bodies
+  std::vector<Eigen::Vector2d> heads_m_;  ///< empty for kPositions
   std::vector<Eigen::Vector2d> previous_m_;
   std::vector<Eigen::Vector2d> headings_;
   std::vector<Eigen::Vector2d> previous_headings_;
@@ -74,10 +70,10 @@ class Trial {
   double max_overlap_m_ = 0;
 };
 
-/// A line across x or y, and who passed it upwards (or downwards) when, each person once.
+/// Line across x or y that records the first passage of each person in one direction.
 class Gate {
  public:
-  enum class Along { kX, kY };  ///< the coordinate that grows through the gate
+  enum class Along { kX, kY };  ///< coordinate that changes through the gate
   Gate(Along along, double at, double low, double high, bool upwards = true)
       : axis_(along == Along::kX ? 0 : 1), at_(at), low_(low), high_(high), upwards_(upwards) {}
 
@@ -88,7 +84,7 @@ class Gate {
     size_t id = 0;
   };
   const std::vector<Passage>& passages() const { return passages_; }
-  /// Times in order, of everybody or of a group.
+  /// Times of all passages, ascending.
   std::vector<double> times_s() const;
 
  private:
@@ -99,16 +95,15 @@ class Gate {
   std::vector<uint8_t> passed_;
 };
 
-/// Adds to the outcome what every test watches: walls, overlaps, people who found no room.
+/// Adds wall crossings, overlaps and unplaced people to the outcome.
 void note(Outcome& outcome, const Trial& trial);
 
-/// Persons per second from the first to the last of the times; 0 for fewer than two.
+/// Persons per second from the first to the last time; 0 for fewer than two.
 double flow_per_s(const std::vector<double>& times_s);
 
-// Moments of a trial at even times, for the measures that recordings are measured by.
-// Heads are where bodies have them; in a trial without bodies, where the roots are.
+// Moments of a trial at regular times, for the measures that are also applied to recordings.
 
-/// True at the first instant, and then at the first step at or after each multiple of a period.
+/// Due at the first instant, and then at the first step at or after each multiple of the period.
 class PeriodTimer {
  public:
   explicit PeriodTimer(double period_s) : period_s_(period_s) {}
@@ -125,7 +120,7 @@ class PeriodTimer {
   double next_s_ = 0;
 };
 
-/// Where everybody is now; `moment` has room for them.
+/// Stores the current positions; `moment` must have the trial's size.
 inline void take(const Trial& trial, Moment& moment) {
   moment.time_s = trial.now_s();
   for (size_t id = 0; id < trial.size(); ++id) {

@@ -38,7 +38,8 @@ Outcome run_test(const Test& test, const Conditions& conditions) {
   Outcome outcome = test.run(conditions);
   if (outcome.unplaced > 0) {
     outcome.passed = false;
-    outcome.measured += fmt::format("; {} people found no room at the start", outcome.unplaced);
+    outcome.measured +=
+        fmt::format("; {} people could not be placed at the start", outcome.unplaced);
   }
   return outcome;
 }
@@ -91,8 +92,8 @@ int unmet(const Outcome& outcome) {
                     [](const Reading& reading) { return reading.met && !*reading.met; }));
 }
 
-/// Greater is worse: what fails, then by readings that are not met, then by how far off those are
-/// that sum up.
+/// Order of outcomes, greater is worse: failure, then number of unmet readings, then the excess of
+/// headlines.
 auto badness(const Outcome& outcome) {
   double off = 0;
   for (const Reading& reading : outcome.readings)

@@ -1,5 +1,5 @@
-// The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
-// before its runs count, how it stands beside recorded people, and what several seeds say together.
+// validation runs the one-floor tests of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414, and
+// compares crowds with recorded people. Several seeds give one verdict.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,10 @@
 
 namespace throng::validation {
 
-// The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414 that a crowd must pass
-// before anybody believes it, and how it stands beside recorded people.
-// A test measures and judges by the standard's own criterion, or by the recording's; what
-// fails is reported as failed.
+// Tests judge by the criterion of the standard or of the recording, and report failures as
+// failures.
 
-/// A number measured, beside what recorded people did.
+/// A measured number and its recorded counterpart.
 struct Reading {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::string at;    ///< "0.5 m"
@@ -29,45 +27,44 @@ struct Reading {
   std::string unit;  ///< "1/s"; "" for shares and counts
   double simulated = kNone;
   double recorded = kNone;
-  double low = kNone;  ///< what is accepted, or the band that is reported
+  double low = kNone;  ///< bounds of acceptance, or the reported band
   double high = kNone;
-  std::optional<bool> met{};  ///< none: not judged
-  bool headline = false;      ///< sums up the others
-  double worst = kNone;       ///< of several seeds, whose mean `ours` then is
+  std::optional<bool> met{};  ///< true if within the bounds; none: not judged
+  bool headline = false;      ///< summarises the other readings
+  double worst = kNone;       ///< worst value of several seeds; `simulated` is their mean
 };
 
 enum class Verdict : uint8_t {
   kPass,
   kFail,
-  kDiffers,  ///< measured only: recorded people do not meet the criterion either, or the guideline
-             ///< excludes no model by it
-  kSkipped   ///< what it needs is not there
+  kDiffers,  ///< deviates, as recorded people do; or the guideline excludes no model by it
+  kSkipped   ///< a required file is missing
 };
-/// "pass", "fail", "differs", "skipped".
+/// "pass", "fail", "differs" or "skipped".
 const char* name_of(Verdict verdict);
 
 struct Outcome {
   bool passed = false;
-  bool differs = false;  ///< counts only where it passed otherwise
+  bool differs = false;  ///< counts only if `passed`
   bool skipped = false;
-  std::string measured;  ///< in a sentence, with units
+  std::string measured;  ///< result in a sentence, with units
   int wall_crossings = 0;
-  int unplaced = 0;          ///< people whom the test asks for and who found no room
-  double max_overlap_m = 0;  ///< of two steering discs
+  int unplaced = 0;          ///< people who could not be placed
+  double max_overlap_m = 0;  ///< maximum overlap of two steering discs
   std::vector<Figure> figures;
   std::vector<Reading> readings;
 
   Verdict verdict() const;
 };
 
-/// What a test is run with; the same for all of them.
+/// Conditions of a run, the same for all tests.
 struct Conditions {
   SteeringKind model = SteeringRule{}.model;
   uint64_t seed = 1;
-  /// The folder of the recordings that some tests are held against; empty: these are skipped.
+  /// Folder of the recordings that some tests need; empty: these tests are skipped.
   std::filesystem::path recordings{};
 
-  /// Of a test that makes several runs: none of its seeds is another seed's.
+  /// Seed of one of the runs of a test; distinct for all seeds and runs.
   uint64_t seed_of_run(uint64_t run, uint64_t runs) const { return (seed - 1) * runs + run + 1; }
   Conditions of_run(uint64_t run, uint64_t runs) const {
     Conditions one = *this;
@@ -80,23 +77,23 @@ struct Conditions {
 struct Test {
   std::vector<std::string> ids;     ///< "rimea_6", "imo_6", "iso_4"
   std::vector<std::string> titles;  ///< by id: "RiMEA 6: ..."
-  std::string setup;                ///< geometry, people, how they steer
+  std::string setup;                ///< geometry, people, steering
   std::string criterion;
   std::function<Outcome(const Conditions&)> run;
 
   bool has(const std::string& id) const;
 };
 
-/// Runs a test. It fails if somebody found no room.
+/// Runs a test. It fails if people could not be placed.
 Outcome run_test(const Test& test, const Conditions& conditions);
 
-/// The standards' tests, in the order of the report.
+/// Tests of the standards, in the order of the report.
 const std::vector<Test>& all_tests();
 
-/// How the crowd stands beside recorded people, with nothing set for a test.
+/// Comparisons with recorded people, with default steering parameters.
 const std::vector<Test>& empirical_tests();
 
-// By subject; each in a file of its own.
+// By subject; each in a separate file.
 std::vector<Test> walking_tests();
 std::vector<Test> density_tests();
 std::vector<Test> door_tests();
@@ -112,29 +109,28 @@ std::vector<Test> social_group_tests();
 std::vector<Test> spacing_tests();
 std::vector<Test> counterflow_corridor_tests();
 
-/// Files that have to lie in Conditions::recordings.
+/// Files that Conditions::recordings must contain.
 std::vector<std::string> recording_files();
 
-/// "RiMEA 6", "rimea-6" and "rimea_6" are the same.
+/// Normalises an id: "RiMEA 6", "rimea-6" and "rimea_6" are equal.
 std::string normal_id(const std::string& id);
 
-/// Weidmann (1993): speed in m/s at a density in people per m2.
+/// Speed in m/s at a density in people per m2 (Weidmann 1993).
 double weidmann_mps(double density_per_m2);
 
-/// What several seeds say of a test: its verdict is that of all of them, its figures are their mean
-/// and their worst.
-/// Nothing is lost; each seed's own outcome stays beside what they come to together.
+/// Outcome of a test with one seed.
 struct SeedOutcome {
   uint64_t seed = 0;
   Outcome outcome;
   double wall_s = 0;
 };
 
-/// Fails if any seed fails, differs if any differs, is skipped if all are. Of one seed: its own
-/// outcome. Readings are matched by `at` and `what`; the mean is that of the seeds that have one.
+/// Combines seeds: fails if any seed fails, differs if any differs, is skipped if all are. A single
+/// seed's outcome is unchanged. Readings are matched by `at` and `what`, and averaged over the
+/// seeds that have one.
 Outcome across_seeds(std::span<const SeedOutcome> seeds);
 
-/// How far a reading lies from what is accepted: above 0 outside of it, 0 where nothing is asked.
+/// Distance of a value from the bounds of a reading: positive outside, 0 without bounds.
 double excess(const Reading& reading, double value);
 
 }  // namespace throng::validation

@@ -46,7 +46,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Of the samples in the bin of density from `from` on; none with fewer than kLeastSamples.
+/// Mean speed of the samples in a bin of density; none with fewer than kMinSamples.
 double mean_speed(std::span<const DensitySpeed> samples, double from) {
   double sum_mps = 0;
   size_t count = 0;
@@ -89,7 +89,7 @@ Judgement judge_doors(std::span<const DoorFlow> flows) {
   out.passed = count > 0 && near == count && falls == 0 && blocked == 0;
   out.summary = fmt::format(
       "{} of {} widths within 15 % of the experiments' mean; the flow falls {} times from a width "
-      "to the next; not everybody comes through at {} widths",
+      "to the next; people are left behind at {} widths",
       near, count, falls, blocked);
   return out;
 }
@@ -120,7 +120,7 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
   const double off = measured > 0 ? off_mps / measured / curve.desired_speed_mps : Reading::kNone;
   const double share = measured > 0 ? static_cast<double>(inside) / measured : 0;
   const bool enough = measured >= kMinBins * bins;
-  out.readings.push_back({"all bins", "mean error, of free speed", "", off, Reading::kNone, 0,
+  out.readings.push_back({"all bins", "mean error, of desired speed", "", off, Reading::kNone, 0,
                           kMaxRelativeError, off <= kMaxRelativeError, true});
   out.readings.push_back({"all bins", "share in the band", "", share, Reading::kNone, kMinInBand, 1,
                           share >= kMinInBand, true});
@@ -128,7 +128,8 @@ Judgement judge_speeds(const RecordedCurve& curve, std::span<const DensitySpeed>
                           Reading::kNone, kMinBins * bins, bins, enough, true});
   out.passed = enough && off <= kMaxRelativeError && share >= kMinInBand;
   out.summary = fmt::format(
-      "means {:.0f} % of the free speed off on average, {} of {} bins inside the band ({:.0f} %); "
+      "means {:.0f} % of the desired speed off on average, {} of {} bins inside the band ({:.0f} "
+      "%); "
       "{} of the recording's {} bins reached",
       100 * off, inside, measured, 100 * share, measured, curve.bins.size());
   return out;
@@ -221,18 +222,20 @@ Judgement judge_counterflow(std::span<const std::vector<double>> crowds_per_m_s)
       sum += crowd[minute];
     }
     worst = std::min(worst, lowest);
-    out.readings.push_back({fmt::format("minute {}", minute + 1), "flow both ways, slowest crowd",
+    out.readings.push_back({fmt::format("minute {}", minute + 1),
+                            "flow of both directions, "
+                            "slowest crowd",
                             "1/(m s)", lowest, Reading::kNone, kGridlock, Reading::kNone,
                             lowest >= kGridlock});
   }
   const auto count = static_cast<double>(minutes * crowds_per_m_s.size());
   const double mean = count > 0 ? sum / count : 0;
-  out.readings.push_back({"all minutes", "flow both ways", "1/(m s)", mean, Reading::kNone,
+  out.readings.push_back({"all minutes", "flow of both directions", "1/(m s)", mean, Reading::kNone,
                           kMinFlow_per_m_s, Reading::kNone, mean >= kMinFlow_per_m_s, true});
   out.passed = mean >= kMinFlow_per_m_s && worst >= kGridlock;
   out.summary = fmt::format(
-      "{:.2f} people/(m s) both ways together over {} min, the mean of {} crowds; {:.2f} in the "
-      "worst minute of all",
+      "{:.2f} people/(m s) in both directions over {} min, mean of {} crowds; {:.2f} in the worst "
+      "minute",
       mean, minutes, crowds_per_m_s.size(), worst);
   return out;
 }
@@ -276,7 +279,6 @@ void list_lanes(const CounterflowUse& simulated, const CounterflowUse& recorded,
   }
 }
 
-/// Where both have enough samples.
 struct SpeedMatches {
   int measured = 0, near = 0;
 };
@@ -360,9 +362,9 @@ Judgement judge_unidirectional(std::span<const UnidirectionalSpeed> points) {
   int judged = 0, inside = 0;
   std::string list;
   for (const UnidirectionalSpeed& point : points) {
-    // The densities asked for are edges of recorded bins, and a hundredth of a person decides on
-    // which side of an edge the measured one lies: so the band is what lies between the middles of
-    // two bins.
+    // Requested densities are edges of recorded bins, and a deviation of 0.01 people decides on
+    // which side of an edge the measured one lies. The band is therefore interpolated between bin
+    // centres.
     const auto band = recorded_one_way_at(point.density_per_m2);
     const std::string at = fmt::format("{:g} per m2", point.target_per_m2);
     Reading reading{at,
@@ -459,7 +461,7 @@ Judgement judge_necks(std::span<const NeckPassage> necks, double exit_m) {
       "{}{}; with {:g} m at most {:.2f} people per m2 over 10 s before the neck and {:.2f} before "
       "the exit of the second room, where RiMEA expects no congestion: {} (more than {:g} per m2 "
       "for {:.0f} % of the time, more than {:g} for {:.0f} %; before the neck {:.0f} and {:.0f} %)",
-      list, all_through ? "" : ", not everybody came through", exit_m, first.max_per_m2,
+      list, all_through ? "" : ", people are left behind", exit_m, first.max_per_m2,
       second.max_per_m2,
       is_jam(second)     ? "people jam"
       : is_queue(second) ? "people queue"

@@ -25,25 +25,25 @@ namespace throng {
 namespace {
 
 constexpr const char* kBenchFooter = R"(
-Other engines update the boxes of all parts and list overlapping boxes; ours poses people, culls to
-or-DOP 26 pairs and tells begin and end. docs/benchmarks.md says what is unfair in which direction.
-The engines are built in by `cmake --preset bench`.
+Other engines update the boxes of all parts and list overlapping boxes. Throng poses people, culls to
+or-DOP 26 pairs and reports begin and end events. docs/performance.md states the bias of each comparison.
+`cmake --preset bench` builds the engines in.
 
 Examples:
   throng bench --avatars 20000 --density 4
   throng bench --avatars 20000 --crowd plaza
   throng bench --avatars 5000 --engines none --threads 2 --json bench.json
   throng bench --avatars 5000 --age 300 --engines fcl,embree
-  throng bench --avatars 1000 --frames 3 --parts ordop26
+  throng bench --avatars 1000 --frames 3 --false-positives ordop26
   throng bench --export frames                    then custom_engine frames
   throng bench --check frames/found.csv
-  throng bench --model robot.urdf --avatars 500 --frames 3 --parts
+  throng bench --model robot.urdf --avatars 500 --frames 3 --false-positives
   throng bench --steering)";
 
-// A frame of the slower engines may take this long; then its result still counts.
+// Longest wait after a signal: frames of the slower engines take this long.
 constexpr std::chrono::milliseconds kPatience{700};
 
-constexpr int kStride = 20;  // steps between two frames, where few frames stand for a crowd
+constexpr int kStride = 20;  // steps between two frames; few frames then represent a crowd
 
 struct BenchCommand {
   bench::BenchOptions options;
@@ -54,7 +54,7 @@ struct BenchCommand {
   std::string pair_search = "grid";
   std::string json;
   std::string csv;
-  std::string parts;
+  std::string false_positives;
   std::string exports;  // a folder
   std::string check;    // a file
   int aged_frames = 0;
@@ -63,7 +63,8 @@ struct BenchCommand {
   Option* frames = nullptr;
 
   bool measures_engines() const {
-    return !steering && parts.empty() && exports.empty() && check.empty() && aged_frames == 0;
+    return !steering && false_positives.empty() && exports.empty() && check.empty() &&
+           aged_frames == 0;
   }
 };
 
@@ -99,7 +100,6 @@ OpenOutputs opened_outputs(const BenchCommand& command) {
   return plan.open();
 }
 
-/// What a measurement comes to.
 struct Measured {
   std::string text;
   std::string json;
@@ -107,7 +107,7 @@ struct Measured {
   bool is_valid = true;
 };
 
-/// Drawn over and over on a terminal; the last of it is known to whoever stops the measurement.
+/// Progress on a terminal, redrawn in one line; last() reports it when the measurement is stopped.
 class ProgressLine {
  public:
   void show_progress(const std::string& what) {
@@ -115,7 +115,6 @@ class ProgressLine {
     last_ = what;
     if (terminal_) print_message("\r\033[K{}", what);
   }
-  /// Wipes the line.
   std::string last() {
     const std::lock_guard lock(mutex_);
     if (terminal_) print_message("\r\033[K");
@@ -143,8 +142,9 @@ Measured measure_steering(const BenchCommand& command, const bench::Progress& pr
 Measured measure_parts(const BenchCommand& command, const bench::Progress& progress) {
   bench::BenchOptions options = command.options;
   const std::unique_ptr<bench::Crowd> crowd = bench::make_crowd(options);
-  const auto result = bench::count_false_positives(
-      *crowd, bench::project_volumes(), {options.frames, kStride, command.parts}, progress);
+  const auto result =
+      bench::count_false_positives(*crowd, bench::project_volumes(),
+                                   {options.frames, kStride, command.false_positives}, progress);
   const auto misses = [](const bench::VolumeReport& volume) { return volume.missed > 0; };
   return {bench::to_text(result),
           bench::to_json(result, command.options),
@@ -152,7 +152,7 @@ Measured measure_parts(const BenchCommand& command, const bench::Progress& progr
           std::none_of(result.volumes.begin(), result.volumes.end(), misses)};
 }
 
-/// Fewer people and frames than are measured: somebody is going to read them.
+/// Exports fewer people and frames by default than other measurements, for human readers.
 Measured export_frames(const BenchCommand& command, const bench::Progress& progress) {
   bench::BenchOptions options = command.options;
   if (!command.avatars->is_given()) options.avatars = 1000;
@@ -176,7 +176,7 @@ Measured measure_ageing(const BenchCommand& command, const bench::Progress& prog
           result.aged_work == result.fresh_work};
 }
 
-/// Also of the frames that were measured before a signal; nothing if there were none.
+/// Also returns the frames measured before a signal; empty if there were none.
 Measured measure_engines(const BenchCommand& command, const bench::Progress& progress) {
   const bench::BenchResult result =
       bench::compare(command.options, progress, StopSignal::requested);
@@ -191,13 +191,13 @@ Measured measured(const BenchCommand& command, const bench::Progress& progress) 
   if (command.steering) return measure_steering(command, progress);
   if (!command.exports.empty()) return export_frames(command, progress);
   if (!command.check.empty()) return check_pairs(command);
-  if (!command.parts.empty()) return measure_parts(command, progress);
+  if (!command.false_positives.empty()) return measure_parts(command, progress);
   if (command.aged_frames > 0) return measure_ageing(command, progress);
   return measure_engines(command, progress);
 }
 
 int report(const BenchCommand& command, const Measured& result) {
-  print_beside_json(command.json, result.text);
+  print_unless_json(command.json, result.text);
   write_json_output(command.json, result.json);
   if (!command.csv.empty()) {
     std::error_code error;
@@ -210,7 +210,7 @@ int report(const BenchCommand& command, const Measured& result) {
 int stopped(const BenchCommand& command, const Measured& result, const std::string& progress) {
   print_message(
       "stopped by {}{}{}; {}\n", StopSignal::name(), progress.empty() ? "" : " after ", progress,
-      result.text.empty() ? "nothing was measured to its end" : "what was measured follows");
+      result.text.empty() ? "no measurement was finished" : "finished measurements follow");
   if (!result.text.empty()) report(command, result);
   return StopSignal::exit_code();
 }
@@ -228,7 +228,7 @@ int measure(BenchCommand& command) {
   options.simd = resolved(*simd_target_of(command.simd));
   options.pair_search = pair_search_of(command.pair_search).value();
   const StopSignal stop;
-  const OpenOutputs outputs = opened_outputs(command);  // fails before it has taken minutes
+  const OpenOutputs outputs = opened_outputs(command);  // before minutes of measuring
   const auto result = std::make_shared<Measured>();
   const auto line = std::make_shared<ProgressLine>();
   const bool done = finishes_before_signal(
@@ -244,7 +244,7 @@ int measure(BenchCommand& command) {
 
 void add_options(CommandOptions& app, BenchCommand& command) {
   bench::BenchOptions& options = command.options;
-  command.avatars = app.add_option("--avatars", options.avatars, "People [20000]")
+  command.avatars = app.add_option("--avatars", options.avatars, "Number of people [20000]")
                         ->check(whole_option(2, 1'000'000, "a whole number from 2 to 1000000"))
                         ->type_name("N");
   app.add_option("--density", command.density, "People per square metre [1]")
@@ -253,60 +253,62 @@ void add_options(CommandOptions& app, BenchCommand& command) {
   auto* crowd =
       app.add_option(
              "--crowd", command.crowd,
-             "square: everybody walks straight on; plaza: they steer, as dense as the scene "
+             "Motion; square: all walk straight on; plaza: agents steer, density of the scene "
              "[square]")
           ->check(name_option({"square", "plaza"}))
           ->type_name("NAME");
-  auto* model = app.add_option("--model", options.model,
-                               "A crowd of this URDF instead of the bundled adult's")
+  auto* model = app.add_option("--model", options.model, "URDF of the bodies [the bundled adult]")
                     ->type_name("URDF");
-  command.frames =
-      app.add_option("--frames", options.frames, "Frames to measure, after 3 of warm-up [20]")
-          ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
-          ->type_name("N");
-  app.add_option("--threads", options.threads, "For us, and for engines that have threads [1]")
+  command.frames = app.add_option("--frames", options.frames,
+                                  "Number of measured frames, after 3 of warm-up [20]")
+                       ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
+                       ->type_name("N");
+  app.add_option("--threads", options.threads, "Threads of Throng and of engines with threads [1]")
       ->check(whole_option(1, 256, "a whole number from 1 to 256"))
       ->type_name("N");
-  auto* engines =
-      app.add_option("--engines", command.engines, "all, none, or a list like fcl,embree [all]")
-          ->type_name("LIST");
-  app.add_option("--seed", options.seed, "Of the crowd [1]")
+  auto* engines = app.add_option("--engines", command.engines,
+                                 "Engines to compare: all, none, or a list like fcl,embree [all]")
+                      ->type_name("LIST");
+  app.add_option("--seed", options.seed, "Random seed of the crowd [1]")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
-  app.add_option("--simd", command.simd, "Force a vector target [best]")
+  app.add_option("--simd", command.simd, "Vector instructions [best]")
       ->check(name_option(simd_target_names()))
       ->type_name("TARGET");
-  auto* search = app.add_option("--pair-search", command.pair_search, "grid, sweep or brute [grid]")
+  auto* search = app.add_option("--pair-search", command.pair_search,
+                                "Broad phase: grid, sweep or brute [grid]")
                      ->check(name_option(pair_search_names()))
                      ->type_name("NAME");
   auto* age = app.add_option("--age", command.aged_frames,
-                             "Compare fresh structures with ones that followed N frames [300]")
+                             "Compare new search structures with ones updated over N frames [300]")
                   ->check(whole_option(1, 100'000, "a whole number from 1 to 100000"))
                   ->type_name("N");
   age->expected(0, 1)->default_str("300");
-  auto* parts = app.add_option("--parts", command.parts,
-                               "False positives of every volume, and part by part of this one "
+  auto* parts = app.add_option("--false-positives", command.false_positives,
+                               "Measure false positives of every volume, and per part of VOLUME "
                                "[ordop26]")
                     ->check(name_option(volume_names()))
                     ->type_name("VOLUME")
                     ->excludes(age);
   parts->expected(0, 1)->default_str("ordop26");
   auto* json = app.add_option("--json", command.json, kJsonHelp)->type_name("FILE");
-  auto* csv = app.add_option("--csv", command.csv, "Append a row an engine of the comparison")
+  auto* csv = app.add_option("--csv", command.csv, "Append a row per engine to this file")
                   ->type_name("FILE");
   auto* exports =
       app.add_option("--export", command.exports,
-                     "Frames of boxes, poses and shapes, with the pairs that there are, "
-                     "for an engine of your own [1000 people, 3 frames]")
+                     "Write frames of boxes, poses, shapes and true pairs, for a custom "
+                     "engine [1000 people, 3 frames]")
           ->type_name("DIR");
-  auto* check = app.add_option("--check", command.check,
-                               "Judges the pairs that an engine found, in a file of such a folder")
-                    ->type_name("FILE");
+  auto* check =
+      app.add_option("--check", command.check,
+                     "Check the pairs of a custom engine, a file in the folder of --export")
+          ->type_name("FILE");
   for (Option* each : {exports, check})
     each->excludes(age)->excludes(parts)->excludes(csv)->excludes(json);
   exports->excludes(check);
-  app.add_flag("--steering", command.steering,
-               "A step of each steering model, of 1000, 10000 and 100000 people or --avatars")
+  app.add_flag(
+         "--steering", command.steering,
+         "Measure a step of each steering model, with 1000, 10000 and 100000 people or --avatars")
       ->excludes(age)
       ->excludes(parts)
       ->excludes(crowd)
@@ -322,7 +324,7 @@ void add_options(CommandOptions& app, BenchCommand& command) {
 
 Command add_bench_command(CommandLine& parent) {
   CommandOptions* app =
-      parent.add_subcommand("bench", "This machine against the other engines it was built with");
+      parent.add_subcommand("bench", "Measure Throng and the other engines that it was built with");
   app->footer(kBenchFooter);
   const auto command = std::make_shared<BenchCommand>();
   add_options(*app, *command);

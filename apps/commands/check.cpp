@@ -13,9 +13,9 @@ namespace throng {
 namespace {
 
 constexpr const char* kCheckFooter = R"(
-A log is sound when every byte belongs to a message, every message is as it was written, none is
-missing, every contact that begins also ends, and the events have the run's hash. Exit code 1 says
-that it is not, or that it is cut off before the end of its run.
+A log is sound if every byte belongs to a message, no message is damaged or missing, every contact that
+begins also ends, and the events have the run's hash. Exit code 1: the log is not sound, or it ends before
+the end of its run.
 
 Examples:
   throng check out/plaza.lcmlog
@@ -28,7 +28,7 @@ struct CheckOptions {
 
 int check(const CheckOptions& options) {
   OutputPlan plan;
-  plan.reads("which is judged", options.log);
+  plan.reads("which is checked", options.log);
   plan.writes({.option = "--repair",
                .path = options.repaired,
                .mode = WriteMode::kStreamed,
@@ -39,26 +39,26 @@ int check(const CheckOptions& options) {
                !report.is_sound() ? "not sound"
                : report.finished  ? "sound"
                                   : "sound, but cut off");
-  print_result("  messages   {} of ours, {} of others, {} bytes\n",
+  print_result("  messages   {} of Throng, {} of others, {} bytes\n",
                report.log_events - report.foreign_messages, report.foreign_messages, report.bytes);
   print_result("  events     {} begin, {} end, {} open\n", report.begins, report.ends,
                report.open_pairs);
   const auto& levels = report.begins_by_level;
   if (levels[0] + levels[1] > 0 || (levels[2] > 0 && levels[3] > 0))
-    print_result("  levels     begun by spheres {}, boxes {}, part volumes {}, triangles {}\n",
-                 levels[0], levels[1], levels[2], levels[3]);
+    print_result(
+        "  levels     contacts by level: spheres {}, boxes {}, part volumes {}, triangles {}\n",
+        levels[0], levels[1], levels[2], levels[3]);
   print_result("  frames     {}, {:.2f} s\n", report.last_frame + 1,
                static_cast<double>(report.last_utime_us) * 1e-6);
   for (const std::string& line : describe_coverage(report)) print_result("  checksums  {}\n", line);
   if (!report.omits.empty())
-    print_result("  leaves out {} (strategy {})\n", report.omits, report.strategy);
+    print_result("  omits      {} (strategy {})\n", report.omits, report.strategy);
   if (!report.cut_off.empty()) print_result("  end        {}\n", report.cut_off);
   for (const std::string& problem : report.problems) print_result("  problem    {}\n", problem);
   const int64_t unlisted = report.problem_count - static_cast<int64_t>(report.problems.size());
   if (unlisted > 0) print_result("  problem    and {} more\n", unlisted);
   if (!options.repaired.empty()) {
-    if (report.log_events == 0)
-      throw InputError(options.log, "a log with something sound to copy", "no sound message");
+    if (report.log_events == 0) throw InputError(options.log, "a log with a sound message", "none");
     const OpenOutputs outputs = plan.open();
     for (const std::string& note : outputs.notes()) print_message("note: {}\n", note);
     const int64_t messages = repair_log(options.log, options.repaired);
@@ -71,11 +71,11 @@ int check(const CheckOptions& options) {
 
 Command add_check_command(CommandLine& parent) {
   CommandOptions* app =
-      parent.add_subcommand("check", "Judges a log: numbering, gaps, events in pairs");
+      parent.add_subcommand("check", "Check a log: numbering, gaps, pairing of events");
   app->footer(kCheckFooter);
   const auto options = std::make_shared<CheckOptions>();
-  app->add_option("LOG", options->log, "The log to judge")->required();
-  app->add_option("--repair", options->repaired, "Writes what is sound into a new log")
+  app->add_option("LOG", options->log, "Log to check")->required();
+  app->add_option("--repair", options->repaired, "Write the sound messages to a new log")
       ->type_name("FILE");
   return {app, [options] { return check(*options); }};
 }

@@ -26,8 +26,8 @@ namespace throng {
 namespace {
 
 constexpr const char* kCompareFooter = R"(
-A and B are scenes, names from `throng scenes`, recordings or logs; each is run first, with triangles (a log
-is culled again). Options that a recording needs stand in a scene of `kind: recorded`.
+A and B are scenes, names from `throng scenes`, recordings or logs. Each is run first, with triangles; a log
+is culled again. Options for a recording belong in a scene of `kind: recorded`.
 
 Examples:
   throng compare corridor crossing --seconds 20
@@ -63,8 +63,8 @@ Json run_json(const MeasuredRun& run) {
           {"off_area", run.facts.off_area}};
 }
 
-/// `{speed_density spacing flow width_use sway accelerations contacts depth}`, a list of rows each,
-/// each row with what it says of A and of B; null: nothing.
+/// `{speed_density spacing flow width_use sway accelerations contacts depth}`, each a list of rows
+/// with the values of A and of B; null: no value.
 std::string comparison_json(const MeasuredRun& a, const MeasuredRun& b) {
   Json json = {{"throng", version_json()}, {"a", run_json(a)}, {"b", run_json(b)}};
   for (size_t i = 0; i < a.tables.size(); ++i) {
@@ -76,7 +76,7 @@ std::string comparison_json(const MeasuredRun& a, const MeasuredRun& b) {
   return json.dump(2) + "\n";
 }
 
-/// report.md and an SVG a figure. The folder exists. Throws EnvironmentError.
+/// Writes report.md and its SVG figures into an existing folder. Throws EnvironmentError.
 void write_comparison_report(const MeasuredRun& a, const MeasuredRun& b,
                              const std::filesystem::path& folder) {
   std::string text =
@@ -94,11 +94,11 @@ struct CompareOptions {
   std::string a, b;
   std::string json;
   std::string out;
-  std::vector<float> line;  ///< two points
+  std::vector<float> line;  ///< two points, or empty
   RunOptions run;
 };
 
-/// With triangles, and no longer than asked for.
+/// The run with triangles, and at most the requested duration.
 RunSource source_of(const std::string& name, const CompareOptions& options) {
   RunOptions run = options.run;
   run.exact = true;
@@ -117,7 +117,6 @@ std::optional<Passage> chosen_line(const CompareOptions& options) {
   return Passage{at(0), at(2)};
 }
 
-/// Nothing if a signal came first.
 std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& options) {
   SimulationOptions simulated = simulation_options(options.run);
   simulated.motion = std::move(source.motion);
@@ -136,16 +135,17 @@ std::optional<MeasuredRun> measured(RunSource source, const CompareOptions& opti
   return MeasuredRun{simulation.scene().name, measures.facts(), measures.tables()};
 }
 
-/// Those who go round a line that was chosen are missing in its flow.
-void note_passed_beside(const MeasuredRun& run) {
+/// Notes agents that pass outside a chosen line: its flow does not count them.
+void note_passed_outside(const MeasuredRun& run) {
   for (const MeasureTable& table : run.tables) {
     if (table.id != "flow") continue;
-    const double beside = table.value("the line", "", "people beside it");
-    if (!(beside > 0)) continue;  // NaN without --line
+    const double outside = table.value("the line", "", "people past its ends");
+    if (!(outside > 0)) continue;  // NaN without --line
     print_message(
-        "note: {}: {:.0f} of {} people passed beside the line; make it longer, or close the ground "
-        "there by obstacles\n",
-        run.name, beside, run.facts.people);
+        "note: {}: {:.0f} of {} people passed outside the line; extend the line, or block the "
+        "ground "
+        "there with obstacles\n",
+        run.name, outside, run.facts.people);
   }
 }
 
@@ -154,9 +154,9 @@ int compare(const CompareOptions& options) {
   plan.writes_json(options.json);
   plan.fills("--out", options.out, {"report.md", "*.svg"});
   plan.check();
-  chosen_line(options);  // whether it is one
+  chosen_line(options);  // throws if it is invalid
   if (!options.out.empty()) require_gnuplot();
-  // Both before the first runs: what is wrong with B is known at once.
+  // Load both before the first run: errors in B are reported at once.
   RunSource source_a = source_of(options.a, options);
   RunSource source_b = source_of(options.b, options);
   plan_inputs(source_a.scene, plan);
@@ -167,15 +167,15 @@ int compare(const CompareOptions& options) {
   const std::optional<MeasuredRun> a = measured(std::move(source_a), options);
   const std::optional<MeasuredRun> b = a ? measured(std::move(source_b), options) : std::nullopt;
   if (!b) {
-    print_message("stopped by {}: nothing to compare yet\n", StopSignal::name());
+    print_message("stopped by {}: no run was finished\n", StopSignal::name());
     return StopSignal::exit_code();
   }
-  for (const MeasuredRun* run : {&*a, &*b}) note_passed_beside(*run);
-  print_beside_json(options.json, comparison_text(*a, *b));
+  for (const MeasuredRun* run : {&*a, &*b}) note_passed_outside(*run);
+  print_unless_json(options.json, comparison_text(*a, *b));
   write_json_output(options.json, comparison_json(*a, *b));
   if (!options.out.empty()) {
     write_comparison_report(*a, *b, options.out);
-    print_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+    print_unless_json(options.json, fmt::format("{}/report.md written\n", options.out));
   }
   return kExitSuccess;
 }
@@ -184,20 +184,18 @@ int compare(const CompareOptions& options) {
 
 Command add_compare_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
-      "compare", "Two crowds side by side: speed, spacing, flow, sway, contacts and their depth");
+      "compare", "Compare two crowds: speed, spacing, flow, sway, contacts and their depth");
   app->footer(kCompareFooter);
   const auto options = std::make_shared<CompareOptions>();
-  app->add_option("A", options->a,
-                  "A scene file, a name from `throng scenes`, a recording, or a log")
+  app->add_option("A", options->a, "Scene file, name from `throng scenes`, recording, or log")
       ->required();
-  app->add_option("B", options->b, "The same")->required();
+  app->add_option("B", options->b, "As A")->required();
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
-  app->add_option("--out", options->out, "A folder for report.md and its figures")
-      ->type_name("DIR");
+  app->add_option("--out", options->out, "Folder for report.md and its figures")->type_name("DIR");
   add_run_option(*app, "seconds", options->run);
   app->add_list("--line", options->line, 4, ',', number_option(-1e6, 1e6, false, ""),
                 "two points in metres, X,Y,X,Y",
-                "Where flow is measured, from one point to another [the narrowest place]")
+                "Line across which flow is measured, in metres [the narrowest place]")
       ->type_name("X,Y,X,Y");
   add_run_option(*app, "threads", options->run);
   return {app, [options] { return compare(*options); }};

@@ -20,10 +20,10 @@ namespace throng {
 namespace {
 
 constexpr const char* kExportFooter = R"(
---mcap writes what Foxglove and other viewers of MCAP show: /tf, where every part is; /scene, the meshes of bodies
-and obstacles; /contact_markers; /contacts, a message for each begin and end. --csv writes the messages of a
-channel, a row a person, event or frame: events, states, touching,
-near, contacts, separation or counters.
+--mcap writes a file for Foxglove and other MCAP viewers: /tf, poses of parts; /scene, meshes of bodies and
+obstacles; /contact_markers; /contacts, a message per begin and end. --csv writes the messages of a channel, a
+row per person, event or frame: events, states, touching,
+proximity, contact_points, separation or frame_stats.
 
 Examples:
   throng export out/plaza.lcmlog --mcap plaza.mcap
@@ -44,11 +44,11 @@ int stopped() {
   return StopSignal::exit_code();
 }
 
-/// The exit code of an export of a log that may not be whole.
+/// Exit code for the export of a log that may be incomplete.
 int ended(const std::string& log, const std::string& missing) {
   if (missing.empty()) return kExitSuccess;
   if (StopSignal::requested()) return stopped();
-  print_message("note: {}: {} What was recorded is exported.\n", log, missing);
+  print_message("note: {}: {} The recorded part is exported.\n", log, missing);
   return kExitCheckFailed;
 }
 
@@ -85,7 +85,7 @@ int export_log(const ExportOptions& options) {
     throw InputError("export", "--mcap FILE or --csv CHANNEL",
                      options.mcap.empty() ? "neither" : "both");
   if (!options.out.empty() && options.csv.empty())
-    throw InputError("--out", "--csv CHANNEL beside it", "none");
+    throw InputError("--out", "--csv CHANNEL with it", "none");
   const std::string channel = csv_channel(options.csv);
   if (!options.csv.empty() && channel.empty())
     throw InputError("--csv", "a channel: " + list_of(csv_channels(), " or "),
@@ -108,18 +108,18 @@ int export_log(const ExportOptions& options) {
 
 Command add_export_command(CommandLine& parent) {
   CommandOptions* app =
-      parent.add_subcommand("export", "A log for other viewers (MCAP), or as a table (CSV)");
+      parent.add_subcommand("export", "Convert a log to MCAP for other viewers, or to a CSV table");
   app->footer(kExportFooter);
   const auto options = std::make_shared<ExportOptions>();
-  app->add_option("LOG", options->log, "The log of a run")->required();
-  app->add_option("--mcap", options->mcap, "An MCAP file to write")->type_name("FILE");
+  app->add_option("LOG", options->log, "Log of a run")->required();
+  app->add_option("--mcap", options->mcap, "Write this MCAP file")->type_name("FILE");
   app->add_option("--poses-hz", options->poses_hz,
-                  "Poses so often a simulated second, as far as the log has states [10]")
-      ->check(number_option(0, 1e4, true, "a number of poses a second above 0"))
+                  "Poses per simulated second, at most the states in the log [10]")
+      ->check(number_option(0, 1e4, true, "a number of poses per second above 0"))
       ->type_name("N");
-  app->add_option("--csv", options->csv, "The messages of a channel: events, states, ...")
+  app->add_option("--csv", options->csv, "Write the messages of a channel: events, states, ...")
       ->type_name("CHANNEL");
-  app->add_option("--out", options->out, "The table to write [stdout]")->type_name("FILE");
+  app->add_option("--out", options->out, "Table to write [stdout]")->type_name("FILE");
   return {app, [options] { return export_log(*options); }};
 }
 

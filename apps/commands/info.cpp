@@ -22,9 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInfoFooter = R"(
-A file whose root element is <robot> is a URDF, whatever it is called. Otherwise the reader is chosen by the
-extension: .tri, .yaml or .yml, .lcmlog. Any other file is a recording of people, known by its content: see
-docs/recordings.md.
+A file whose root element is <robot> is a URDF, whatever its name. Otherwise the extension chooses the reader:
+.tri, .yaml or .yml, .lcmlog. Any other file is read as a recording of people and identified by its content,
+see docs/recordings.md.
 
 Examples:
   throng info avatars/models/adult/head.tri
@@ -53,7 +53,7 @@ std::string description_of(const std::string& name, const RunOptions& options) {
   if (extension == ".urdf") return describe_model(*load_model(file));
   if (extension == ".yaml" || extension == ".yml") return describe_scene(name);
   if (extension == ".lcmlog") return describe_log(file);
-  if (is_bundled) return describe_scene(name);  // or a did-you-mean
+  if (is_bundled) return describe_scene(name);  // throws with a suggestion if there is none
   const std::optional<FileKind> kind = known_kind(file);
   if (kind && !kind->is_recording)
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file, or a recording", kind->what);
@@ -69,10 +69,10 @@ int describe(const std::string& name, const RunOptions& options) {
 
 Command add_info_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
-      "info", "Checks and describes a .tri mesh, a URDF, a scene, a log or a recording");
+      "info", "Check and describe a .tri mesh, a URDF, a scene, a log or a recording");
   app->footer(kInfoFooter);
   const auto file = std::make_shared<std::string>();
-  app->add_option("FILE", *file, "What to describe")->required();
+  app->add_option("FILE", *file, "File or bundled scene to describe")->required();
   const auto options = std::make_shared<RunOptions>();
   add_recording_options(*app, *options);
   return {app, [file, options] { return describe(*file, *options); }};

@@ -1,5 +1,5 @@
-// What `throng info` says about a scene and about a recording.
-// One rule: everything is read by the library's own reader first; half a description is none.
+// Descriptions that `throng info` prints of a scene and of a recording.
+// Invariant: the library's reader reads the whole file first; there are no partial descriptions.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace throng {
 
-/// A scene file, or the name of a bundled scene. Lines end in a line feed. Throws InputError.
+/// Describes a scene file or a bundled scene. Lines end in a line feed. Throws InputError.
 std::string describe_scene(const std::string& path_or_name);
 
-/// `file`: as it was given.
+/// `file` is the name as the user gave it.
 std::string describe_recording(const Recording& recording, const std::string& file);
 
 }  // namespace throng

@@ -34,7 +34,7 @@ void add_time(FactLines& lines, const RecordingFacts& facts) {
     numbers = fmt::format(", numbered {} to {}", facts.first_frame,
                           facts.first_frame + (facts.frames - 1) * facts.frame_step);
   if (facts.frame_step > 1) numbers += fmt::format(" by {}", facts.frame_step);
-  lines.line("time", "{:.6g} s, {} frames at {:.6g} a second{}", facts.duration_s, facts.frames,
+  lines.line("time", "{:.6g} s, {} frames at {:.6g} per second{}", facts.duration_s, facts.frames,
              facts.fps, numbers);
 }
 
@@ -43,8 +43,8 @@ void add_area(FactLines& lines, const RecordingFacts& facts, const std::string& 
   lines.line("area", "({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m, {:.1f} m2", b.min_m.x(), b.min_m.y(),
              b.max_m.x(), b.max_m.y(), b.area_m2());
   if (!facts.shift_m.isZero())
-    lines.line("shifted", "by ({:.0f}, {:.0f}) m, which the file's coordinates are larger",
-               facts.shift_m.x(), facts.shift_m.y());
+    lines.line("shifted", "by ({:.0f}, {:.0f}) m from the file's coordinates", facts.shift_m.x(),
+               facts.shift_m.y());
   if (facts.wkt.empty()) return;
   size_t edges = 0, holes = 0;
   const std::vector<AreaPolygon> polygons = recorded_area(facts, file).polygons;
@@ -65,14 +65,14 @@ std::string describe_recording(const Recording& recording, const std::string& fi
   const RecordingSummary summary = summary_of(recording);
   FactLines lines;
   lines.head(fmt::format("{}: a recording, {}", file, facts.kind));
-  lines.line("tracks", "{} (--tracked-point {} if they are not)",
-             facts.tracked_point == TrackedPoint::kHead ? "of heads" : "of the centres of bodies",
+  lines.line("tracks", "{} (override with --tracked-point {})",
+             facts.tracked_point == TrackedPoint::kHead ? "heads" : "centres of bodies",
              facts.tracked_point == TrackedPoint::kHead ? "centre" : "head");
-  lines.line("people", "{}, ids {} to {}; {:.0f} at once, at most {} (at {:.0f} s)", people.size(),
-             people.front().id, people.back().id, summary.mean_people, summary.max_people,
-             summary.max_people_at_s);
+  lines.line("people", "{}, ids {} to {}; {:.0f} at once on average, at most {} (at {:.0f} s)",
+             people.size(), people.front().id, people.back().id, summary.mean_people,
+             summary.max_people, summary.max_people_at_s);
   add_time(lines, facts);
-  lines.line("positions", "{}, {:.0f} a person", facts.samples,
+  lines.line("positions", "{}, {:.0f} per person", facts.samples,
              static_cast<double>(facts.samples) / static_cast<double>(people.size()));
   add_area(lines, facts, file);
   if (summary.heights > 0)
@@ -81,7 +81,7 @@ std::string describe_recording(const Recording& recording, const std::string& fi
                summary.heights, people.size());
   else
     lines.line("heights", "none");
-  lines.line("headings", "{}", facts.has_headings ? "as the file has them" : "none");
+  lines.line("headings", "{}", facts.has_headings ? "from the file" : "none");
   lines.line("speeds", "{:.2f} m/s over a second, 90 % from {:.2f} to {:.2f}",
              summary.speed_mps.median, summary.speed_mps.low, summary.speed_mps.high);
   lines.line("densities",
@@ -89,7 +89,7 @@ std::string describe_recording(const Recording& recording, const std::string& fi
              "counted",
              summary.density_per_m2.median, kDensityRadius_m, summary.density_per_m2.low,
              summary.density_per_m2.high);
-  lines.line("odd", "{}", facts.anomalies.empty() ? "nothing" : "");
+  lines.line("anomalies", "{}", facts.anomalies.empty() ? "none" : "");
   for (const Anomaly& anomaly : facts.anomalies)
     lines.head(fmt::format("    {:>6} {}\n           first {}", anomaly.count, anomaly.what,
                            anomaly.first));

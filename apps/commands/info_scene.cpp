@@ -30,12 +30,12 @@ std::string_view kind_name(Obstacle::Kind kind) {
   return "";
 }
 
-/// The legs of the first way that a group walks, from the middle of where it starts.
+/// Lengths of the paths between a group's goals, from the centre of its spawn area.
 void add_path_lengths(std::string& text, const Group& group, const NavMesh& mesh) {
   Eigen::Vector2d from = group.count > 0 || group.sources.empty()
                              ? group.spawn.middle_m()
                              : group.sources.front().area.middle_m();
-  text += "    way      ";
+  text += "    path     ";
   for (size_t i = 0; i < group.goals.size(); ++i) {
     const Path path = mesh.path(from, group.goals[i].areas);
     if (i > 0) text += ", ";
@@ -55,7 +55,7 @@ void add_distribution(std::string& text, const char* what, const Distribution& d
          d.max);
 }
 
-/// What is the same for all of them, and by age what is not.
+/// Sizes and speeds: common ones once, others by age group.
 void add_people(std::string& text, const Group& group) {
   const double sum = std::accumulate(group.ages.begin(), group.ages.end(), 0.0);
   const bool by_age = !group.speed_mps || !group.height_m;
@@ -71,7 +71,6 @@ void add_people(std::string& text, const Group& group) {
   if (group.height_m) add_distribution(text, "height", *group.height_m, "m");
 }
 
-/// Those who go as recorded.
 void add_recorded(std::string& text, const Scene& scene) {
   const Group& group = scene.groups.back();
   const RecordingFacts& facts = scene.recorded->recording->facts();
@@ -83,11 +82,11 @@ void add_recorded(std::string& text, const Scene& scene) {
   append(text, "    size     {}\n", describe_size(group));
 }
 
-/// "10 s after the start", "2 s after everybody of 'a' has been at goal 1".
+/// "10 s after the start", "2 s after all members of 'a' have been at goal 1".
 std::string describe(const TriggerRule& rule) {
   if (rule.group.empty()) return fmt::format("{:g} s after the start", rule.delay_s);
   const std::string goal = rule.goal > 0 ? fmt::format("goal {}", rule.goal) : "the last goal";
-  return fmt::format("{:g} s after everybody of '{}' has been at {}", rule.delay_s, rule.group,
+  return fmt::format("{:g} s after all members of '{}' have been at {}", rule.delay_s, rule.group,
                      goal);
 }
 
@@ -102,7 +101,7 @@ void add_queues(std::string& text, const Group& group) {
   for (size_t i = 0; i < group.goals.size(); ++i) {
     const Goal& goal = group.goals[i];
     if (!goal.is_limited()) continue;
-    append(text, "    queue    for goal {}, which takes {} at once", i + 1, goal.max_inside());
+    append(text, "    queue    for goal {}, which serves {} at once", i + 1, goal.max_inside());
     if (goal.areas.size() > 1) append(text, " in each of {} areas", goal.areas.size());
     append(text, ", {:g} m apart\n", goal.queue.spacing_m);
   }
@@ -113,18 +112,17 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
          group.body->name, group.body->part_count(), group.goals.size());
   if (group.count > 0) append(text, "    from     {}\n", describe(group.spawn));
   if (group.density_per_m2 > 0)
-    append(text, "    close    {:g} per m2 of free ground\n", group.density_per_m2);
+    append(text, "    density  {:g} per m2 of free ground\n", group.density_per_m2);
   if (group.after) append(text, "    after    {}\n", describe(*group.after));
   if (group.social_groups)
-    append(text, "    together {:g} % of them, in parties of 2, 3 and 4 as {:g} to {:g} to {:g}\n",
+    append(text, "    together {:g} % in social groups of 2, 3 and 4 as {:g} to {:g} to {:g}\n",
            100 * group.social_groups->share, group.social_groups->sizes[0],
            group.social_groups->sizes[1], group.social_groups->sizes[2]);
   for (const Source& source : group.sources)
     append(text, "    source   {} at {:g} per s from {:g} s on, {}\n", source.count,
            source.rate_per_s, source.start_s, describe(source.area));
   if (!group.control_channel.empty())
-    append(text, "    driven   by messages on the LCM channel {}; nothing else moves it\n",
-           group.control_channel);
+    append(text, "    control  by messages on the LCM channel {} only\n", group.control_channel);
   if (group.control_channel.empty()) add_path_lengths(text, group, mesh);
   add_queues(text, group);
   append(text, "    size     {}\n", describe_size(group));
@@ -137,7 +135,7 @@ void add_obstacle(std::string& text, const Obstacle& obstacle) {
          obstacle.centre_m.x(), obstacle.centre_m.y());
 }
 
-/// What the models of a scene leave open.
+/// Assumptions made about the scene's models.
 void add_notes(std::string& text, const Scene& scene) {
   std::vector<std::shared_ptr<const Model>> models;
   for (const Group& group : scene.groups)
@@ -172,14 +170,14 @@ std::string describe_scene(const std::string& path_or_name) {
     add_notes(text, scene);
     return text;
   }
-  // Nobody looks for a way where all were recorded.
+  // No paths if every agent follows a recording.
   const bool steers = !scene.recorded || scene.groups.size() > 1;
   std::string groups;
   if (steers) {
     const Walkable walkable(scene);
     const FlowGrid grid(walkable);
     const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
-    append(text, "  ways       navigation mesh of {} polygons from voxels of {:.2g} m\n",
+    append(text, "  paths      navigation mesh of {} polygons from voxels of {:.2g} m\n",
            mesh.polygon_count(), mesh.voxel_m());
     for (const Group& group : scene.groups)
       if (group.recorded == 0) add_group(groups, group, mesh);

@@ -21,16 +21,16 @@ namespace throng {
 namespace {
 
 constexpr const char* kMonitorFooter = R"(
-Shows channels with their rates, what is missing, the stage counters as N_u C_u N_v C_v N_p C_p C_o and T,
-which parts touch most, and the newest contacts by name. Ctrl-C ends it.
+Shows channels with rates and missing messages, the stage counters as N_u C_u N_v C_v N_p C_p C_o and T, the
+parts that touch most, and the newest contacts by name. Ctrl-C ends it.
 
 Examples:
-  throng monitor                                    live, updating in place
-  throng monitor --once --json                      listens for 3 s, then prints for machines
-  throng monitor --once --json --until-end          to the end of the run
+  throng monitor                                    live, updates in place
+  throng monitor --once --json                      listens for 3 s, then prints JSON
+  throng monitor --once --json --until-end          listens until the run ends
   throng monitor out/plaza.lcmlog                   the same view of a log
 
-Exit codes: 1 if nothing was heard.)";
+Exit codes: 1 if no message was received.)";
 
 struct MonitorOptions {
   std::string log;
@@ -46,7 +46,7 @@ constexpr int64_t kMaxReported = 3;
 constexpr std::chrono::milliseconds kRedraw{200};
 constexpr double kLine_s = 1;
 
-/// Columns and lines of the terminal on stdout, if it is one.
+/// Columns and lines of the terminal on stdout; empty if it is not a terminal.
 std::optional<winsize> terminal() {
   winsize size{};
   if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) return {};
@@ -54,7 +54,7 @@ std::optional<winsize> terminal() {
   return size;
 }
 
-/// The other screen of a terminal, without a cursor, until destroyed.
+/// Switches the terminal to its alternate screen without a cursor until destroyed.
 class Screen {
  public:
   explicit Screen(bool is_used) : is_used_(is_used) {
@@ -70,7 +70,7 @@ class Screen {
   static void draw(const std::vector<std::string>& lines) {
     std::string text = "\033[H";
     for (const std::string& line : lines) text += line + "\033[K\r\n";
-    if (!lines.empty()) text.resize(text.size() - 2);  // a line break at the bottom would scroll
+    if (!lines.empty()) text.resize(text.size() - 2);  // a final line break would scroll
     print_result("{}\033[J", text);
   }
 
@@ -87,7 +87,7 @@ int print_view(MonitorView view, bool as_json) {
     for (const std::string& line : lines_of(view)) print_result("{}\n", line);
   }
   if (!view.inbox.runs().empty()) return kExitSuccess;
-  print_message("{}: expected a run, heard none; {}\n", view.source,
+  print_message("{}: expected a run, found none; {}\n", view.source,
                 view.inbox.refused() > 0
                     ? fmt::format("{} ({})",
                                   counted(view.inbox.refused(), "message was refused",
@@ -128,7 +128,7 @@ int watch_live(const MonitorOptions& options) {
         if (view.now_s - drawn_s < kLine_s) continue;
         print_result("{}\n", line_of(view));
       }
-      if (!flush_results()) break;  // nobody reads it any more
+      if (!flush_results()) break;  // the reader has closed the pipe
       drawn_s = view.now_s;
     }
   }
@@ -143,13 +143,13 @@ int watch_log(const MonitorOptions& options) {
   MonitorView view{inbox, monitor, options.log};
   LogEvent event;
   int64_t damaged = 0, messages = 0;
-  std::vector<std::string> told;  // of the damage
+  std::vector<std::string> damage;
   std::string first_refusal;
   for (;;) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
     if (status != LogReader::Status::kEvent) {
-      if (++damaged <= kMaxReported) told.push_back(log.problem());
+      if (++damaged <= kMaxReported) damage.push_back(log.problem());
       if (!log.resync()) break;
       continue;
     }
@@ -160,26 +160,27 @@ int watch_log(const MonitorOptions& options) {
     monitor.take(update, view.now_s);
   }
   require_this_version(options.log, messages, inbox.refused(), first_refusal);
-  for (const std::string& damage : told) print_message("{}: {}\n", options.log, damage);
+  for (const std::string& each : damage) print_message("{}: {}\n", options.log, each);
   if (damaged > kMaxReported)
-    print_message("{}: damaged in {} places; see 'throng check'\n", options.log, damaged);
+    print_message("{}: damaged in {} places; run 'throng check' for details\n", options.log,
+                  damaged);
   return print_view(view, options.json);
 }
 
 }  // namespace
 
 Command add_monitor_command(CommandLine& parent) {
-  CommandOptions* app = parent.add_subcommand("monitor", "Watches a run, live or in a log");
+  CommandOptions* app = parent.add_subcommand("monitor", "Watch a live run or a log");
   app->footer(kMonitorFooter);
   const auto options = std::make_shared<MonitorOptions>();
-  Option* log = app->add_option("LOG", options->log, "A log instead of a live run");
-  app->add_option("--lcm", options->lcm, fmt::format("Where to listen [{}]", options->lcm))
+  Option* log = app->add_option("LOG", options->log, "Log to watch instead of a live run");
+  app->add_option("--lcm", options->lcm, fmt::format("LCM URL to listen to [{}]", options->lcm))
       ->type_name("URL")
       ->excludes(log);
-  app->add_flag("--once", options->once, "Prints once, at the end");
-  app->add_flag("--json", options->json, "Prints for machines, once");
-  app->add_flag("--until-end", options->until_end, "Stops when the run has ended");
-  app->add_option("--seconds", options->seconds, "Stops after this time [--once: 3]")
+  app->add_flag("--once", options->once, "Print once, at the end");
+  app->add_flag("--json", options->json, "Print JSON once, at the end");
+  app->add_flag("--until-end", options->until_end, "Stop when the run has ended");
+  app->add_option("--seconds", options->seconds, "Stop after this time in seconds [--once: 3]")
       ->check(number_option(0, 1e9, true, "a number of seconds above 0"))
       ->type_name("S");
   return {app,

@@ -13,8 +13,8 @@ using Json = nlohmann::ordered_json;
 
 std::string hash_text(int64_t hash) { return fmt::format("{:016x}", static_cast<uint64_t>(hash)); }
 
-/// What the run says that it sent on a channel; null before THRONG_END. Its totals are those before
-/// it; behind it come the last checks.
+/// Number of messages that the run sent on a channel; null before THRONG_END. Checksums follow
+/// THRONG_END, so their number comes from the last one.
 Json sent_on(Channel channel, const RunReader& run) {
   if (!run.end()) return nullptr;
   if (channel == Channel::kChecksums && run.checks() && run.checks()->is_last != 0)

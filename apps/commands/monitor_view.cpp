@@ -21,7 +21,7 @@ Monitor::Totals totals_of(const MonitorView& view) {
   return view.overall ? view.monitor.overall(view.now_s) : view.monitor.recent(view.now_s);
 }
 
-/// Seconds that the rates are over. A log heard in one go has simulation time.
+/// Seconds that rates refer to; for a log, simulation time.
 double span_of(const Monitor::Totals& totals) { return std::max(totals.now_s, 1e-9); }
 
 std::string clock_ns(double ns) { return ns > 0 ? fmt::format("{:.1f}", ns) : "-"; }
@@ -30,7 +30,7 @@ std::string title_of(const MonitorView& view) {
   const RunReader& run = view.inbox.run();
   if (view.inbox.runs().empty()) return "waiting for a run on " + view.source;
   const std::optional<frame_stats_t>& stats = run.frame_stats();
-  std::string what = "a run whose description has not come yet";
+  std::string what = "a run whose description is not received yet";
   if (run.run() != nullptr)
     what = fmt::format("{}, seed {}, {}", printable(run.run()->scene), run.run()->seed,
                        counted(run.run()->avatar_count, "avatar"));
@@ -154,7 +154,7 @@ std::vector<std::string> lines_of(const MonitorView& view) {
     add_channels(view, totals, lines);
     lines.push_back("");
     lines.push_back(fmt::format(
-        "{:.1f} frames/s{}; {}, {:.1f} begin and {:.1f} end a second",
+        "{:.1f} frames/s{}; {}, {:.1f} begin and {:.1f} end per second",
         static_cast<double>(totals.frames) / span,
         frame.last_ms > 0
             ? fmt::format(", a frame {:.2f} ms, median {:.2f}", frame.last_ms, frame.median_ms)

@@ -1,5 +1,5 @@
-// What `throng monitor` shows: lines for people, JSON for machines.
-// One rule: both say the same; what came over the wire reaches a terminal only in printable form.
+// MonitorView holds what `throng monitor` shows, as text for people or as JSON.
+// Invariant: both contain the same; received text is escaped before it reaches a terminal.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,24 +13,24 @@ namespace throng {
 struct MonitorView {
   const Inbox& inbox;
   const Monitor& monitor;
-  std::string source;   ///< the URL or file it listens to
-  double now_s = 0;     ///< on the clock that Monitor::take() was told
-  bool overall = true;  ///< rates over all that was heard; false: over the last seconds
+  std::string source;   ///< URL or file
+  double now_s = 0;     ///< time on the clock of Monitor::take()
+  bool overall = true;  ///< rates over the whole run; false: over the last seconds
   int width = 100;      ///< columns; longer lines are cut
-  int height = 50;      ///< lines at most
+  int height = 50;      ///< maximum number of lines
 };
 
 std::vector<std::string> lines_of(const MonitorView& view);
 
-/// One line, for where nothing can be redrawn.
+/// One line, for output that cannot be redrawn.
 std::string line_of(const MonitorView& view);
 
 nlohmann::ordered_json json_of(const MonitorView& view);
 
-/// A contact as people read it: "walkers 17 leftHand - walkers 203 torso, 0.4 s".
+/// A contact as text: "walkers 17 leftHand - walkers 203 torso, 0.4 s".
 std::string text_of(const Monitor::Note& note, const run_description_t* run);
 
-/// Stages of Monitor::Totals as the terms of T = N_u C_u + N_v C_v + N_p C_p + C_o, a frame.
+/// Stages of Monitor::Totals as the terms of T = N_u C_u + N_v C_v + N_p C_p + C_o, per frame.
 struct CostTerms {
   struct Stage {
     std::string volume;
@@ -38,12 +38,12 @@ struct CostTerms {
   };
   std::vector<Stage> stages;  ///< bounding volumes only
   double n_p = 0, c_p_ns = 0;
-  double c_o_ns = 0;  ///< posing bodies and merging events
+  double c_o_ns = 0;  ///< time for posing bodies and merging events
   double t_ns = 0;
 };
 CostTerms cost_terms(const Monitor::Totals& totals, const run_description_t* run);
 
-/// Messages of this run that were sent and did not come.
+/// Number of messages of this run that were sent and not received.
 int64_t lost_of(const RunTally& run);
 
 }  // namespace throng

@@ -19,9 +19,9 @@ namespace {
 
 constexpr const char* kPaperFooter = R"(
 Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
-Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md says which number is which.
+Body Simulation, TELKOMNIKA 11(6), 2013. docs/paper.md explains each number.
 
-Ctrl-C ends it with the tables that are finished.
+Ctrl-C stops it; finished tables are printed.
 
 Examples:
   throng paper --json paper.json
@@ -34,7 +34,7 @@ struct PaperCommand {
   std::string json;
 };
 
-/// What is finished so far, for whoever stops the rest.
+/// Result so far, shared with the thread that measures.
 struct SharedResult {
   std::mutex mutex;
   paper::PaperResult result;
@@ -46,7 +46,7 @@ struct SharedResult {
 };
 
 int reproduce_paper(const PaperCommand& command) {
-  // What would fail after a minute of measuring has to fail before.
+  // Check all outputs before minutes of measuring.
   const StopSignal stop;
   OutputPlan plan;
   plan.reads("the model", command.options.model);
@@ -66,16 +66,16 @@ int reproduce_paper(const PaperCommand& command) {
   };
   const bool done = finishes_before_signal(experiments);
   const paper::PaperResult result = shared->copy();
-  if (!done) print_message("stopped by {}: what was finished follows\n", StopSignal::name());
+  if (!done) print_message("stopped by {}: finished tables follow\n", StopSignal::name());
   std::string tables;
   for (const paper::Table& table : paper::tables_of(result)) tables += paper::to_text(table) + "\n";
-  print_beside_json(command.json, tables);
+  print_unless_json(command.json, tables);
   const std::string cpu = cpu_name();
   write_json_output(command.json, paper::to_json(result, cpu));
   if (!done) return StopSignal::exit_code();
   if (!command.out.empty()) {
     paper::write_report(result, objects, cpu, command.out);
-    print_beside_json(command.json,
+    print_unless_json(command.json,
                       fmt::format("{0}/report.html and {0}/report.md written\n", command.out));
   }
   return kExitSuccess;
@@ -84,8 +84,8 @@ int reproduce_paper(const PaperCommand& command) {
 }  // namespace
 
 Command add_paper_command(CommandLine& parent) {
-  CommandOptions* app =
-      parent.add_subcommand("paper", "Every table and figure of the paper, ours beside theirs");
+  CommandOptions* app = parent.add_subcommand(
+      "paper", "Reproduce the tables and figures of Suaib, Bade and Mohamad (2013)");
   app->footer(kPaperFooter);
   const auto command = std::make_shared<PaperCommand>();
   command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -94,25 +94,24 @@ Command add_paper_command(CommandLine& parent) {
                ? ""
                : fmt::format("expected a multiple of 5, found '{}'", text);
   };
-  app->add_option("--model", command->options.model,
-                  "The parts of this URDF instead of the bundled adult's")
+  app->add_option("--model", command->options.model, "URDF of the bodies [the bundled adult]")
       ->type_name("URDF");
-  app->add_option("--frames", command->options.frames, "Frames of Part I [500]")
+  app->add_option("--frames", command->options.frames, "Number of frames of Part I [500]")
       ->check(whole_option(10, 10000, "10 to 10000 frames"))
       ->check(five)
       ->type_name("N");
-  app->add_option("--seed", command->options.seed, "The first seed [1]")
+  app->add_option("--seed", command->options.seed, "First random seed [1]")
       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
       ->type_name("N");
-  app->add_option("--seeds", command->options.seeds, "Average the collisions over N seeds [1]")
+  app->add_option("--seeds", command->options.seeds,
+                  "Number of seeds to average collisions over [1]")
       ->check(whole_option(1, 10000, "1 to 10000 seeds"))
       ->type_name("N");
   app->add_option("--threads", command->options.threads,
-                  "For the seeds; what is timed runs on one [all]")
+                  "Threads for the seeds; timed parts use one [all cores]")
       ->check(whole_option(1, 256, "1 to 256 threads"))
       ->type_name("N");
-  app->add_option("--out", command->out, "A folder for report.html and report.md")
-      ->type_name("DIR");
+  app->add_option("--out", command->out, "Folder for report.html and report.md")->type_name("DIR");
   app->add_option("--json", command->json, kJsonHelp)->type_name("FILE");
   return {app, [command] { return reproduce_paper(*command); }};
 }

@@ -25,18 +25,19 @@ constexpr int kMaxPixels = 8192;
 constexpr float kAnimationQuality = 55;
 
 constexpr const char* kRenderFooter = R"(
-Body parts that touch are orange, by triangles red. Without --eye and --target the picture shows the whole crowd.
+Touching body parts are orange; red if triangles decided. Without --eye and --target the picture shows the whole
+crowd.
 
 Examples:
   throng render out/plaza.lcmlog --frame 300 --out plaza.png
   throng render out/plaza.lcmlog --frames 300:420 --every 5 --out plaza.webp
   throng render out/plaza.lcmlog --frame 300 --volumes body-box,ordop26 --out volumes.png
-  throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out near.png)";
+  throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out close.png)";
 
 struct RenderCommand {
   std::string log;
   int64_t frame = 0;
-  std::vector<int64_t> frames;  // first, last
+  std::vector<int64_t> frames;  ///< first, last
   int64_t every = 4;
   std::string out;
   std::vector<float> eye_m;
@@ -45,7 +46,7 @@ struct RenderCommand {
   PictureOptions picture;
 };
 
-/// What cannot be drawn is refused before anything is read or drawn.
+/// Throws for options that cannot be drawn, before any file is read.
 void require_drawable(const RenderCommand& command) {
   const bool moves = !command.frames.empty();
   const char* ending = moves ? ".webp" : ".png";
@@ -57,7 +58,7 @@ void require_drawable(const RenderCommand& command) {
                                        : "one frame is a PNG, --frames A:B makes a .webp"),
                      fmt::format("'{}'", command.out));
   if (moves && command.frames[0] > command.frames[1])
-    throw InputError("--frames", "FIRST:LAST, the first not after the last",
+    throw InputError("--frames", "FIRST:LAST with FIRST up to LAST",
                      fmt::format("{}:{}", command.frames[0], command.frames[1]));
 }
 
@@ -77,32 +78,32 @@ std::vector<uint32_t> people_of(const std::string& list) {
     uint32_t id = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
     if (error != std::errc() || end != word.data() + word.size())
-      throw InputError("--volumes-of", "numbers of people, as 3,17", fmt::format("'{}'", word));
+      throw InputError("--volumes-of", "ids of avatars, as in 3,17", fmt::format("'{}'", word));
     people.push_back(id);
   }
   return people;
 }
 
-/// What the log has to have, known once it is open.
+/// Throws for options that the opened log cannot satisfy.
 void require_in_log(const RenderCommand& command, RecordedFrame& frame) {
   const int32_t avatars = frame.run().run()->avatar_count;
   for (const uint32_t id : command.picture.volumes_of)
     if (id >= static_cast<uint32_t>(avatars))
       throw InputError("--volumes-of",
-                       fmt::format("people of {}: 0 to {}", command.log, avatars - 1),
+                       fmt::format("ids of avatars of {}, 0 to {}", command.log, avatars - 1),
                        fmt::format("{}", id));
 }
 
-/// The exit code of a picture of a log that may not be whole.
+/// Exit code for a picture of a log that may be incomplete.
 int ended(const std::string& log, RecordedFrame& frame) {
   const std::string missing = frame.describe_missing();
   if (missing.empty()) return kExitSuccess;
-  print_message("note: {}: {} The picture shows what was recorded.\n", log, missing);
+  print_message("note: {}: {} The picture shows the recorded part.\n", log, missing);
   return kExitCheckFailed;
 }
 
 int render_frames(const RenderCommand& command) {
-  static_cast<void>(RecordedFrame(command.log, command.frames[1]));  // throws if there is none
+  static_cast<void>(RecordedFrame(command.log, command.frames[1]));  // throws if it is missing
   RecordedFrame frame(command.log, command.frames[0]);
   require_in_log(command, frame);
   const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
@@ -119,9 +120,8 @@ int render_frames(const RenderCommand& command) {
   print_result("{}: {}, {:.2f} MB\n", command.out, counted(pictures, "picture"),
                static_cast<double>(bytes) * 1e-6);
   if (with_states < pictures)
-    print_message(
-        "note: {} of {} have states; in the others people stand as in the last that had\n",
-        with_states, counted(pictures, "frame"));
+    print_message("note: {} of {} have states; the others show the previous states\n", with_states,
+                  counted(pictures, "frame"));
   return ended(command.log, frame);
 }
 
@@ -134,7 +134,7 @@ int render_frame(RenderCommand command) {
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
   if (command.picture.eye_m && command.picture.target_m == command.picture.eye_m)
-    throw InputError("--eye", "another point than that of --target", "the same");
+    throw InputError("--eye", "another point than --target", "the same point");
   if (command.volumes) command.picture.volumes = layers_of(*command.volumes);
   if (command.volumes_of) command.picture.volumes_of = people_of(*command.volumes_of);
   OutputPlan plan;
@@ -150,54 +150,54 @@ int render_frame(RenderCommand command) {
                counted(frame.touching().size(), "pair of parts touches", "pairs of parts touch"));
   if (const int64_t states = frame.crowd().frame; states < command.frame) {
     const std::optional<int64_t> next = frame.next_states();
-    print_message("note: frame {} has no states: people stand as at frame {}; {}\n", command.frame,
-                  states,
-                  next ? fmt::format("the next states are those of frame {}", *next)
-                       : "no states come later");
+    print_message(
+        "note: frame {} has no states; the picture shows those of frame {}; {}\n", command.frame,
+        states,
+        next ? fmt::format("the next states are of frame {}", *next) : "there are no later states");
   }
   return ended(command.log, frame);
 }
 
 void add_point(CommandOptions& app, const char* name, std::vector<float>& xyz, const char* what) {
   app.add_list(name, xyz, 3, ',', number_option(-1e6, 1e6, false, ""),
-               "three numbers of metres, X,Y,Z", what)
+               "three coordinates in metres, X,Y,Z", what)
       ->type_name("X,Y,Z");
 }
 
 }  // namespace
 
 Command add_render_command(CommandLine& parent) {
-  CommandOptions* app =
-      parent.add_subcommand("render", "A picture of a frame of a log, or several that move");
+  CommandOptions* app = parent.add_subcommand("render", "Draw a frame of a log, or an animation");
   app->footer(kRenderFooter);
   const auto command = std::make_shared<RenderCommand>();
-  app->add_option("LOG", command->log, "The log of a run")->required();
-  Option* frame = app->add_option("--frame", command->frame, "Which frame; the first is 0")
+  app->add_option("LOG", command->log, "Log of a run")->required();
+  Option* frame = app->add_option("--frame", command->frame, "Number of the frame, from 0")
                       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
                       ->type_name("N");
   Option* frames =
       app->add_list("--frames", command->frames, 2, ':', whole_option(0, INT64_MAX, ""),
-                    "two whole numbers from 0, A:B", "From frame A to frame B: an animated WebP")
+                    "two whole numbers from 0, A:B", "Draw frames A to B as an animated WebP")
           ->type_name("A:B")
           ->excludes(frame);
   Option* volumes =
-      app->add_option("--volumes", command->volumes,
-                      fmt::format("Volumes around everybody, some of {}, with commas between them",
-                                  fmt::join(volume_layers(), ",")))
+      app->add_option(
+             "--volumes", command->volumes,
+             fmt::format("Draw volumes around all bodies, a list of {}, separated by commas",
+                         fmt::join(volume_layers(), ",")))
           ->type_name("LIST");
   app->add_option("--volumes-of", command->volumes_of,
-                  "With --volumes: around these people alone, as 3,17")
+                  "With --volumes: around these avatars only, as in 3,17")
       ->needs(volumes)
       ->type_name("LIST");
-  app->add_option("--every", command->every, "With --frames: every n-th of them [4]")
+  app->add_option("--every", command->every, "With --frames: draw every n-th frame [4]")
       ->check(whole_option(1, 10000, "a whole number from 1 to 10000"))
       ->needs(frames)
       ->type_name("N");
-  app->add_option("--out", command->out, "The PNG to write, FILE.png; with --frames FILE.webp")
+  app->add_option("--out", command->out, "Picture to write, FILE.png; with --frames FILE.webp")
       ->required()
       ->type_name("FILE");
-  add_point(*app, "--eye", command->eye_m, "Where the eye is, in metres");
-  add_point(*app, "--target", command->target_m, "What it looks at, in metres");
+  add_point(*app, "--eye", command->eye_m, "Position of the eye, in metres");
+  add_point(*app, "--target", command->target_m, "Point that the eye looks at, in metres");
   const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));
   app->add_option("--width", command->picture.width,
                   fmt::format("16 to {} pixels [1280]", kMaxPixels))

@@ -46,25 +46,24 @@ Examples:
   throng run plaza --avatars 20000 --seconds 1 --budget-ms 5 --log off
   throng run paper_500 --strategy two-pass --log off
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
-  throng run plaza --pace 1                          as fast as life, to watch it live
+  throng run plaza --pace 1                          in real time, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
-  throng run cell.yaml --separation separation      how near robots came to whom, docs/near.md
-  throng run plaza --part-pairs parts                  tests, passes and false positives, part by part
+  throng run cell.yaml --separation separation      distances of robots to people, docs/contacts.md
+  throng run plaza --part-pairs parts                  tests, passes and false positives by pair of parts
   throng run plaza --part-volume 'hands: sphere, default: ordop26'
-  throng run plaza --states-hz 10 --seconds 600      a log a fifth as large, with every contact
-  throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --every 60
+  throng run plaza --states-hz 10 --seconds 600      a log of a fifth of the size, with every contact
+  throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --checkpoint-every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
-  throng run uo-050-180-180.txt --fps 16 --unit cm         a recording, dressed in bodies
-  throng run out/plaza.lcmlog --exact --part-volume obb    the poses of a log, culled again
+  throng run uo-050-180-180.txt --fps 16 --unit cm         a recording, retargeted to bodies
+  throng run out/plaza.lcmlog --exact --part-volume obb    cull the poses of a log again
 
-The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the deadlines
-and (without --exact) --strategy; never on --threads, --simd, --pair-search or --pace. Under a deadline
-pairs that touched in the last frame are refined first, then those whose spheres overlap deepest; the
-rest is reported as far as it came. Ctrl-C ends the run with its summary, a sound log and exit code 130;
-SIGTERM with 143, SIGHUP with 129.
+The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the budgets and (without
+--exact) --strategy, never on --threads, --simd, --pair-search or --pace. With a budget, pairs that touched in
+the last frame are refined first, then those with the deepest overlap of spheres; the rest is reported at the level
+it reached. Ctrl-C ends the run with its summary, a sound log and exit code 130; SIGTERM with 143, SIGHUP with 129.
 
-No file is touched before the run is known to be possible. An older log under the name that nobody chose,
-out/SCENE.lcmlog, is kept as out/SCENE.previous.lcmlog; what a named file held is replaced.)";
+No file is changed before all options and inputs are checked. An older log under the default name
+out/SCENE.lcmlog is kept as out/SCENE.previous.lcmlog; a file that you name is replaced.)";
 
 struct RunCommand {
   std::string file;
@@ -73,7 +72,7 @@ struct RunCommand {
   std::string lcm{kDefaultLcmUrl};
   std::string log;
   std::string json;
-  std::vector<std::string> tell;
+  std::vector<std::string> publish_for;
   RecorderOptions recorders;
   double flush_s = LogOptions{}.flush_s;
   CheckpointOptions checkpoints;
@@ -82,12 +81,13 @@ struct RunCommand {
 
 void add_options(CommandOptions& app, RunCommand& options) {
   add_run_options(app, options.file, options.run);
-  app.add_option("--pace", options.pace, "Simulated seconds a second; 1 is real time [unpaced]")
+  app.add_option("--pace", options.pace, "Target real-time factor [unlimited]")
       ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
       ->type_name("X");
-  app.add_option("--lcm", options.lcm, fmt::format("Where to publish, or off [{}]", options.lcm))
+  app.add_option("--lcm", options.lcm,
+                 fmt::format("LCM URL to publish to, or off [{}]", options.lcm))
       ->check([](const std::string& url) {
-        // liblcm would open a file before anything is known to be possible.
+        // liblcm would open a file too early.
         const bool is_fine = url.empty() || url == "off" || url.starts_with("udpm://") ||
                              url.starts_with("tcpq://") || url.starts_with("memq://");
         return is_fine ? std::string()
@@ -101,12 +101,12 @@ void add_options(CommandOptions& app, RunCommand& options) {
       ->type_name("FILE");
   app.add_option(
          "--flush-s", options.flush_s,
-         "The longest until a frame goes to the log's file; 0: before the next frame [0.25]")
+         "Maximum delay of a frame to the log's file, in seconds; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
-  app.add_option("--publish-for", options.tell,
-                 "Contacts and near rows of a group, a body's number or all alone, on "
-                 "CHANNEL_EVENTS and _NEAR, and when, on CHANNEL_STAMP")
+  app.add_option("--publish-for", options.publish_for,
+                 "Also publish contacts and proximity rows of WHO (group, body id or all) on "
+                 "CHANNEL_EVENTS, _PROXIMITY and _STAMP")
       ->take_many()
       ->type_name("WHO:CHANNEL");
   app.add_option("--json", options.json, kJsonHelp)->type_name("FILE");
@@ -115,23 +115,22 @@ void add_options(CommandOptions& app, RunCommand& options) {
   add_external_control_options(app, options.external_control);
 }
 
-/// Where the log goes, or nothing if it is off.
 PlannedFile planned_log(const RunCommand& options) {
   PlannedFile log{.option = "--log", .mode = WriteMode::kStreamed, .is_recording = true};
   if (options.log == "off") return log;
   log.path = options.log;
   if (!log.path.empty()) return log;
-  // A log that is culled again, and that of the run that was stopped, have the other names.
+  // A default log must not replace the log that is culled again or resumed.
   const std::string ending = fmt::format("{}{}.lcmlog", is_log(options.file) ? "_culled" : "",
                                          options.checkpoints.resume.empty() ? "" : "_resumed");
   log.path = fs::path("out") / fs::path(options.file).stem().concat(ending);
   log.makes_folder = true;
-  // Nobody chose the name, so nobody chose to lose what has it.
+  // The user did not choose this name, so an older log is kept.
   log.keep_as = resolve_links(log.path).replace_extension(".previous.lcmlog");
   return log;
 }
 
-/// What the run writes, and what it must not write over as far as the command line tells.
+/// The outputs of the run. Inputs of the scene are added once it is loaded.
 OutputPlan planned_outputs(const RunCommand& options, const PlannedFile& log) {
   OutputPlan plan;
   plan.writes(log);
@@ -141,23 +140,23 @@ OutputPlan planned_outputs(const RunCommand& options, const PlannedFile& log) {
   return plan;
 }
 
-/// Ties a run to the clock, for whoever watches it live. It only ever waits: no result depends on
-/// it, and being late is reported, not hidden.
+/// Delays frames to follow the clock. It only waits, so no result depends on it. It counts late
+/// frames.
 class Pacer {
  public:
-  /// `pace`: simulated seconds a second of wall time; 1 is real time, 0 never waits.
+  /// `pace`: target real-time factor; 0 never waits.
   explicit Pacer(double pace) : pace_(pace) {}
 
-  /// Waits until the frame at this simulation time is due; frame 0 starts the clock. Gives up when
-  /// `stopped` says so.
+  /// Waits until the frame at this simulation time is due, or `stopped` returns true. Frame 0
+  /// starts the clock.
   void wait_for(int64_t utime_us, const std::function<bool()>& stopped);
 
   double pace() const { return pace_; }
-  int64_t late_frames() const { return late_frames_; }  ///< that came more than kTolerance late
-  double worst_s() const { return worst_s_; }           ///< how late the latest was
-  double behind_s() const { return behind_s_; }         ///< how late the last frame was
+  int64_t late_frames() const { return late_frames_; }  ///< frames more than kTolerance_s late
+  double worst_s() const { return worst_s_; }           ///< lateness of the latest frame
+  double behind_s() const { return behind_s_; }         ///< lateness of the last frame
 
-  /// A scheduler's tick and a wake-up are not lateness that anybody could see.
+  /// Longer than a scheduler's tick and a wake-up, shorter than visible.
   static constexpr double kTolerance_s = 0.005;
 
  private:
@@ -176,7 +175,7 @@ void Pacer::wait_for(int64_t utime_us, const std::function<bool()>& stopped) {
     is_running_ = true;
     start_ = Clock::now();
   }
-  // A frame of a slow motion may be minutes away: look up now and then.
+  // A frame may be minutes away at a slow pace: poll `stopped`.
   constexpr std::chrono::milliseconds kPollPeriod{50};
   const std::chrono::duration<double> since_start(static_cast<double>(utime_us) * 1e-6 / pace_);
   const auto due = start_ + std::chrono::duration_cast<Clock::duration>(since_start);
@@ -188,14 +187,13 @@ void Pacer::wait_for(int64_t utime_us, const std::function<bool()>& stopped) {
     std::this_thread::sleep_until(std::min<Clock::time_point>(due, now + kPollPeriod));
 }
 
-/// Everybody who listens to the run.
 struct Listeners {
   std::unique_ptr<LogSink> log;
   std::unique_ptr<LogGuard> guard;
   std::unique_ptr<LcmSink> lcm;
-  std::unique_ptr<RunEncoder> messages;  ///< for log and LCM, where there is one of them
+  std::unique_ptr<RunEncoder> messages;  ///< for log and LCM; null without either
   std::unique_ptr<Recorders> recorders;
-  std::unique_ptr<FilteredChannels> filtered;  ///< where somebody asks for them
+  std::unique_ptr<FilteredChannels> filtered;  ///< null without --publish-for
 
   std::vector<Sink*> sinks() const {
     std::vector<Sink*> all = recorders->sinks();
@@ -207,13 +205,13 @@ struct Listeners {
   bool lost_file() const { return lost_log() || recorders->failed(); }
 };
 
-/// What --publish-for asks for, or nothing.
 std::unique_ptr<FilteredChannels> filtered_channels(const RunCommand& options, const RunInfo& run) {
-  if (options.tell.empty()) return {};
-  if (options.lcm == "off") throw InputError("--publish-for", "LCM, to tell it over", "--lcm off");
-  std::vector<FilteredChannel> asked;
-  for (const std::string& text : options.tell) asked.push_back(parse_filtered_channel(text));
-  return std::make_unique<FilteredChannels>(run, asked);
+  if (options.publish_for.empty()) return {};
+  if (options.lcm == "off") throw InputError("--publish-for", "LCM to publish over", "--lcm off");
+  std::vector<FilteredChannel> requested;
+  for (const std::string& text : options.publish_for)
+    requested.push_back(parse_filtered_channel(text));
+  return std::make_unique<FilteredChannels>(run, requested);
 }
 
 RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer& pacer,
@@ -232,7 +230,7 @@ RunSummary run_to_end(Simulation& simulation, const Listeners& listeners, Pacer&
   });
 }
 
-/// " by SIGINT", or nothing where a file could not be written any more.
+/// " by SIGINT"; "" if a file error ended the run.
 std::string by_signal() {
   return StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "";
 }
@@ -267,7 +265,6 @@ RunReport report_of(const RunCommand& options, const SimulationOptions& simulate
   return report;
 }
 
-/// One encoder for both.
 void share_encoder(Listeners& listeners) {
   if (listeners.log == nullptr && listeners.lcm == nullptr) return;
   listeners.messages = std::make_unique<RunEncoder>();
@@ -276,7 +273,7 @@ void share_encoder(Listeners& listeners) {
   if (listeners.lcm != nullptr) listeners.messages->add(listeners.lcm->encoding(), *listeners.lcm);
 }
 
-/// Opens what the run writes, the log last: its older one is moved away only when all else is open.
+/// Opens the outputs, the log last: the older log moves only after all others are open.
 Listeners open_listeners(const RunCommand& options, int threads, const Scene& scene,
                          const PlannedFile& log, double states, OpenOutputs& outputs,
                          std::shared_ptr<lcm::LCM> connection) {
@@ -305,10 +302,9 @@ Listeners open_listeners(const RunCommand& options, int threads, const Scene& sc
   return listeners;
 }
 
-/// What went wrong with files, and the results; the exit code.
 int report_end(const RunCommand& options, const RunReport& report, const Listeners& listeners,
                const Checkpoints& checkpoints) {
-  print_beside_json(options.json, format_table(report));
+  print_unless_json(options.json, format_table(report));
   if (listeners.lost_log()) print_message("{}\n", listeners.guard->failure());
   print_message("{}", listeners.recorders->failures());
   if (!listeners.lost_file())
@@ -318,7 +314,8 @@ int report_end(const RunCommand& options, const RunReport& report, const Listene
     if (!failure.empty()) print_message("{}\n", failure);
   if (!options.checkpoints.file.empty() && checkpoints.written() == 0 &&
       checkpoints.failure().empty())
-    print_message("note: no checkpoint: the run ended before the first was due; see --every\n");
+    print_message(
+        "note: no checkpoint: the run ended before the first was due; lower --checkpoint-every\n");
   write_json_output(options.json, json_text(report));
   if (listeners.lost_file() || !checkpoints.failure().empty() || !late.empty())
     return kExitEnvironment;
@@ -330,7 +327,7 @@ int run_scene(const RunCommand& options) {
   simulated.culler.by_part = !options.recorders.by_part.empty();
   const PlannedFile log = planned_log(options);
   OutputPlan plan = planned_outputs(options, log);
-  plan.check();  // before what takes its time
+  plan.check();  // before loading, which takes time
   RunSource source = open_run_source(options.file, options.run);
   require_recordable(options.recorders, source.scene);
   for (const std::string& note : source.notes) print_message("note: {}\n", note);
@@ -345,16 +342,16 @@ int run_scene(const RunCommand& options) {
   for (const std::string& note : simulation.notes()) print_message("note: {}\n", note);
   Pacer pacer(options.pace);
   std::unique_ptr<FilteredChannels> filtered = filtered_channels(options, simulation.info());
-  const std::vector<std::string> own_notes =
+  const std::vector<std::string> filter_notes =
       filtered == nullptr ? std::vector<std::string>() : filtered->notes();
-  for (const std::string& note : own_notes) print_message("note: {}\n", note);
+  for (const std::string& note : filter_notes) print_message("note: {}\n", note);
   ExternalControl external_control(options.external_control, simulation.info(), options.lcm,
                                    options.pace > 0);
   resume_if_requested(options.checkpoints, simulation);
   external_control.begin(simulation);
 
-  // Nothing can refuse the run any more: only now files change, and from here on a signal waits for
-  // their ends.
+  // All input is accepted: only now files change, and from here on a signal waits for complete
+  // files.
   const StopSignal stop;
   OpenOutputs outputs = plan.open();
   Listeners listeners = open_listeners(options, simulated.threads, simulation.scene(), log, states,
@@ -381,7 +378,7 @@ int run_scene(const RunCommand& options) {
   report.scale_factor = source.scale_factor;
   report.notes = std::move(source.notes);
   report.notes.insert(report.notes.end(), simulation.notes().begin(), simulation.notes().end());
-  report.notes.insert(report.notes.end(), own_notes.begin(), own_notes.end());
+  report.notes.insert(report.notes.end(), filter_notes.begin(), filter_notes.end());
   report.pace = {pacer.pace(), pacer.late_frames(), pacer.worst_s(), pacer.behind_s()};
   return report_end(options, report, listeners, checkpoints);
 }
@@ -390,7 +387,7 @@ int run_scene(const RunCommand& options) {
 
 Command add_run_command(CommandLine& parent) {
   CommandOptions* app =
-      parent.add_subcommand("run", "Runs a scene: who touches whom, frame by frame");
+      parent.add_subcommand("run", "Run a scene and detect every contact, frame by frame");
   app->footer(kRunFooter);
   const auto options = std::make_shared<RunCommand>();
   add_options(*app, *options);

@@ -18,7 +18,7 @@ Json reference(const std::string& map) { return {{"$ref", "#/$defs/" + map}}; }
 
 Json any_of(std::initializer_list<Json> choices) { return {{"anyOf", Json(choices)}}; }
 
-/// Whole limits without a decimal point, as people write them.
+/// Prints integer limits without a decimal point.
 Json limit(double value) {
   const auto whole = static_cast<int64_t>(value);
   if (static_cast<double>(whole) == value) return whole;
@@ -32,7 +32,7 @@ Json number(const Range& range) {
   return any_of({decimal, reference("fraction")});
 }
 
-/// A name may look like a number or a truth value.
+/// A name may look like a number or a Boolean in YAML.
 Json text(const std::string& pattern) {
   if (!pattern.empty()) return {{"type", "string"}, {"pattern", pattern}};
   return any_of(
@@ -71,7 +71,7 @@ Json schema_of(const Rule& rule) {
   return {};
 }
 
-/// Without what only a page can follow: "[text](link)" becomes "text".
+/// Replaces a Markdown link "[text](link)" by its text.
 std::string plain(const std::string& markdown) {
   std::string text;
   size_t rest = 0;
@@ -121,8 +121,7 @@ Json schema_of(const MapText& map) {
   return json;
 }
 
-/// What a scene file may hold, as JSON Schema (2020-12), made of the tables that the reader of
-/// scenes uses.
+/// JSON Schema (2020-12) of a scene file, generated from the tables of the scene reader.
 Json scene_schema() {
   const std::vector<MapText> maps = scene_maps();
   Json json = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
@@ -138,10 +137,9 @@ Json scene_schema() {
 }  // namespace
 
 Command add_scenes_command(CommandLine& parent) {
-  CommandOptions* app = parent.add_subcommand("scenes", "The bundled scenes, a line each");
+  CommandOptions* app = parent.add_subcommand("scenes", "List the bundled scenes");
   const auto schema = std::make_shared<bool>(false);
-  app->add_flag("--schema", *schema,
-                "What a scene file may hold instead, as JSON Schema: for editors");
+  app->add_flag("--schema", *schema, "Print the JSON Schema of scene files, for editors");
   const auto action = [schema] {
     if (*schema) {
       print_result("{}\n", scene_schema().dump(2));

@@ -44,9 +44,9 @@ Examples:
   throng study --merge part_*.csv --out study.csv
   mpirun -n 8 throng study study.yaml --out study.csv
 
-The table has a row a run and is the same, byte for byte, whoever carries the runs out in which order; what
-clocks say goes to TABLE.times.csv. Killed or stopped, and started again, a study goes on where it was:
-TABLE.journal has what is done until the table is whole. docs/studies.md describes files and columns.)";
+The table has one row per run and is the same, byte for byte, for any number of processes and order of runs.
+Measured times go to TABLE.times.csv. TABLE.journal holds finished runs until the table is complete: repeat the
+command to resume a stopped study. docs/studies.md describes files and columns.)";
 
 struct Shard {
   size_t index = 1;
@@ -73,13 +73,13 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-fs::path beside(const fs::path& table, const char* ending) {
+fs::path side_file(const fs::path& table, const char* ending) {
   fs::path file = table;
   file += ending;
   return file;
 }
 
-fs::path plot_folder(const fs::path& table) { return beside(table, ".plots"); }
+fs::path plot_folder(const fs::path& table) { return side_file(table, ".plots"); }
 
 void draw_plots(const fs::path& out, const StudyTable& table) {
   const fs::path folder = plot_folder(out);
@@ -91,7 +91,7 @@ void draw_plots(const fs::path& out, const StudyTable& table) {
 OutputPlan planned_outputs(const StudyCommand& options) {
   OutputPlan plan;
   plan.writes({.option = "--out", .path = options.out});
-  plan.writes({.option = "--out", .path = beside(options.out, ".times.csv")});
+  plan.writes({.option = "--out", .path = side_file(options.out, ".times.csv")});
   if (options.merge.empty())
     plan.writes({.option = "--out", .path = journal_of(options.out), .mode = WriteMode::kAppended});
   if (options.plot) {
@@ -101,16 +101,16 @@ OutputPlan planned_outputs(const StudyCommand& options) {
   return plan;
 }
 
-/// What `part_*.csv` also matches: the times beside a table.
+/// Whether the pattern `part_*.csv` also matched the times of another table.
 bool is_times_of_another(const std::string& name, const std::vector<std::string>& all) {
   return std::any_of(all.begin(), all.end(), [&](const std::string& table) {
-    return beside(table, ".times.csv") == fs::path(name);
+    return side_file(table, ".times.csv") == fs::path(name);
   });
 }
 
 int merge(const StudyCommand& options) {
   if (!options.file.empty())
-    throw InputError("--merge", "tables alone", fmt::format("a study, '{}'", options.file));
+    throw InputError("--merge", "only tables", fmt::format("the study file '{}'", options.file));
   table_kind(options.out);
   OutputPlan plan = planned_outputs(options);
   std::vector<std::pair<std::string, StudyTable>> tables, times;
@@ -118,22 +118,22 @@ int merge(const StudyCommand& options) {
     if (is_times_of_another(name, options.merge)) continue;
     plan.reads("a table of --merge", name);
     tables.emplace_back(name, read_table(name));
-    const fs::path beside_it = beside(name, ".times.csv");
+    const fs::path own_times = side_file(name, ".times.csv");
     std::error_code ignored;
-    if (fs::is_regular_file(beside_it, ignored))
-      times.emplace_back(beside_it.string(), read_table(beside_it));
+    if (fs::is_regular_file(own_times, ignored))
+      times.emplace_back(own_times.string(), read_table(own_times));
   }
   const StudyTable table = merged(tables);
   const OpenOutputs outputs = plan.open();
   write_table(options.out, table);
-  if (times.size() == tables.size()) write_table(beside(options.out, ".times.csv"), merged(times));
+  if (times.size() == tables.size())
+    write_table(side_file(options.out, ".times.csv"), merged(times));
   print_message("{} of {} in {}\n", counted(table.rows.size(), "run"),
                 counted(tables.size(), "table"), options.out);
   if (options.plot) draw_plots(options.out, table);
   return kExitSuccess;
 }
 
-/// The runs of this process or job, and what has come of them.
 class Work {
  public:
   Work(const StudyCommand& options, const StudyPlan& plan, const Shard& shard)
@@ -152,7 +152,7 @@ class Work {
     }
     left_ = todo_.size();
     if (!rows_.empty())
-      print_message("note: {} of {} runs were done before; going on\n", requested_ - left_,
+      print_message("note: {} of {} runs were done before; resuming\n", requested_ - left_,
                     requested_);
     if (left_ > 0) {
       const std::string label = fs::path(options.file).stem().string();
@@ -183,7 +183,7 @@ class Work {
   int end() {
     progress_.reset();
     if (rows_.size() < requested_) {
-      print_message("stopped{}: {} of {} runs are done; the same command goes on\n",
+      print_message("stopped{}: {} of {} runs are done; repeat the command to resume\n",
                     StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "",
                     rows_.size(), requested_);
       return StopSignal::requested() ? StopSignal::exit_code() : kExitEnvironment;
@@ -192,7 +192,7 @@ class Work {
               [](const StudyRow& a, const StudyRow& b) { return a.run < b.run; });
     const StudyTable written = table();
     write_table(options_.out, written);
-    write_table(beside(options_.out, ".times.csv"), times());
+    write_table(side_file(options_.out, ".times.csv"), times());
     journal_.remove();
     print_message("{} in {}\n", counted(written.rows.size(), "run"), options_.out);
     if (options_.plot) draw_plots(options_.out, written);
@@ -244,7 +244,7 @@ StudyWork as_work(const StudyPlan& plan, Work& work) {
 StudyPlan plan_of(const StudyCommand& options) { return StudyPlan(read_study(options.file)); }
 
 void print_notes(const StudyPlan& plan) {
-  constexpr size_t kMaxNotes = 8;  // the column plan_growth has the rest
+  constexpr size_t kMaxNotes = 8;  // the rest is in the column plan_growth
   const std::vector<std::string>& notes = plan.notes();
   const size_t shown = std::min(notes.size(), kMaxNotes);
   for (size_t i = 0; i < shown; ++i) print_message("note: {}\n", notes[i]);
@@ -268,7 +268,7 @@ int study_alone(const StudyCommand& options) {
   return work.end();
 }
 
-/// The first rank: it hands out runs, keeps the journal, and works itself beside.
+/// Rank 0: distributes runs, writes the journal, and also runs.
 int run_leader(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan) {
   OutputPlan outputs = planned_outputs(options);
   outputs.reads("the study", options.file);
@@ -289,14 +289,15 @@ int run_leader(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan)
   const auto take = [&](const std::string& line) {
     StudyRow row;
     if (!read_line(line.substr(0, line.size() - 1), row))
-      throw EnvironmentError("mpirun: a rank sent what is no result; are all of one version?");
+      throw EnvironmentError(
+          "mpirun: a rank sent an invalid result; use the same version of Throng on all");
     work.take(row);
   };
   try {
     ranks.run_leader({[&] { return work.next(); }, take, [&](size_t run) { work.return_run(run); },
                       [&] { return is_busy.load(); }});
   } catch (...) {
-    own.detach();  // the job ends with this rank
+    own.detach();  // the process ends with this rank
     throw;
   }
   own.join();
@@ -306,9 +307,9 @@ int run_leader(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan)
 
 int study_in_ranks(const StudyCommand& options) {
   if (!options.shard_text.empty())
-    throw InputError("--shard", "none under mpirun, which shares runs itself", "one");
+    throw InputError("--shard", "no --shard under mpirun, which distributes the runs", "one");
   Ranks ranks;
-  // What is wrong with the study is said once.
+  // Errors in the study are reported once, by rank 0.
   if (ranks.rank() != 0) ranks.wait_for_first();
   const StudyPlan plan = plan_of(options);
   if (ranks.rank() == 0) {
@@ -337,24 +338,24 @@ int study(const StudyCommand& options) {
 
 Command add_study_command(CommandLine& parent) {
   CommandOptions* app = parent.add_subcommand(
-      "study", "Scenes x seeds x parameters: a table with a row for each run");
+      "study", "Run scenes x seeds x parameters; write a table with a row per run");
   app->footer(kStudyFooter);
   const auto options = std::make_shared<StudyCommand>();
-  app->add_option("FILE", options->file, "A study file");
-  app->add_option("--out", options->out, "The table to write: NAME.csv or NAME.sqlite")
+  app->add_option("FILE", options->file, "Study file");
+  app->add_option("--out", options->out, "Table to write: NAME.csv or NAME.sqlite")
       ->type_name("FILE");
   app->add_option("--threads", options->threads,
-                  "Runs at once, and threads for each where there are fewer runs [all cores]")
+                  "Concurrent runs; threads per run if fewer runs are left [all cores]")
       ->check(whole_option(1, 256, "1 to 256 threads"))
       ->type_name("N");
   app->add_option("--shard", options->shard_text,
-                  "Only every N-th run, from the I-th on: for job arrays")
+                  "Run only every N-th run, from the I-th on; for job arrays")
       ->type_name("I/N");
-  app->add_option("--merge", options->merge, "Join the tables of all shards instead")
+  app->add_option("--merge", options->merge, "Join these tables of all shards instead")
       ->expected(1, 100'000)
       ->type_name("FILE");
   app->add_flag("--plot", options->plot,
-                "Pictures of each measure against each parameter, in TABLE.plots");
+                "Draw each measure against each parameter, in TABLE.plots");
   return {app, [options] { return study(*options); }};
 }
 

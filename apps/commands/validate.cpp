@@ -21,9 +21,9 @@ namespace throng {
 namespace {
 
 constexpr const char* kValidateFooter = R"(
-The tests for one floor of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md has them with
-figures. Exit code 1 if any fails. Ctrl-C ends it with the verdicts that are there.
-With --empirical instead: how the crowd, with nothing set for a test, stands beside recorded people.
+Runs the single-floor tests of RiMEA 4.1.0, IMO MSC.1/Circ.1533 and ISO 20414; docs/validation.md shows them
+with figures. Exit code 1 if any test fails. Ctrl-C stops it; finished verdicts are printed.
+--empirical compares the simulated crowd, with default parameters, with recorded people instead.
 
 Examples:
   throng validate
@@ -66,13 +66,13 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
   return runs;
 }
 
-/// Shared with the thread that carries the tests out, and may be left behind.
+/// Shared with the thread that runs the tests, which may outlive this command.
 struct Session {
   std::mutex mutex;
   std::vector<ValidationRun> runs;
   uint64_t seeds = 1;
 
-  /// With the seeds that are done, in their order; without those of which none is.
+  /// Finished tests in their order, with the seeds that are done.
   std::vector<ValidationRun> finished() {
     const std::lock_guard lock(mutex);
     std::vector<ValidationRun> out;
@@ -112,7 +112,7 @@ void run_all(Session& session, const validation::Conditions& conditions, int thr
   });
 }
 
-/// What is missing has to be told before anything runs.
+/// Reports missing recordings before any test runs.
 void require_recordings(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
@@ -141,11 +141,11 @@ int validate(const ValidateOptions& options) {
   if (!all)
     print_message("stopped by {}: {} of {} experiments were finished\n", StopSignal::name(),
                   session->done(), session->run_count());
-  print_beside_json(options.json, verdict_table(runs));
+  print_unless_json(options.json, verdict_table(runs));
   write_json_output(options.json, validation_json(runs, !all));
   if (!options.out.empty()) {
     write_validation_report(runs, options.out);
-    print_beside_json(options.json, fmt::format("{}/report.md written\n", options.out));
+    print_unless_json(options.json, fmt::format("{}/report.md written\n", options.out));
   }
   if (!all) return StopSignal::exit_code();
   return count_of(runs).failed == 0 ? kExitSuccess : kExitCheckFailed;
@@ -154,37 +154,35 @@ int validate(const ValidateOptions& options) {
 }  // namespace
 
 Command add_validate_command(CommandLine& parent) {
-  CommandOptions* app =
-      parent.add_subcommand("validate", "RiMEA, IMO and ISO 20414 tests of how people walk");
+  CommandOptions* app = parent.add_subcommand(
+      "validate", "Run the RiMEA, IMO and ISO 20414 tests of pedestrian motion");
   app->footer(kValidateFooter);
   const auto options = std::make_shared<ValidateOptions>();
-  app->add_option("--out", options->out, "A folder for report.md and its figures")
-      ->type_name("DIR");
+  app->add_option("--out", options->out, "Folder for report.md and its figures")->type_name("DIR");
   app->add_option("--json", options->json, kJsonHelp)->type_name("FILE");
-  app->add_option("--only", options->only, "These tests only: rimea_4, imo_8, doors, ...")
+  app->add_option("--only", options->only, "Run only these tests: rimea_4, imo_8, doors, ...")
       ->transform([](std::string& id) { id = validation::normal_id(id); })
       ->check(name_option(test_ids()))
       ->type_name("ID");
   app->add_flag("--empirical", options->reality,
-                "Measure beside recorded people instead of the standards' tests");
-  app->add_option(
-         "--steering", options->steering,
-         fmt::format("The model that steers: {} [{}]", steering_choices(), options->steering))
+                "Compare with recorded people instead of the standards' tests");
+  app->add_option("--steering", options->steering,
+                  fmt::format("Steering model: {} [{}]", steering_choices(), options->steering))
       ->check(name_option(steering_names()))
       ->type_name("MODEL");
   app->add_option(
          "--recordings", options->recordings,
-         "The folder of recordings (docs/recordings.md) for --empirical; without it what needs "
-         "them is skipped")
+         "Folder of recordings for --empirical, see docs/recordings.md; without it comparisons "
+         "that need them are skipped")
       ->type_name("DIR");
-  app->add_option("--seed", options->seed, "The first seed [1]")
+  app->add_option("--seed", options->seed, "First random seed [1]")
       ->check(whole_option(1, INT64_MAX / 1000, "a whole number from 1"))
       ->type_name("N");
   app->add_option("--seeds", options->seeds,
-                  "Run each test with N seeds; a test passes if it passes with each [1]")
+                  "Number of seeds per test; a test must pass with each [1]")
       ->check(whole_option(1, 1000, "1 to 1000 seeds"))
       ->type_name("N");
-  app->add_option("--threads", options->threads, "Tests at once [all cores]")
+  app->add_option("--threads", options->threads, "Concurrent tests [all cores]")
       ->check(whole_option(1, 256, "1 to 256 threads"))
       ->type_name("N");
   return {app, [options] { return validate(*options); }};

@@ -34,7 +34,7 @@ std::string walls_measured(const std::vector<ValidationRun>& runs) {
   return fmt::format("{} moves", walls_crossed(runs));
 }
 
-/// Those of a verdict, and `walls` if it fails.
+/// Ids of the tests with a verdict; includes `walls` among the failed.
 std::vector<std::string> ids_with(const std::vector<ValidationRun>& runs, Verdict verdict) {
   std::vector<std::string> ids;
   for (const ValidationRun& run : runs)
@@ -63,7 +63,6 @@ std::string anchor(const Test& test) {
 
 std::string number(double value) { return std::isnan(value) ? "" : fmt::format("{:.4g}", value); }
 
-/// A row a number, if the test has any.
 std::string readings_table(const ValidationRun& run) {
   const std::vector<Reading>& readings = run.outcome.readings;
   if (readings.empty()) return "";
@@ -76,11 +75,11 @@ std::string readings_table(const ValidationRun& run) {
     append(text, "| {} | {}{} | {} | {}{} | {} | {} | {} |\n", each.at, each.what,
            each.unit.empty() ? "" : ", " + each.unit, number(each.simulated),
            several ? number(each.worst) + " | " : "", number(each.recorded), number(each.low),
-           number(each.high), each.met ? (*each.met ? "met" : "**not met**") : "not judged");
+           number(each.high), each.met ? (*each.met ? "met" : "**not met**") : "no limit");
   return text + "\n";
 }
 
-/// What each seed has there; null where it has nothing.
+/// Value of a reading for each seed; null if there is none.
 Json by_seed(const ValidationRun& run, const Reading& like) {
   Json out = Json::array();
   for (const SeedOutcome& seed : run.seeds) {
@@ -242,7 +241,8 @@ void write_validation_report(const std::vector<ValidationRun>& runs, const fs::p
   const ValidationCount count = count_of(runs);
   std::string text = fmt::format(
       "# Validation report\n\nWritten by `throng validate --out`; docs/validation.md explains it. "
-      "{} of {} tests pass; {} fail{}{}{}. Of {}.\n\n| test | verdict | measured | criterion "
+      "{} of {} tests pass; {} fail{}{}{}. Measured with {}.\n\n| test | verdict | measured | "
+      "criterion "
       "|\n|---|---|---|---|\n",
       count.passed, count.passed + count.failed + count.differ, count.failed,
       in_brackets(ids_with(runs, Verdict::kFail)),

@@ -1,5 +1,5 @@
-// What `throng validate` tells: a table of verdicts, JSON, and a page of Markdown with its figures.
-// One rule: every number in it was measured in this run; what failed says so.
+// The report of `throng validate`: a table of verdicts, JSON, and a Markdown page with figures.
+// Invariant: every number was measured in this run.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,11 @@ namespace throng {
 struct ValidationRun {
   const validation::Test* test = nullptr;
   std::vector<validation::SeedOutcome> seeds;
-  validation::Outcome outcome{};  ///< of all seeds
+  validation::Outcome outcome{};  ///< combined outcome of all seeds
 };
 
-/// How many of the standards' tests (one experiment may be several) passed, failed, and were only
-/// measured.
+/// Number of standard tests that passed, failed, or were only measured. One experiment may serve
+/// several tests.
 struct ValidationCount {
   int passed = 0;
   int failed = 0;
@@ -26,13 +26,13 @@ struct ValidationCount {
 };
 ValidationCount count_of(const std::vector<ValidationRun>& runs);
 
-/// A line a test, and one for the walls.
+/// A line per test, and one for wall crossings.
 std::string verdict_table(const std::vector<ValidationRun>& runs);
 /// {throng, stopped_early, tests: [{id title verdict measured criterion ... seeds readings}],
 /// passed, failed, differ, skipped}
 std::string validation_json(const std::vector<ValidationRun>& runs, bool stopped_early);
 
-/// Writes report.md and an SVG a figure into a folder that is there. Throws EnvironmentError.
+/// Writes report.md and its SVG figures into an existing folder. Throws EnvironmentError.
 void write_validation_report(const std::vector<ValidationRun>& runs,
                              const std::filesystem::path& folder);
 

@@ -20,13 +20,12 @@
 namespace throng {
 namespace {
 
-constexpr int kDefaultPort = 7684;  // the number of the LCM port: one to remember
+constexpr int kDefaultPort = 7684;  // same number as Throng's LCM port
 constexpr std::chrono::milliseconds kPollPeriod{50};
 
 constexpr const char* kViewFooter = R"(
-Without LOG the page shows the run that is heard over LCM, whichever process computes it, and waits
-for one. With LOG it plays, steps and scrubs. --html writes the page and the recorded run into one
-file that opens from disk; no server is started.
+Without LOG the page shows the run received over LCM, from any process, and waits for one. With LOG it plays,
+steps and scrubs the log. --html writes page and log into one file that opens from disk, without a server.
 
 Examples:
   throng run plaza --pace 1 & throng view
@@ -41,7 +40,7 @@ struct ViewCommand {
   WebOptions web;
 };
 
-/// `look`: called now and then.
+/// Serves until a signal; calls `look` every kPollPeriod.
 template <typename Poll>
 void serve(WebServer& server, const std::string& what, const Poll& poll) {
   const StopSignal stop;
@@ -53,7 +52,7 @@ void serve(WebServer& server, const std::string& what, const Poll& poll) {
   }
 }
 
-/// As the page says it, once the whole log was read.
+/// Serves a log. The page reports damage once it has read the whole log.
 void serve_log(const ViewCommand& command) {
   LogView log(command.log, command.web, page_html());
   bool is_reported = false;
@@ -68,10 +67,10 @@ void serve_log(const ViewCommand& command) {
 int view(const ViewCommand& command) {
   if (!command.html.empty()) {
     if (command.log.empty())
-      throw InputError("throng view --html", "a LOG to put into the file",
+      throw InputError("throng view --html", "a LOG to write into the file",
                        "none; `throng run SCENE --html FILE` records as it runs");
     OutputPlan plan;
-    plan.reads("which is recorded", command.log);
+    plan.reads("which --html reads", command.log);
     plan.writes({.option = "--html", .path = command.html, .is_recording = true});
     const OpenOutputs outputs = plan.open();
     const ReplayReport report =
@@ -81,7 +80,7 @@ int view(const ViewCommand& command) {
                  static_cast<double>(report.bytes) * 1e-6,
                  counted(report.avatars, "person", "people"), report.seconds);
     if (report.problem.empty()) return kExitSuccess;
-    print_message("note: {}: {} The page says so, too.\n", command.log, report.problem);
+    print_message("note: {}: {} The page shows this note.\n", command.log, report.problem);
     return kExitCheckFailed;
   }
   if (!command.log.empty()) {
@@ -96,24 +95,25 @@ int view(const ViewCommand& command) {
 }  // namespace
 
 Command add_view_command(CommandLine& parent) {
-  CommandOptions* app =
-      parent.add_subcommand("view", "The 3-D page: a live run, a log, or one file");
+  CommandOptions* app = parent.add_subcommand(
+      "view", "Show a live run or a log as a 3-D page, or write it to a file");
   app->footer(kViewFooter);
   const auto command = std::make_shared<ViewCommand>();
   command->web.port = kDefaultPort;
-  Option* log = app->add_option("LOG", command->log, "The log of a run; without it, live");
-  app->add_option("--lcm", command->lcm, fmt::format("Where to listen [{}]", command->lcm))
+  Option* log = app->add_option("LOG", command->log, "Log of a run; without it, the live run");
+  app->add_option("--lcm", command->lcm, fmt::format("LCM URL to listen to [{}]", command->lcm))
       ->type_name("URL")
       ->excludes(log);
-  app->add_option("--port", command->web.port, fmt::format("0: any free one [{}]", kDefaultPort))
+  app->add_option("--port", command->web.port,
+                  fmt::format("Port of the web server; 0: any free one [{}]", kDefaultPort))
       ->check(whole_option(0, 65535, "a port from 0 to 65535"))
       ->type_name("P");
   app->add_option("--address", command->web.address,
-                  "Where to serve; 0.0.0.0 for a network that you trust [127.0.0.1]")
+                  "Address of the web server; 0.0.0.0 on trusted networks only [127.0.0.1]")
       ->type_name("IP");
-  app->add_option("--html", command->html, "Writes page and log as one file")->type_name("FILE");
+  app->add_option("--html", command->html, "Write page and log into one file")->type_name("FILE");
   app->add_option("--html-limit-mb", command->html_limit_mb,
-                  fmt::format("The file may be no larger [{:g}]", kReplayLimitMb))
+                  fmt::format("Maximum size of the file in MB [{:g}]", kReplayLimitMb))
       ->check(number_option(0, 1000, true, "megabytes above 0"))
       ->type_name("MB");
   return {app, [command] { return view(*command); }};

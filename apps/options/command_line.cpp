@@ -37,7 +37,7 @@ std::string unknown_option(const CLI::App& app, const std::string& where, std::s
                      did_you_mean(found, option_names(app)), where);
 }
 
-/// One line for what the parser threw: what was expected, what was found, and what was meant.
+/// One line for a parser error: what was expected, what was found, and a suggestion.
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* at = &app;
   std::string where = app.get_name();
@@ -47,7 +47,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     where += " " + command->get_name();
   }
 
-  // An option that does not exist is the cause of whatever else the parser misses.
+  // Report an unknown option first: it causes the other errors.
   for (const std::string& word : at->remaining())
     if (word.starts_with("-") && word.size() > 1) return unknown_option(*at, where, word);
   for (const std::string& word : app.remaining())
@@ -159,7 +159,7 @@ Option* CommandOptions::add_list(const std::string& name, std::vector<T>& values
     values.clear();
     for (const std::string& piece : split_text(text, between)) {
       T value{};
-      std::from_chars(piece.data(), piece.data() + piece.size(), value);  // it has passed
+      std::from_chars(piece.data(), piece.data() + piece.size(), value);  // checked before
       values.push_back(value);
     }
   };
@@ -201,8 +201,8 @@ void CommandOptions::require_names() const {
     for (const std::string& name : option->results()) {
       if (name.empty()) throw InputError(option->get_name(), "a name", "none");
       if (name == "-" && option->get_name() != "--json")
-        throw InputError(option->get_name(), "a name (./- for a file that is called so)",
-                         "'-': only --json writes to the standard output");
+        throw InputError(option->get_name(), "a name (./- for a file named -)",
+                         "'-'; only --json writes to stdout");
     }
   }
 }
@@ -211,7 +211,7 @@ CommandLine::CommandLine(const std::string& name, const std::string& about,
                          const std::string& footer, const std::string& version)
     : parsed_(std::make_unique<CLI::App>(about, name)) {
   parsed_->footer(footer);
-  parsed_->set_version_flag("-V,--version", version, "Prints version and commit");
+  parsed_->set_version_flag("-V,--version", version, "Print version and commit");
   parsed_->get_formatter()->column_width(34);
 }
 
@@ -227,7 +227,7 @@ bool CommandLine::has_command(const std::string& name) const {
 }
 
 std::optional<std::string> CommandLine::parse(std::vector<std::string> words) {
-  std::reverse(words.begin(), words.end());  // as the parser wants them
+  std::reverse(words.begin(), words.end());  // the parser's order
   try {
     parsed_->parse(std::move(words));
   } catch (const CLI::Success& asked) {

@@ -1,6 +1,6 @@
-// The command line: commands, their options, and what is wrong with what somebody typed.
-// One rule: command_line.cpp alone sees the parser that we use (CLI11), which takes five seconds to
-// compile wherever it is included.
+// CommandLine defines commands and their options and reports errors in what the user typed.
+// Invariant: only command_line.cpp includes the parser (CLI11), which takes five seconds to
+// compile.
 #pragma once
 
 #include <deque>
@@ -13,43 +13,43 @@
 
 #include "base/text.h"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the name is theirs
+namespace CLI {  // NOLINT(readability-identifier-naming): foreign name
 class App;
 class Option;
 }  // namespace CLI
 
 namespace throng {
 
-/// Words that no command takes. One line: what was expected, what was found, what was meant.
+/// Words that no command accepts. One line: what was expected, what was found, a suggestion.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// One option, or one argument without a name. Each function returns the option itself.
+/// One option or positional argument. Each setter returns the option itself.
 class Option {
  public:
   explicit Option(CLI::Option& parsed) : parsed_(&parsed) {}
 
   Option* required();
-  /// Looks at an argument before it becomes a value.
+  /// Checks an argument before conversion.
   Option* check(OptionCheck check);
-  /// Changes an argument before anything looks at it.
+  /// Changes an argument before it is checked.
   Option* transform(void (*change)(std::string& argument));
-  /// FILE, DIR or URL: what is given has to name something.
+  /// FILE, DIR or URL: the argument must not be empty.
   Option* type_name(const std::string& name);
-  /// So many values, one after the other.
+  /// Takes `count` values, one after the other.
   Option* expected(int count);
   Option* expected(int min, int max);
-  /// May be given several times.
+  /// May occur several times.
   Option* take_many();
-  /// What it is when named without a value.
+  /// Value of an option given without one.
   Option* default_str(const std::string& value);
   Option* needs(Option* other);
   Option* excludes(Option* other);
   Option* excludes(const std::string& other);
 
-  /// Whether it was given.
+  /// Whether the option was given.
   bool is_given() const;
 
  private:
@@ -64,16 +64,16 @@ class CommandOptions {
   CommandOptions& operator=(const CommandOptions&) = delete;
 
   void footer(const std::string& text);
-  /// `value` keeps what it is unless the option is given; for the types listed in command_line.cpp.
+  /// `value` is unchanged unless the option is given; for the types listed in command_line.cpp.
   template <typename T>
   Option* add_option(const std::string& name, T& value, const std::string& about);
-  /// An option of one word: `count` numbers with `between` between them, each of which passes
+  /// An option whose word holds `count` numbers separated by `between`, each of which passes
   /// `number`. `what` completes "expected ...".
   template <typename T>
   Option* add_list(const std::string& name, std::vector<T>& values, size_t count, char between,
                    const OptionCheck& number, const std::string& what, const std::string& about);
   Option* add_flag(const std::string& name, bool& value, const std::string& about);
-  /// `take` reads an argument that has passed `check`.
+  /// `take` receives an argument that has passed `check`.
   Option* add_value(const std::string& name, OptionCheck check,
                     std::function<void(const std::string&)> take, const std::string& about);
   Option* add_flag(const std::string& name, std::function<void(bool)> take,
@@ -81,13 +81,13 @@ class CommandOptions {
 
   /// Whether the command was given.
   bool is_given() const;
-  /// Throws InputError where an option that names a file, a folder or a URL names none, or "-",
-  /// which only --json takes.
+  /// Throws InputError if an option for a file, folder or URL is empty, or "-", which only --json
+  /// accepts.
   void require_names() const;
 
  private:
   CLI::App* parsed_;
-  std::deque<Option> options_;  ///< pointers into it stay
+  std::deque<Option> options_;  ///< a deque keeps pointers to its elements valid
 };
 
 class CommandLine {
@@ -99,8 +99,8 @@ class CommandLine {
   CommandOptions* add_subcommand(const std::string& name, const std::string& about);
   bool has_command(const std::string& name) const;
 
-  /// Reads the words after the program's name. Returns what the parser itself has to say: help or
-  /// the version. Throws UsageError.
+  /// Parses the words after the program's name. Returns the text of --help or --version, if
+  /// requested. Throws UsageError.
   std::optional<std::string> parse(std::vector<std::string> words);
   std::string help() const;
 

@@ -17,7 +17,7 @@ void add(CommandOptions& app, const RunOption& row, RunOptions& options) {
         name, [take](bool is_on) { take(is_on ? "true" : "false"); }, row.meaning);
     return;
   }
-  // The parser puts the command and the option before what a check says.
+  // The parser prefixes messages of a check with command and option.
   const auto check = [&row](const std::string& text) -> std::string {
     RunOptions ignored;
     try {
@@ -33,7 +33,7 @@ void add(CommandOptions& app, const RunOption& row, RunOptions& options) {
 }  // namespace
 
 void add_run_options(CommandOptions& app, std::string& file, RunOptions& options) {
-  app.add_option("FILE", file, "A scene file, a name from `throng scenes`, a recording, or a log")
+  app.add_option("FILE", file, "Scene file, name from `throng scenes`, recording, or log")
       ->required();
   for (const RunOption& row : run_options()) add(app, row, options);
 }

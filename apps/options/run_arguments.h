@@ -1,4 +1,4 @@
-// Arguments of a command line that are rows of run_options().
+// Functions that add rows of run_options() to a command as arguments.
 #pragma once
 
 #include <functional>
@@ -8,11 +8,11 @@
 
 namespace throng {
 
-/// FILE, what is run, and every row.
+/// Adds FILE and every row.
 void add_run_options(CommandOptions& app, std::string& file, RunOptions& options);
-/// The row of that name alone.
+/// Adds the row of that name.
 void add_run_option(CommandOptions& app, const std::string& name, RunOptions& options);
-/// What a recording needs where its file does not say: --fps, --unit, ...
+/// Adds the options of recordings: --fps, --unit, ...
 void add_recording_options(CommandOptions& app, RunOptions& options);
 
 }  // namespace throng

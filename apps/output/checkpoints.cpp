@@ -12,19 +12,20 @@
 namespace throng {
 
 void add_checkpoint_options(CommandOptions& app, CheckpointOptions& options) {
-  Option* file = app.add_option("--checkpoint", options.file, "File from which --resume can go on")
-                     ->type_name("FILE");
-  app.add_option("--every", options.every_s,
-                 fmt::format("Simulated time between checkpoints [{}]", options.every_s))
+  Option* file =
+      app.add_option("--checkpoint", options.file, "Write checkpoints to FILE, for --resume")
+          ->type_name("FILE");
+  app.add_option("--checkpoint-every", options.every_s,
+                 fmt::format("Simulated seconds between checkpoints [{}]", options.every_s))
       ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
       ->needs(file)
       ->type_name("S");
-  app.add_option("--resume", options.resume, "Goes on from a checkpoint of the same run")
+  app.add_option("--resume", options.resume, "Resume from a checkpoint of the same run")
       ->type_name("FILE");
 }
 
 void plan_checkpoints(const CheckpointOptions& options, OutputPlan& plan) {
-  // The run of a checkpoint may go on to write it: it was read before.
+  // A resumed run may write to the file that it was resumed from, which was read before.
   if (options.resume.empty() || !(identify(options.resume) == identify(options.file)))
     plan.reads("which --resume reads", options.resume);
   plan.writes({.option = "--checkpoint", .path = options.file});
@@ -36,7 +37,7 @@ void resume_if_requested(const CheckpointOptions& options, Simulation& simulatio
   const int64_t frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
   if (simulation.next_frame() >= frames)
     throw InputError(options.resume, fmt::format("a run of more than {} frames", frames),
-                     fmt::format("{} done; ask for more --seconds", simulation.next_frame()));
+                     fmt::format("{} done; increase --seconds", simulation.next_frame()));
 }
 
 Checkpoints::Checkpoints(const CheckpointOptions& options, double step_s)

@@ -30,17 +30,16 @@ void plan_model(const Model* model, OutputPlan& plan) {
       for (const Geometry& shape : *shapes) plan.reads("a mesh of the scene", shape.mesh_file);
 }
 
-/// Bytes that go there do not come to lie in a file.
+/// Output to these is not stored in a file.
 bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISDIR(mode); }
 
-/// What two may write at once: each byte is swallowed or shown, none is overwritten.
+/// Two writers may share a character device: no bytes are overwritten.
 bool is_character_device(const FileIdentity& place) {
   return place.missing_path.empty() && S_ISCHR(place.mode);
 }
 
 bool exists(const FileIdentity& place) { return place.missing_path.empty(); }
 
-/// As a message names it.
 std::string named(const std::string& option, const fs::path& path) {
   return option + " " + path.string();
 }
@@ -62,7 +61,7 @@ EnvironmentError cannot_create(const std::string& option, const fs::path& path,
   return EnvironmentError(fmt::format("{}: cannot create it: {}", named(option, path), why));
 }
 
-/// Takes the lock or says who has it. A file system without locks has none to take.
+/// Locks the file or reports who holds it. File systems without locks are accepted.
 void lock(int descriptor, const std::string& option, const fs::path& path) {
   if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   throw EnvironmentError(
@@ -74,8 +73,7 @@ bool matches(const std::string& name, const std::string& pattern) {
   return pattern.starts_with('*') ? name.ends_with(pattern.substr(1)) : name == pattern;
 }
 
-/// Of a stream whose bytes end up side by side with what else is written there; a terminal shows
-/// whatever comes.
+/// Whether the stream is open for output, other than on a character device.
 bool is_open_for_output(int descriptor, struct stat& status) {
   return ::fstat(descriptor, &status) == 0 && !S_ISCHR(status.st_mode);
 }
@@ -88,12 +86,12 @@ FileIdentity identify(const fs::path& path) {
   struct stat status {};
   while (::stat(existing.empty() ? "." : existing.c_str(), &status) != 0) {
     rest = rest.empty() ? existing.filename() : existing.filename() / rest;
-    // Above a name is its folder; above a relative one, where we are.
+    // The parent of a name is its folder; of a relative one, the current folder.
     const fs::path above = existing.parent_path();
     if (above == existing) break;
     existing = above;
   }
-  // A missing folder that is left again is made on the way, and what lies behind it may be there.
+  // "missing/.." is created on the way, so resolve dots before looking for existing paths.
   const fs::path normal = rest.lexically_normal();
   if (normal != rest) return identify(normal == "." ? existing : existing / normal);
   return {status.st_dev, status.st_ino, status.st_mode, normal};
@@ -116,7 +114,7 @@ void OutputPlan::writes_json(const std::string& path) {
 
 void OutputPlan::fills(const std::string& option, const fs::path& folder,
                        std::vector<std::string> names) {
-  // "out/" and "out" are one folder, but have different file names.
+  // "out/" and "out" are one folder with different file names.
   if (!folder.empty())
     folders_.push_back(
         {option, folder.has_filename() ? folder : folder.parent_path(), std::move(names)});
@@ -131,7 +129,7 @@ std::vector<OutputPlan::Name> OutputPlan::inputs() const {
     const bool is_json = stream == STDOUT_FILENO && json_to_stdout_;
     if (!is_open_for_output(stream, status) && !(is_json && ::fstat(stream, &status) == 0))
       continue;
-    const char* what = is_json                   ? "the standard output, which --json goes to"
+    const char* what = is_json                   ? "the standard output, used by --json"
                        : stream == STDOUT_FILENO ? "the file of the standard output"
                                                  : "the file of the standard error";
     all.push_back({what, {}, {status.st_dev, status.st_ino, status.st_mode, {}}});
@@ -140,8 +138,8 @@ std::vector<OutputPlan::Name> OutputPlan::inputs() const {
 }
 
 std::vector<OutputPlan::Name> OutputPlan::names_of(const PlannedFile& file) const {
-  std::vector<Name> all = {{"that of " + file.option, file.path, identify(file.path)}};
-  for (const fs::path& path : file.beside)
+  std::vector<Name> all = {{"the file of " + file.option, file.path, identify(file.path)}};
+  for (const fs::path& path : file.side_files)
     all.push_back(
         {fmt::format("{}, which {} needs, too", path.string(), file.option), path, identify(path)});
   if (!file.keep_as.empty())
@@ -162,7 +160,7 @@ void OutputPlan::check_file(const PlannedFile& file) const {
   if (is_folder) throw InputError(named(file.option, file.path), "a file", "a folder of that name");
   if (exists(place)) {
     if (S_ISSOCK(place.mode) || S_ISBLK(place.mode))
-      throw InputError(named(file.option, file.path), "a file, a pipe or a device that takes text",
+      throw InputError(named(file.option, file.path), "a file, a pipe or a writable device",
                        S_ISSOCK(place.mode) ? "a socket" : "a disk");
     if (::access(file.path.c_str(), W_OK) != 0)
       throw EnvironmentError(fmt::format("{}: cannot write it: {}", named(file.option, file.path),
@@ -188,18 +186,18 @@ void OutputPlan::check_folder(const Folder& folder) const {
   if (exists(place) && !S_ISDIR(place.mode))
     throw InputError(named(folder.option, folder.path), "a folder", "a file of that name");
   if (!S_ISDIR(place.mode))
-    throw cannot_create(folder.option, folder.path, "a file is where its folder would be");
+    throw cannot_create(folder.option, folder.path, "a file is in place of its folder");
 }
 
 void OutputPlan::check_distinct() const {
   const std::vector<Name> inputs = this->inputs();
   const auto refuse = [](const Name& file, const std::string& option, const Name& other) {
-    throw InputError(named(option, file.path), "a file of its own", other.label);
+    throw InputError(named(option, file.path), "a separate file", other.label);
   };
   const auto same = [](const Name& a, const Name& b) {
     return a.place == b.place && !is_character_device(a.place);
   };
-  std::vector<Name> before;  // what earlier options write
+  std::vector<Name> before;  // outputs of earlier options
   for (const PlannedFile& file : files_) {
     const std::vector<Name> names = names_of(file);
     for (const Name& name : names) {
@@ -210,7 +208,7 @@ void OutputPlan::check_distinct() const {
     }
     before.insert(before.end(), names.begin(), names.end());
   }
-  std::vector<std::pair<std::string, Name>> all;  // with the option
+  std::vector<std::pair<std::string, Name>> all;  // option and output
   for (const PlannedFile& file : files_)
     for (const Name& name : names_of(file)) all.emplace_back(file.option, name);
   for (const Name& input : inputs) all.emplace_back("", input);
@@ -219,11 +217,11 @@ void OutputPlan::check_distinct() const {
     const FileIdentity place = identify(folder.path);
     for (size_t j = 0; j < i; ++j)
       if (identify(folders_[j].path) == place)
-        throw InputError(named(folder.option, folder.path), "a folder of its own",
-                         "that of " + folders_[j].option);
+        throw InputError(named(folder.option, folder.path), "a separate folder",
+                         "the folder of " + folders_[j].option);
     for (const auto& [option, name] : all) {
       if (name.place == place)
-        throw InputError(named(folder.option, folder.path), "a folder of its own", name.label);
+        throw InputError(named(folder.option, folder.path), "a separate folder", name.label);
       const bool lies_within =
           !name.path.empty() && identify(folder_of(resolve_links(name.path))) == place;
       for (const std::string& pattern : folder.names) {
@@ -234,9 +232,9 @@ void OutputPlan::check_distinct() const {
         if (!is_taken) continue;
         const std::string whole = named(folder.option, folder.path);
         if (option.empty())
-          throw InputError(whole, "a folder without what is read or shown",
-                           fmt::format("{} would be written over {}", pattern, name.label));
-        throw InputError(named(option, name.path), "a file of its own",
+          throw InputError(whole, "a folder without inputs of the command",
+                           fmt::format("{} would overwrite {}", pattern, name.label));
+        throw InputError(named(option, name.path), "a separate file",
                          fmt::format("one that {} writes", whole));
       }
     }
@@ -288,7 +286,7 @@ OpenOutputs::~OpenOutputs() {
 }
 
 void OpenOutputs::roll_back() noexcept {
-  // Last made, first removed; a folder that is not empty stays.
+  // Reverse order of creation; non-empty folders stay.
   for (auto path = created_.rbegin(); path != created_.rend(); ++path) {
     struct stat status {};
     if (::stat(path->c_str(), &status) != 0) continue;
@@ -314,13 +312,13 @@ void OpenOutputs::make_folder(const fs::path& folder, const std::string& option)
 
 void OpenOutputs::lock_folder(const fs::path& folder, const std::string& option) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // one may write where one may not look
+  if (descriptor < 0) return;  // a folder may be writable but not readable
   descriptors_.push_back(descriptor);
   lock(descriptor, option, folder);
 }
 
-/// The last of descriptors_, and the file that has the name: another run that was refused may have
-/// taken an empty one back between opening and locking.
+/// Opens and locks the file; returns its descriptor, the last of descriptors_. Repeats if another
+/// run removed the file between opening and locking.
 int OpenOutputs::open_locked(const PlannedFile& file) {
   for (;;) {
     const int descriptor = ::open(file.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
@@ -345,14 +343,14 @@ void OpenOutputs::open(const PlannedFile& file) {
   // Opening a pipe would wait for its reader, and closing it would end the reader.
   if (is_there && is_special(status.st_mode)) return;
   const int descriptor = open_locked(file);
-  // Only what is locked is ours to take back: until then another run may have created it.
+  // Only a locked file may be removed again: before, another run may have created it.
   if (!is_there) created_.push_back(resolve_links(file.path));
   if (is_there && status.st_size > 0 && file.is_recording && file.keep_as.empty())
     notes_.push_back(
         fmt::format("{} of {}, is replaced{}", file.path.string(), age_and_size(status),
                     file.mode == WriteMode::kAtomic ? " when the new one is whole" : ""));
   if (file.mode != WriteMode::kAtomic) return;
-  // Its turn comes at the end: until then nothing tells that it is going to be there.
+  // An atomic output must not exist before it is complete.
   if (!is_there && ::unlink(created_.back().c_str()) == 0) created_.pop_back();
   ::close(descriptor);
   descriptors_.pop_back();
@@ -370,7 +368,7 @@ void OpenOutputs::keep_previous(const PlannedFile& file) {
     return;
   const bool replaces = ::stat(file.keep_as.c_str(), &kept) == 0;
   if (replaces) {
-    // Somebody may have chosen that name for a run of his own.
+    // Another run may be writing to that name.
     const int descriptor = ::open(file.keep_as.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor >= 0) descriptors_.push_back(descriptor);
     if (descriptor >= 0) lock(descriptor, file.option, file.keep_as);
@@ -383,7 +381,7 @@ void OpenOutputs::keep_previous(const PlannedFile& file) {
   created_.push_back(resolve_links(file.path));
   notes_.push_back(fmt::format(
       "{} of {}, is kept as {}{}", file.path.string(), age_and_size(status), file.keep_as.string(),
-      replaces ? fmt::format(", in place of that of {}", age_and_size(kept)) : ""));
+      replaces ? fmt::format(", in place of the one of {}", age_and_size(kept)) : ""));
 }
 
 void plan_inputs(const Scene& scene, OutputPlan& plan) {

@@ -1,6 +1,6 @@
-// What a command is going to write, known before anything is opened.
-// One rule: nothing that exists is changed before it is certain that every output can be written,
-// that no two of them are one file, and that none is something the command reads.
+// OutputPlan collects the outputs of a command and checks them before any is opened.
+// Invariant: no existing file changes before every output is known to be writable. No two outputs
+// are one file, and no output is an input.
 #pragma once
 
 #include <sys/types.h>
@@ -14,13 +14,13 @@ namespace throng {
 
 struct Scene;
 
-/// A file on its way: an existing folder or file, and what is not there yet below it. Two paths are
-/// one file if and only if their places are equal, whatever links, dots and names lead there.
+/// Identity of an output: an existing file or folder, and the missing path below it. Two paths are
+/// one file if and only if their identities are equal, regardless of links and dots.
 struct FileIdentity {
   dev_t device = 0;
   ino_t inode = 0;
-  mode_t mode = 0;                     ///< of what exists
-  std::filesystem::path missing_path;  ///< empty: the file itself exists
+  mode_t mode = 0;                     ///< mode of the existing file or folder
+  std::filesystem::path missing_path;  ///< empty if the file itself exists
 
   bool operator==(const FileIdentity& other) const {
     return device == other.device && inode == other.inode && missing_path == other.missing_path;
@@ -28,25 +28,25 @@ struct FileIdentity {
 };
 FileIdentity identify(const std::filesystem::path& path);
 
-/// When an output comes to be. What stood there before is lost only then.
+/// When an output replaces an older file.
 enum class WriteMode {
   kStreamed,  ///< emptied when the work begins, locked until it ends
-  kAppended,  ///< locked, too
-  kAtomic,    ///< replaced by a whole one
+  kAppended,  ///< appended to and locked
+  kAtomic,    ///< replaced by a complete file at the end
 };
 
 struct PlannedFile {
   std::string option;  ///< "--log"
   std::filesystem::path path{};
   WriteMode mode = WriteMode::kAtomic;
-  bool is_recording = false;        ///< worth a line when an older one is replaced
-  bool makes_folder = false;        ///< nobody chose it
-  std::filesystem::path keep_as{};  ///< where an older one goes instead of being lost, or empty
-  std::vector<std::filesystem::path> beside{};  ///< what the writer needs besides
+  bool is_recording = false;        ///< whether replacing an older one is noted
+  bool makes_folder = false;        ///< for default names only: creates the folder
+  std::filesystem::path keep_as{};  ///< new name of an older file, or empty: it is lost
+  std::vector<std::filesystem::path> side_files{};  ///< side files of the writer
 };
 
-/// The outputs as long as they are written: until destroyed no other run can have them. Destroyed
-/// by an exception it takes back the empty files and folders that were created for nothing.
+/// Holds the locks of the outputs until destroyed. If an exception destroys it, it removes the
+/// empty files and folders that it created.
 class OpenOutputs {
  public:
   OpenOutputs();
@@ -55,10 +55,10 @@ class OpenOutputs {
   OpenOutputs(const OpenOutputs&) = delete;
   OpenOutputs& operator=(const OpenOutputs&) = delete;
 
-  /// Moves away what is kept; for the moment when all writers have opened theirs. Throws
+  /// Renames files to keep; call it when all writers have opened their files. Throws
   /// EnvironmentError.
   void keep_previous();
-  /// What was replaced or kept, a line each, for the user.
+  /// Files that were replaced or kept, one line each.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -79,21 +79,21 @@ class OpenOutputs {
 
 class OutputPlan {
  public:
-  /// `what` follows the path and a comma: "the scene". An empty path is none.
+  /// `what` follows the path and a comma: "the scene". Ignores an empty path.
   void reads(const std::string& what, const std::filesystem::path& path);
-  /// An empty path is none.
+  /// Ignores an empty path.
   void writes(PlannedFile file);
-  /// A result for machines; "-" is the standard output, which then holds nothing else.
+  /// Adds a JSON result; "-" is stdout, which then holds nothing else.
   void writes_json(const std::string& path);
-  /// A folder, made where it is missing, and the names written in it; "*.svg" is every such name.
+  /// Adds a folder, created if missing, and the names written in it; "*.svg" is every such name.
   void fills(const std::string& option, const std::filesystem::path& folder,
              std::vector<std::string> names);
 
-  /// Touches nothing. Throws InputError where two are one file or a folder stands for a file,
-  /// EnvironmentError where a folder is missing or refuses.
+  /// Changes nothing. Throws InputError for two outputs that are one file or a folder in place of a
+  /// file, EnvironmentError for a missing or read-only folder.
   void check() const;
-  /// Checks again, then opens every output without emptying any, and locks those that are written
-  /// as it runs. Throws as check(); then nothing has changed.
+  /// Checks again, opens every output without emptying any, and locks streamed ones. Throws as
+  /// check(); then nothing has changed.
   OpenOutputs open() const;
 
  private:
@@ -121,7 +121,7 @@ class OutputPlan {
   bool json_to_stdout_ = false;
 };
 
-/// The files that a scene was read from.
+/// Adds the files that a scene was read from.
 void plan_inputs(const Scene& scene, OutputPlan& plan);
 
 }  // namespace throng

@@ -16,7 +16,7 @@ namespace throng {
 
 void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
   app.add_option("--trajectory", options.trajectories,
-                 "Positions to FILE.sqlite (as JuPedSim, PedPy) or FILE.csv")
+                 "Write positions to FILE.sqlite (format of JuPedSim, PedPy) or FILE.csv")
       ->check([](const std::string& name) {
         return is_trajectory_name(name)
                    ? std::string()
@@ -26,11 +26,11 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
       ->take_many()
       ->type_name("FILE");
   app.add_option("--trajectory-fps", options.trajectory_fps,
-                 "Frames a second in it [10; of a recording its own]")
-      ->check(number_option(0, 1e4, true, "a number of frames a second above 0"))
+                 "Frames per second of --trajectory [10; for a recording its own]")
+      ->check(number_option(0, 1e4, true, "a number of frames per second above 0"))
       ->type_name("F");
   app.add_option("--trajectory-area", options.trajectory_area,
-                 "Of a walkable area in pieces the one in FILE.sqlite: largest, or its number by "
+                 "Piece of a divided walkable area for FILE.sqlite: largest, or its rank by "
                  "size, from 1")
       ->check([](const std::string& word) {
         return trajectory_piece(word)
@@ -38,20 +38,21 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
                    : fmt::format("expected 'largest' or a whole number from 1, found '{}'", word);
       })
       ->type_name("N");
-  app.add_option("--html", options.html, "The 3-D page with the run in it, one file to send")
+  app.add_option("--html", options.html, "Write the 3-D page with the run into one file")
       ->type_name("FILE");
-  app.add_option("--contacts", options.contacts, "Contact statistics: a folder of CSV and figures")
+  app.add_option("--contacts", options.contacts,
+                 "Write contact statistics to a folder: CSV and figures")
       ->type_name("DIR");
   app.add_option("--separation", options.separation,
-                 "How near robots come to people, as the scene's separation judges it: a folder")
+                 "Write distances and shortfalls between robots and people to a folder")
       ->type_name("DIR");
   app.add_option("--part-pairs", options.by_part,
-                 "Tests, passes and false positives by pair of parts: a folder of CSV and figures")
+                 "Write tests, passes and false positives per pair of parts to a folder")
       ->type_name("DIR")
       ->excludes("--budget-ms")
       ->excludes("--budget-tests");
   app.add_option("--trace-hash", options.trace,
-                 "A hash a stage and frame, to see where two runs part ways")
+                 "Write a hash per stage and frame, to locate where two runs diverge")
       ->type_name("FILE");
 }
 
@@ -60,7 +61,7 @@ void plan_recorders(const RecorderOptions& options, OutputPlan& plan) {
     PlannedFile file{
         .option = "--trajectory", .path = name, .mode = WriteMode::kStreamed, .is_recording = true};
     if (file.path.extension() == ".sqlite")
-      for (const char* ending : kSqliteSideFiles) file.beside.emplace_back(name + ending);
+      for (const char* ending : kSqliteSideFiles) file.side_files.emplace_back(name + ending);
     plan.writes(std::move(file));
   }
   plan.writes({.option = "--trace-hash", .path = options.trace, .mode = WriteMode::kStreamed});
@@ -80,8 +81,9 @@ void require_recordable(const RecorderOptions& options, const Scene& scene) {
 
 void require_recordable(const RecorderOptions& options, const RunInfo& run) {
   if (!options.html.empty() && run.avatar_count() == 0)
-    throw InputError("--html", "a run with people or robots in it",
-                     fmt::format("nobody in '{}'; give a group a count above 0", run.scene->name));
+    throw InputError(
+        "--html", "a run with people or robots",
+        fmt::format("no avatars in '{}'; give a group a count above 0", run.scene->name));
 }
 
 template <typename Recorder>

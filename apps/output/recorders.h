@@ -1,6 +1,6 @@
-// The files besides the log that a run writes on request: trajectories, contact statistics, traces.
-// One rule: a file that cannot be written ends the run, keeps what it has, and is reported; the
-// run's summary is printed all the same.
+// Recorders write a run's optional files: trajectories, contact statistics, traces.
+// Invariant: a file that cannot be written ends the run, keeps its contents and is reported; the
+// summary is still printed.
 #pragma once
 
 #include <memory>
@@ -22,22 +22,22 @@ struct RecorderOptions {
   std::vector<std::string> trajectories;
   std::optional<double> trajectory_fps;
   std::string trajectory_area;  ///< a word of trajectory_piece(), or ""
-  std::string contacts;         ///< a folder, or ""
-  std::string separation;       ///< a folder, or ""; needs a scene with a separation
-  std::string trace;            ///< a hash a stage and frame, or ""
-  std::string by_part;          ///< a folder, or ""; needs CullerOptions::by_part
-  std::string html;             ///< the page with the run in it, or ""
+  std::string contacts;         ///< folder, or ""
+  std::string separation;       ///< folder, or ""; needs a scene with a separation
+  std::string trace;            ///< file of hashes per stage and frame, or ""
+  std::string by_part;          ///< folder, or ""; needs CullerOptions::by_part
+  std::string html;             ///< file with the 3-D page and the run, or ""
 };
 
 void add_recorder_options(CommandOptions& app, RecorderOptions& options);
 void plan_recorders(const RecorderOptions& options, OutputPlan& plan);
-/// Throws InputError for what the scene gives no occasion to.
+/// Throws InputError for an option that does not apply to the scene.
 void require_recordable(const RecorderOptions& options, const Scene& scene);
-/// The same for what the run turns out to be.
+/// As above, for options that depend on the prepared run.
 void require_recordable(const RecorderOptions& options, const RunInfo& run);
 
-/// Keeps a run alive when a file of it cannot be written any more: what was computed is worth its
-/// summary. The first failure is kept; after it the file gets nothing.
+/// Lets a run continue to its summary when a file cannot be written. Stores the first failure and
+/// stops writing.
 class FileGuard {
  public:
   bool failed() const { return !failure_.empty(); }
@@ -51,10 +51,10 @@ class FileGuard {
   std::string failure_;
 };
 
-/// Of a sink that writes a file.
+/// Guard of a sink that writes a file.
 class SinkGuard final : public FileGuard, public Sink {
  public:
-  /// Keeps a reference to `sink`.
+  /// `sink` must outlive this.
   explicit SinkGuard(Sink& sink) : sink_(sink) {}
 
   SinkNeeds needs() const override { return sink_.needs(); }
@@ -66,10 +66,10 @@ class SinkGuard final : public FileGuard, public Sink {
   Sink& sink_;
 };
 
-/// Of a log, which shares its encoder with others: they get their messages all the same.
+/// Guard of a log. Other targets of the shared encoder still get their messages.
 class LogGuard final : public FileGuard, public MessageTarget {
  public:
-  /// Keeps a reference to `log`.
+  /// `log` must outlive this.
   explicit LogGuard(MessageTarget& log) : log_(log) {}
 
   bool wants_messages() const override { return !failed() && log_.wants_messages(); }
@@ -84,18 +84,18 @@ class LogGuard final : public FileGuard, public MessageTarget {
 
 class Recorders {
  public:
-  /// Opens the files, which are emptied when the run begins. Throws InputError or EnvironmentError.
+  /// Opens the files; they are emptied when the run begins. Throws InputError or EnvironmentError.
   Recorders(const RecorderOptions& options, const Scene& scene);
 
   std::vector<Sink*> sinks() const;
   bool failed() const;
   /// Null without --contacts.
   const ContactSink* contacts() const { return contacts_; }
-  /// Null where the scene has no separation.
+  /// Null if the scene has no separation.
   const SeparationSink* separation() const { return separation_; }
-  /// What of their files there is none of, and why; a line each.
+  /// Files that were not written, and why; one line each.
   std::vector<std::string> notes() const;
-  /// One line a failure.
+  /// One line per failure.
   std::string failures() const;
 
  private:

@@ -23,7 +23,7 @@ std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string megabytes(double bytes) { return fmt::format("{:.1f} MB", bytes * 1e-6); }
 
-/// "body_box" in a table: "body box".
+/// "body_box" becomes "body box".
 std::string in_words(std::string_view name) {
   std::string text(name);
   std::replace(text.begin(), text.end(), '_', ' ');
@@ -33,23 +33,22 @@ std::string in_words(std::string_view name) {
 void add_stage(std::string& text, std::string_view name, const StageCounters& stage,
                int64_t frames) {
   if (stage.updates == 0 && stage.tests == 0) return;
-  append(text, "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", in_words(name),
+  append(text, "{:<11} {:<9} {:>11} {:>12} {:>11} {:>10.1f} {:>8.1f} {:>9.3f}\n", in_words(name),
          stage.volume, stage.updates, stage.tests, stage.passed,
          per(stage.update_ns, stage.updates), per(stage.test_ns, stage.tests),
          per((stage.update_ns + stage.test_ns) * 1e-6, static_cast<uint64_t>(frames)));
 }
 
 void add_stage_table(std::string& text, const RunSummary& summary) {
-  append(text, "{:<9} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n", "stage", "volume",
+  append(text, "{:<11} {:<9} {:>11} {:>12} {:>11} {:>10} {:>8} {:>9}\n", "stage", "volume",
          "updates", "tests", "passed", "ns/update", "ns/test", "ms/frame");
   const auto stages = culling_stages(summary.totals);
   for (size_t i = 0; i < stages.size(); ++i)
     add_stage(text, kCullingStageNames[i], *stages[i], summary.frames);
 }
 
-/// A column a stage, as wide as its name and at least as a time.
 void add_time_table(std::string& text, const RunSummary& summary) {
-  std::string names = fmt::format("{:<11}", "ms a frame"), times = fmt::format("{:<11}", "median");
+  std::string names = fmt::format("{:<11}", "ms/frame"), times = fmt::format("{:<11}", "median");
   for (size_t i = 0; i < kStageCount; ++i) {
     const std::string name = in_words(kStageNames[i]);
     const size_t width = std::max<size_t>(name.size(), 7);
@@ -106,10 +105,11 @@ std::string stranded_text(const RunReport& report) {
   return text;
 }
 
-/// What the levels of pairs are called.
-constexpr std::array<const char*, kPairLevels> kLevels = {"sphere", "box", "part_volume", "exact"};
+/// Names of PairLevel in JSON.
+constexpr std::array<const char*, kPairLevels> kLevels = {"sphere", "box", "part_volume",
+                                                          "triangles"};
 
-Json deadline_json(const RunReport& report) {
+Json budget_json(const RunReport& report) {
   Json json;
   if (report.budget_ms) json["ms"] = *report.budget_ms;
   if (report.budget_tests) json["tests"] = *report.budget_tests;
@@ -119,16 +119,16 @@ Json deadline_json(const RunReport& report) {
   return json;
 }
 
-std::string deadline_text(const RunReport& report) {
+std::string budget_text(const RunReport& report) {
   const RunSummary& summary = report.summary;
   std::string text = "at most ";
   if (report.budget_ms) text += fmt::format("{} ms", *report.budget_ms);
   if (report.budget_ms && report.budget_tests) text += " and ";
   if (report.budget_tests) text += fmt::format("{} tests", *report.budget_tests);
-  text += fmt::format(" a frame: {} of {} frames cut; pairs reported by", summary.frames_cut,
+  text += fmt::format(" per frame: {} of {} frames cut; pairs reported by", summary.frames_cut,
                       summary.frames);
-  const std::array<std::string_view, kPairLevels> by = {"spheres", "boxes",
-                                                        summary.totals.part_volume.volume, "triangles"};
+  const std::array<std::string_view, kPairLevels> by = {
+      "spheres", "boxes", summary.totals.part_volume.volume, "triangles"};
   for (size_t level = 0; level < kPairLevels; ++level)
     if (summary.totals.levels[level] > 0)
       text += fmt::format(" {} {},", by[level], summary.totals.levels[level]);
@@ -136,13 +136,14 @@ std::string deadline_text(const RunReport& report) {
   return text;
 }
 
-Json near_json(const ProximitySummary& near) {
-  return {{"pairs", near.pairs},
-          {"people", near.people},
-          {"pairs_peak", near.pairs_peak},
-          {"min_distance_m", near.min_distance_m},
-          {"ms", {{"median", near.ms.median}, {"p95", near.ms.p95}, {"max", near.ms.max}}},
-          {"hash", hash_text(near.hash)}};
+Json proximity_json(const ProximitySummary& proximity) {
+  return {{"pairs", proximity.pairs},
+          {"people", proximity.people},
+          {"pairs_peak", proximity.pairs_peak},
+          {"min_distance_m", proximity.min_distance_m},
+          {"ms",
+           {{"median", proximity.ms.median}, {"p95", proximity.ms.p95}, {"max", proximity.ms.max}}},
+          {"hash", hash_text(proximity.hash)}};
 }
 
 Json separation_json(const RunReport::Separation& separation) {
@@ -156,7 +157,8 @@ Json separation_json(const RunReport::Separation& separation) {
         {"shortfalls", region.shortfalls},
         {"shortfall_s", region.shortfall_s},
         {"max_shortfall_m", region.max_shortfall_m},
-        {"least_m", is_far ? Json() : Json{region.min_distance_lo_m, region.min_distance_hi_m}}};
+        {"min_distance_lo_m", is_far ? Json() : Json(region.min_distance_lo_m)},
+        {"min_distance_hi_m", is_far ? Json() : Json(region.min_distance_hi_m)}};
   }
   return {{"folder", separation.folder},
           {"robots", totals.robots},
@@ -167,17 +169,16 @@ Json separation_json(const RunReport::Separation& separation) {
           {"regions", regions}};
 }
 
-/// The region in which robots were too near for longest.
 std::string separation_text(const SeparationTotals& totals) {
   size_t worst = 0;
   for (size_t i = 1; i < kBodyRegions; ++i)
     if (totals.regions[i].shortfall_s > totals.regions[worst].shortfall_s) worst = i;
   std::string text = fmt::format("{} shortfalls", totals.shortfalls);
   if (totals.shortfalls > 0)
-    text += fmt::format(", {} for longest ({:.2f} s, by {:.3f} m at most)",
+    text += fmt::format(", longest for {} ({:.2f} s, at most {:.3f} m)",
                         name_of(static_cast<BodyRegion>(worst)), totals.regions[worst].shortfall_s,
                         totals.regions[worst].max_shortfall_m);
-  text += fmt::format("; of {} pairs of parts {} have no speed", totals.pairs, totals.undetermined);
+  text += fmt::format("; {} pairs of parts, {} without a speed", totals.pairs, totals.undetermined);
   if (totals.beyond_margin > 0)
     text += fmt::format(", {} require more than the margin", totals.beyond_margin);
   return text;
@@ -188,8 +189,8 @@ Json lockstep_json(const RunReport::LockstepReport& lockstep) {
   for (const Lockstep::Counts& group : lockstep.groups)
     groups.push_back({{"group", group.group},
                       {"channel", group.channel},
-                      {"turns", group.requests},
-                      {"answers", group.replies},
+                      {"requests", group.requests},
+                      {"replies", group.replies},
                       {"late", group.late},
                       {"repeated", group.repeated},
                       {"other_runs", group.other_runs},
@@ -197,15 +198,15 @@ Json lockstep_json(const RunReport::LockstepReport& lockstep) {
                       {"refusal", group.refusal},
                       {"clamped", group.clamped}});
   return {{"timeout_s", lockstep.timeout_s},
-          {"waited_s", lockstep.total_wait_s},
-          {"longest_s", lockstep.max_wait_s},
+          {"total_wait_s", lockstep.total_wait_s},
+          {"max_wait_s", lockstep.max_wait_s},
           {"failure", lockstep.failure},
           {"groups", groups}};
 }
 
 std::string lockstep_text(const Lockstep::Counts& group) {
   return fmt::format(
-      "{} by {}: {} answers, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
+      "{} by {}: {} replies, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
       "of range",
       group.group, group.channel, group.replies, group.late, group.repeated, group.other_runs,
       group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")", group.clamped);
@@ -217,10 +218,10 @@ Json recording_json(const RunReport::Recording& recording) {
                {"frames", recording.facts.frames},
                {"fps", recording.facts.fps},
                {"shift_m", {recording.facts.shift_m.x(), recording.facts.shift_m.y()}},
-               {"odd", Json::array()}};
+               {"anomalies", Json::array()}};
   for (const Anomaly& anomaly : recording.facts.anomalies)
-    json["odd"].push_back(
-        {{"what", anomaly.what}, {"count", anomaly.count}, {"first", anomaly.first}});
+    json["anomalies"].push_back(
+        {{"kind", anomaly.what}, {"count", anomaly.count}, {"first", anomaly.first}});
   return json;
 }
 
@@ -239,8 +240,8 @@ Json to_json(const RunReport& report) {
       {"queuing_peak", summary.queuing_peak},      {"longest_stall_s", summary.longest_stall_s},
       {"max_overlap_m", summary.max_overlap_m}};
   json["stranded"] = stranded_json(report);
-  json["plan"] = {{"grew", report.scale_factor},
-                  {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
+  json["scaling"] = {{"factor", report.scale_factor},
+                     {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
   json["notes"] = report.notes;
   if (report.recording) json["recording"] = recording_json(*report.recording);
   json["parts"] = summary.parts;
@@ -251,17 +252,17 @@ Json to_json(const RunReport& report) {
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
   for (const PoseCommandReceiver::Counts& group : report.external_control)
-    json["driven"].push_back({{"group", group.group},
-                              {"channel", group.channel},
-                              {"messages", group.messages},
-                              {"frames", group.frames},
-                              {"frames_without_command", group.frames_without_command},
-                              {"missing", group.missing},
-                              {"late", group.late},
-                              {"restarts", group.restarts},
-                              {"refused", group.refused},
-                              {"refusal", group.refusal},
-                              {"clamped", group.clamped}});
+    json["external_control"].push_back({{"group", group.group},
+                                        {"channel", group.channel},
+                                        {"messages", group.messages},
+                                        {"frames", group.frames},
+                                        {"frames_without_command", group.frames_without_command},
+                                        {"missing", group.missing},
+                                        {"late", group.late},
+                                        {"restarts", group.restarts},
+                                        {"refused", group.refused},
+                                        {"refusal", group.refusal},
+                                        {"clamped", group.clamped}});
   if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
   if (report.pace.factor > 0)
     json["pace"] = {{"factor", report.pace.factor},
@@ -284,12 +285,12 @@ Json to_json(const RunReport& report) {
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
-  if (report.budget_ms || report.budget_tests) json["deadline"] = deadline_json(report);
-  if (summary.proximity.is_enabled) json["near"] = near_json(summary.proximity);
+  if (report.budget_ms || report.budget_tests) json["budget"] = budget_json(report);
+  if (summary.proximity.is_enabled) json["proximity"] = proximity_json(summary.proximity);
   if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
     json["contact_points"] = {{"points", points.points},
                               {"points_peak", points.points_peak},
-                              {"deepest_m", points.max_depth_m},
+                              {"max_depth_m", points.max_depth_m},
                               {"median_ms", summary.proximity.ms.median}};
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
@@ -298,12 +299,12 @@ Json to_json(const RunReport& report) {
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
   for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
-    json["told"].push_back({{"who", published.to.who},
-                            {"channel", published.to.channel},
-                            {"bodies", published.bodies},
-                            {"messages", published.messages},
-                            {"events", published.events},
-                            {"proximity_rows", published.proximity_rows}});
+    json["filtered_channels"].push_back({{"who", published.to.who},
+                                         {"channel", published.to.channel},
+                                         {"bodies", published.bodies},
+                                         {"messages", published.messages},
+                                         {"events", published.events},
+                                         {"proximity_rows", published.proximity_rows}});
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
@@ -343,46 +344,47 @@ std::string format_table(const RunReport& report) {
                            counted(report.threads, "thread"), report.simd));
   const PopulationCounters& population = summary.population;
   if (population.left + population.waiting_to_enter + population.scheduled > 0)
-    line("people", fmt::format("{} entered, {} left, {} present; {} wait for room, {} to come",
+    line("people", fmt::format("{} entered, {} left, {} present; {} waiting to enter, {} scheduled",
                                population.entered, population.left, population.present,
                                population.waiting_to_enter, population.scheduled));
   line("stranded", stranded_text(report));
   for (const PoseCommandReceiver::Counts& group : report.external_control)
-    line("driven",
-         fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; the last "
-                     "pose held in {} of {} frames; {} values out of range; started anew {} times",
+    line("external",
+         fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; {} of {} "
+                     "frames without a command; {} values out of range; {} restarts",
                      group.group, group.channel, group.messages, group.missing, group.late,
                      group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")",
                      group.frames_without_command, group.frames, group.clamped, group.restarts));
   if (report.lockstep) {
     for (const Lockstep::Counts& group : report.lockstep->groups)
       line("lockstep", lockstep_text(group));
-    line("waited", fmt::format("{:.2f} s for answers, {:.3f} s at most for a frame",
+    line("waited", fmt::format("{:.2f} s for replies, at most {:.3f} s per frame",
                                report.lockstep->total_wait_s, report.lockstep->max_wait_s));
   }
   if (report.pace.factor > 0)
-    line("pace", fmt::format("{:g} times real time asked for; {} of {} frames late, the worst by "
-                             "{:.0f} ms, {:.0f} ms behind at the end",
+    line("pace", fmt::format("{:g} times real time requested; {} of {} frames late, at most "
+                             "{:.0f} ms, the last {:.0f} ms",
                              report.pace.factor, report.pace.late_frames, summary.frames,
                              report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} at once", summary.begins,
                              summary.persists, summary.ends, counted(summary.pairs_peak, "pair")));
-  if (report.budget_ms || report.budget_tests) line("deadline", deadline_text(report));
+  if (report.budget_ms || report.budget_tests) line("budget", budget_text(report));
   if (summary.proximity.is_enabled)
-    line("near", fmt::format("{} rows of parts, {} of two people; at most {} at once, least {:.3f} "
-                             "m; {:.2f} ms a frame (hash {})",
-                             summary.proximity.pairs, summary.proximity.people,
-                             summary.proximity.pairs_peak, summary.proximity.min_distance_m,
-                             summary.proximity.ms.median, hash_text(summary.proximity.hash)));
+    line("proximity",
+         fmt::format("{} rows of parts, {} of two people; at most {} at once, least distance "
+                     "{:.3f} m; {:.2f} ms per frame (hash {})",
+                     summary.proximity.pairs, summary.proximity.people,
+                     summary.proximity.pairs_peak, summary.proximity.min_distance_m,
+                     summary.proximity.ms.median, hash_text(summary.proximity.hash)));
   if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
-    line("points", fmt::format("{} of contact; at most {} at once, deepest {:.3f} m; {:.2f} ms a "
-                               "frame",
+    line("points", fmt::format("{} of contact; at most {} at once, depth up to {:.3f} m; {:.2f} ms "
+                               "per frame",
                                points.points, points.points_peak, points.max_depth_m,
                                summary.proximity.ms.median));
   if (summary.steering.rounds > 0)
     line("walking",
-         fmt::format("longest stall {:.1f} s, deepest overlap {:.1f} cm ({:.1f} sweeps, at most "
-                     "{}), headings turn {:.2f} rad/s",
+         fmt::format("longest stall {:.1f} s, largest overlap {:.1f} cm ({:.1f} sweeps, at most "
+                     "{}), heading rate {:.2f} rad/s",
                      summary.longest_stall_s, 100 * summary.max_overlap_m,
                      summary.steering.mean_sweeps(), summary.steering.max_sweeps,
                      summary.steering.mean_heading_rate_radps()));
@@ -396,12 +398,12 @@ std::string format_table(const RunReport& report) {
                          counted(report.lcm.messages, "message"),
                          megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
   for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
-    line("told", fmt::format("{} by {}: {} bodies, {} messages, {} events, {} near rows",
-                             published.to.who, published.to.channel, published.bodies,
-                             published.messages, published.events, published.proximity_rows));
+    line("published", fmt::format("{} by {}: {} bodies, {} messages, {} events, {} proximity rows",
+                                  published.to.who, published.to.channel, published.bodies,
+                                  published.messages, published.events, published.proximity_rows));
   if (report.contacts) {
     const ContactTotals& totals = report.contacts->totals;
-    line("contacts", fmt::format("{}: {} between two people, {:.2f} a person and minute, median "
+    line("contacts", fmt::format("{}: {} between two people, {:.2f} per person and minute, median "
                                  "{:.3f} s; {} with obstacles",
                                  report.contacts->folder, totals.contacts, totals.per_person_min(),
                                  totals.median_s, totals.obstacle_contacts));
@@ -412,7 +414,7 @@ std::string format_table(const RunReport& report) {
 }
 
 std::string json_text(const RunReport& report) {
-  // Paths of the command line may be no UTF-8.
+  // Paths of the command line may be invalid UTF-8.
   return to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,6 +1,5 @@
-// What `throng run` tells about a run: a table for people, JSON for machines.
-// One rule: both say the same, from the same summary; a figure that leaves the process names its
-// unit.
+// RunReport is the result of `throng run`, printed as a table for people and as JSON.
+// Invariant: both print the same summary; names of figures include their units.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,22 +36,22 @@ struct RunReport {
     int64_t dropped = 0;
   };
   Lcm lcm;
-  std::vector<FilteredChannels::PublishedTotals> filtered_channels;  ///< one a --publish-for
+  std::vector<FilteredChannels::PublishedTotals> filtered_channels;  ///< one per --publish-for
   struct Pace {
-    double factor = 0;  ///< simulated seconds a second that were asked for; 0: unpaced
+    double factor = 0;  ///< target real-time factor; 0: unlimited
     int64_t late_frames = 0;
     double worst_s = 0;
-    double behind_s = 0;  ///< at the end
+    double behind_s = 0;  ///< lateness of the last frame
   };
   Pace pace;
   std::vector<PoseCommandReceiver::Counts>
-      external_control;  ///< one a driven group, without lockstep
+      external_control;  ///< one per externally controlled group, without lockstep
   struct LockstepReport {
     std::vector<Lockstep::Counts> groups;
     double timeout_s = 0;
-    double total_wait_s = 0;  ///< for answers, over all frames
-    double max_wait_s = 0;    ///< of a frame
-    std::string failure;      ///< why it ended, or ""
+    double total_wait_s = 0;  ///< time spent waiting for replies, over all frames
+    double max_wait_s = 0;    ///< longest wait of a frame
+    std::string failure;      ///< reason for the end, or ""
   };
   std::optional<LockstepReport> lockstep;  ///< with --lockstep
   std::string log;                         ///< path, or "off"
@@ -62,33 +61,33 @@ struct RunReport {
     std::string folder;
     ContactTotals totals;
   };
-  std::optional<Contacts> contacts;  ///< with --contacts
+  std::optional<Contacts> contacts;  ///< with --contacts only
 
   struct Separation {
-    std::string folder;  ///< of --separation, or ""
+    std::string folder;  ///< folder of --separation, or ""
     SeparationTotals totals;
   };
-  std::optional<Separation> separation;  ///< of a scene that has one
+  std::optional<Separation> separation;  ///< if the scene has one
 
   using Recording = RunSource::Recording;
   std::optional<Recording> recording;
 
-  /// People of one group who cannot reach one of its goals, at the end.
+  /// Agents of one group that cannot reach one of its goals, at the end.
   struct Stranded {
     std::string group;
     uint32_t goal = 0;  ///< from 1
     int people = 0;
   };
   std::vector<Stranded> stranded;
-  double scale_factor = 1;  ///< how many times longer --avatars made the plan
+  double scale_factor = 1;  ///< factor by which --avatars scaled the ground
   Eigen::Vector2d ground_m = Eigen::Vector2d::Zero();
-  std::vector<std::string> notes;  ///< what was said while the run was prepared
+  std::vector<std::string> notes;  ///< notes printed while the run was prepared
 };
 
-/// A table with a row for each stage, then a line each for time, events, log, messages and hash.
+/// A table with a row per stage, then one line each for time, events, log, messages and hash.
 std::string format_table(const RunReport& report);
 
-/// The same for machines, indented, with a final line feed.
+/// Indented JSON with a final line feed.
 std::string json_text(const RunReport& report);
 
 }  // namespace throng

@@ -34,7 +34,7 @@ void write_json_output(const std::string& file, const std::string& json) {
     write_text(file, json);
 }
 
-void print_beside_json(const std::string& file, const std::string& table) {
+void print_unless_json(const std::string& file, const std::string& table) {
   if (!is_stdout(file)) print_result_text(table);
 }
 

@@ -1,7 +1,6 @@
-// Functions that write results: whole files, additions to one, and JSON for machines (--json FILE,
-// or
-// --json - for stdout, where it then stands alone).
-// Invariant: a file that is not completely written is an EnvironmentError that names it.
+// Functions that write results: whole files, appended text, and JSON for --json (FILE or - for
+// stdout, which then holds nothing else).
+// Invariant: an incomplete file is an EnvironmentError that names it.
 #pragma once
 
 #include <filesystem>
@@ -9,19 +8,19 @@
 
 namespace throng {
 
-/// What stood there before is there until all of the text is.
+/// Replaces the file when the text is complete.
 void write_text(const std::filesystem::path& file, const std::string& text);
 void append_text(const std::filesystem::path& file, const std::string& text);
 
-inline constexpr const char* kJsonHelp = "Writes the results for machines; -: to stdout, alone";
+inline constexpr const char* kJsonHelp = "Write results as JSON; -: to stdout, nothing else there";
 
-/// Whether `file`, the value of --json, means stdout.
+/// Whether the value of --json means stdout.
 inline bool is_stdout(const std::string& file) { return file == "-"; }
 
-/// Nothing for "". Throws EnvironmentError.
+/// Writes nothing for "". Throws EnvironmentError.
 void write_json_output(const std::string& file, const std::string& json);
 
-/// The same results for people, unless stdout is taken.
-void print_beside_json(const std::string& file, const std::string& table);
+/// Prints the table, unless JSON goes to stdout.
+void print_unless_json(const std::string& file, const std::string& table);
 
 }  // namespace throng

@@ -19,11 +19,11 @@ bool has_external(const RunInfo& run) {
 }  // namespace
 
 void add_external_control_options(CommandOptions& app, ExternalControlOptions& options) {
-  Option* lockstep = app.add_flag(
-      "--lockstep", options.lockstep,
-      "Each frame waits for the answers of the driven groups' controllers to the last");
+  Option* lockstep =
+      app.add_flag("--lockstep", options.lockstep,
+                   "Wait each frame for the controllers' replies to the previous one");
   app.add_option("--lockstep-timeout", options.timeout_s,
-                 fmt::format("The longest wait for an answer [{:g}]", options.timeout_s))
+                 fmt::format("Maximum wait for a reply, in seconds [{:g}]", options.timeout_s))
       ->check(number_option(0, 1e6, true, "a number of seconds above 0"))
       ->needs(lockstep)
       ->type_name("S");
@@ -33,20 +33,20 @@ ExternalControl::ExternalControl(const ExternalControlOptions& options, const Ru
                                  const std::string& lcm, bool is_paced) {
   if (options.lockstep) {
     if (lcm == "off")
-      throw InputError("--lockstep", "LCM, over which controllers answer", "--lcm off");
+      throw InputError("--lockstep", "LCM for the controllers' replies", "--lcm off");
     lockstep_ = std::make_unique<Lockstep>(run, lcm, options.timeout_s);
     return;
   }
   if (!has_external(run)) return;
   if (lcm == "off") {
-    print_message("note: with --lcm off nothing drives the driven groups: they stand\n");
+    print_message("note: externally controlled groups stand still with --lcm off\n");
     return;
   }
   receiver_ = std::make_unique<PoseCommandReceiver>(run, lcm);
   if (!is_paced)
     print_message(
-        "warning: a driven group without --lockstep and without --pace: the run is as fast as it "
-        "can be and waits for no controller\n");
+        "warning: the run does not wait for the controllers of externally controlled groups; add "
+        "--lockstep, or --pace 1\n");
 }
 
 void ExternalControl::begin(Simulation& simulation) {
@@ -55,12 +55,12 @@ void ExternalControl::begin(Simulation& simulation) {
 
 bool ExternalControl::await(Simulation& simulation, const Frame& frame) {
   if (!lockstep_) return true;
-  const bool goes_on = lockstep_->after(simulation, frame, StopSignal::requested);
-  if (goes_on && lockstep_->has_missing_replies())
+  const bool continues = lockstep_->after(simulation, frame, StopSignal::requested);
+  if (continues && lockstep_->has_missing_replies())
     print_message(
-        "note: nobody answered frame {} any more: going on from its checkpoint is another run\n",
+        "note: no controller replied to frame {}: resuming from its checkpoint is another run\n",
         frame.number);
-  return goes_on;
+  return continues;
 }
 
 void ExternalControl::take(Simulation& simulation) {

@@ -1,6 +1,5 @@
-// What moves the driven groups of a run: messages as they come, or answers in lockstep.
-// One rule: a run never depends in silence on when a message came; it is told once, before it
-// begins.
+// ExternalControl moves the externally controlled groups of a run, by messages or in lockstep.
+// Invariant: a run whose results depend on message timing warns once before it begins.
 #pragma once
 
 #include <memory>
@@ -21,19 +20,19 @@ void add_external_control_options(CommandOptions& app, ExternalControlOptions& o
 
 class ExternalControl {
  public:
-  /// `lcm`: a URL, or "off". Throws InputError where lockstep is asked for and there is nobody to
-  /// wait for, EnvironmentError where LCM cannot listen.
+  /// `lcm`: a URL, or "off". Throws InputError for lockstep without a controller to wait for,
+  /// EnvironmentError if LCM cannot listen.
   ExternalControl(const ExternalControlOptions& options, const RunInfo& run, const std::string& lcm,
                   bool is_paced);
 
-  /// In lockstep, before any file is touched: waits for the controllers. Throws EnvironmentError.
+  /// In lockstep: waits for the controllers before any file changes. Throws EnvironmentError.
   void begin(Simulation& simulation);
-  /// In lockstep, after a frame was sent. False if the run has to end, see failure().
+  /// In lockstep, after a frame was sent. False if the run must end, see failure().
   bool await(Simulation& simulation, const Frame& frame);
-  /// Otherwise, when the next frame is due: takes what has come.
+  /// Without lockstep, when the next frame is due: applies received messages.
   void take(Simulation& simulation);
 
-  /// In lockstep, the connection that the run has to publish over; else null.
+  /// In lockstep, the connection that the run must publish over; otherwise null.
   std::shared_ptr<lcm::LCM> connection() const;
   std::string failure() const { return lockstep_ ? lockstep_->failure() : ""; }
   const PoseCommandReceiver* receiver() const { return receiver_.get(); }

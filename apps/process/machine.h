@@ -1,4 +1,4 @@
-// What a result says about the machine it was measured on.
+// Functions that describe the machine of a measurement.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace throng {
 
-/// The processor's name as the system tells it, "unknown" where it does not.
+/// The processor's name, or "unknown".
 std::string cpu_name();
 
-/// The most memory this process ever held.
+/// Peak memory of this process in bytes.
 uint64_t peak_rss_bytes();
 
 }  // namespace throng

@@ -1,5 +1,4 @@
-// A progress bar on the terminal.
-// One rule: nothing is drawn where nobody looks; without a terminal on stderr it stays silent.
+// ProgressBar draws a progress bar on a terminal; nothing if stderr is not a terminal.
 #pragma once
 
 #include <chrono>
@@ -10,9 +9,9 @@ namespace throng {
 
 class ProgressBar {
  public:
-  /// total > 0; `unit` is what is counted.
+  /// total > 0; `unit` is the counted noun.
   ProgressBar(std::string label, int64_t total, std::string unit = "frames");
-  /// Wipes the line, so that what is printed next starts on a clean one.
+  /// Clears the line.
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;

@@ -18,11 +18,10 @@
 namespace throng {
 namespace {
 
-// `timeout`, a closing terminal and service managers send a signal twice in one breath, and mean it
-// once.
+// `timeout`, closing terminals and service managers send a signal twice within this time.
 constexpr int64_t kRepeatWindow_ns = 500'000'000;
 
-// The system gives the signal to any thread; a sig_atomic_t is safe within one only.
+// The handler may run in any thread; sig_atomic_t is safe within one only.
 std::atomic<bool> g_work_is_open{false};
 std::atomic<int64_t> g_first_ns{0};
 std::atomic<int> g_signal{0};
@@ -71,7 +70,7 @@ std::atomic<bool> g_work_was_abandoned{false};
 StopSignal::StopSignal() { g_work_is_open = true; }
 
 StopSignal::~StopSignal() {
-  flush_results();  // the summary belongs to the work
+  flush_results();  // before signals end the process again
   g_work_is_open = false;
 }
 
@@ -79,8 +78,8 @@ void StopSignal::install() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before = {};
     sigaction(signal, nullptr, &before);
-    // A shell without job control ignores SIGINT for what it starts with &; a script that then
-    // sends one by name means it.
+    // A shell without job control ignores SIGINT for background jobs. A script that sends one
+    // means it, so only an ignored SIGHUP (nohup) stays ignored.
     if (signal == SIGHUP && before.sa_handler == SIG_IGN) continue;
     struct sigaction action = {};
     action.sa_handler = handle;
@@ -113,7 +112,7 @@ bool finishes_before_signal(std::function<void()> work, std::chrono::millisecond
 }
 
 void abandon_unfinished_work(int exit_code) {
-  // Destructors of what is static would pull the ground from under the thread.
+  // Destructors of static objects would destroy what the abandoned thread uses.
   if (g_work_was_abandoned) _exit(exit_code);
 }
 

@@ -1,6 +1,7 @@
-// Ctrl-C as a wish, not an accident: work ends after the current frame, summary and log complete.
-// One rule: from the first line of main() to the last no signal cuts a file; while none is open it
-// ends the process at once, and one that comes again, a while later, always does.
+// StopSignal turns Ctrl-C into a request: work ends after the current frame with a complete summary
+// and log.
+// Invariant: no signal cuts a file. Without open files a signal ends the process at once; a second
+// signal, half a second later or more, always does.
 #pragma once
 
 #include <chrono>
@@ -11,31 +12,31 @@ namespace throng {
 
 class StopSignal {
  public:
-  /// While an object lives, the first SIGINT, SIGTERM or SIGHUP is a wish that requested() tells.
-  /// At most one object at a time.
+  /// While an object lives, the first SIGINT, SIGTERM or SIGHUP only sets requested(). At most one
+  /// object at a time.
   StopSignal();
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// Once, at the start of main(). A SIGHUP that is ignored (nohup) stays ignored.
+  /// Call once, at the start of main(). An ignored SIGHUP (nohup) stays ignored.
   static void install();
 
   static bool requested();
-  /// 130, 143 or 129, as a shell tells of SIGINT, SIGTERM and SIGHUP; 0 if there was none.
+  /// 130, 143 or 129 for SIGINT, SIGTERM and SIGHUP, as shells report them; 0 without a signal.
   static int exit_code();
-  /// "SIGINT"; "" if there was none.
+  /// "SIGINT"; "" without a signal.
   static std::string_view name();
 };
 
-/// Runs `work` on a thread of its own and waits for it, or for a signal (a StopSignal lives). True:
-/// it is done; what it threw is thrown here. False: a signal came first, and `work` goes on until
-/// the process ends, so that it must own, or share, all that it uses.
+/// Runs `work` on a separate thread and waits for it or for a signal (a StopSignal must live).
+/// Returns true if the work is done, and rethrows its exception. Returns false after a signal; the
+/// work then continues until the process ends, and must own or share all that it uses.
 ///
-/// `patience`: for work that looks for the signal itself and ends soon after it.
+/// `patience`: extra time for work that checks the signal itself.
 bool finishes_before_signal(std::function<void()> work, std::chrono::milliseconds patience = {});
 
-/// At the very end of main(): ends the process here if work was left.
+/// Call at the very end of main(): ends the process here if work was abandoned.
 void abandon_unfinished_work(int exit_code);
 
 }  // namespace throng

@@ -5,16 +5,15 @@
 
 namespace throng {
 namespace {
-// Room once made is kept for a while: others sway. What is given up a second, with somebody near
-// and without.
+// Release rates. With constraints a turn is released slowly, because neighbours sway.
 constexpr float kConstrainedRelease_rps = 0.3f, kFreeRelease_rps = 1.2f;
-constexpr float kReleaseTime_s = 1.0f / 9;  // as ease_towards() has it
-// What is nearer to nothing (radians, shares of an arm) is over.
+constexpr float kReleaseTime_s = 1.0f / 9;  // as in ease_towards()
+// Values below this (radians, shares of an arm) count as zero.
 constexpr float kNegligible = 1e-3f;
 
 void ease_towards(float target, float max_speed, float max_acceleration, float step_s, float& value,
                   float& speed) {
-  // As fast as one can be and still stop there; near it slower, so that it is reached smoothly.
+  // The highest speed from which the value can still stop at the target; lower near it.
   constexpr float kPerSecond = 9;
   const float left = target - value, size = std::abs(left);
   const float max_speed_now =
@@ -27,7 +26,7 @@ void ease_towards(float target, float max_speed, float max_acceleration, float s
     value = speed = 0;
 }
 
-/// What is wanted, but no more than `most` nearer to nothing than now.
+/// Returns the target, at most `band` nearer to zero than `now`.
 float with_hysteresis(float target, float now, float band) {
   if (std::abs(now) <= band) return target;
   return now > 0 ? std::max(target, now - band) : std::min(target, now + band);
@@ -38,7 +37,7 @@ float with_hysteresis(float target, float now, float band) {
 ArmTuck::ArmTuck(float share) {
   tuck = std::min(share / kTuckShare, 1.0f);
   const float u = std::max(share - kTuckShare, 0.0f) / (1 - kTuckShare);
-  swing_damping = u * u * (2 - u);  // begins at rest
+  swing_damping = u * u * (2 - u);  // starts with zero slope
 }
 
 void follow(const AvoidanceMotion& target, float step_s, AvoidanceMotion& motion) {
@@ -77,7 +76,7 @@ void apply_avoidance(const AvoidanceColumns& columns, const AvoidancePosture& av
   const float turn_rad = avoidance.trunk_rad + avoidance.standing * posture.trunk_rad;
   float& trunk = row[static_cast<size_t>(columns.trunk)];
   const float before = trunk;
-  // The nearer to the joint's limit, the less of the gait's own turning: nothing is cut off.
+  // Near the joint's limit less of the gait's own rotation is added, which avoids clipping.
   const float max_rad = turn_rad > 0 ? columns.max_trunk_rad : -columns.min_trunk_rad;
   const float turned = std::min(std::abs(turn_rad) / max_rad, 1.0f);
   trunk = std::clamp(turn_rad + (1 - turned * turned) * before, columns.min_trunk_rad,

@@ -1,5 +1,5 @@
-// The loops that decide the speed of yielding, one lane at a time: the reference for
-// body_avoidance_simd.cpp. Internal to the folder. One rule: every SIMD target gives the same bits.
+// Kernels of body avoidance: scalar reference and SIMD loops. Internal to the folder.
+// Invariant: all SIMD targets compute the same bits.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ void add_cadence_cost_scalar(const CadenceCandidates& cadences, const std::array
 
 inline constexpr size_t kShapeLanes = 8;
 
-/// The box around all; false: `all` does not hold it.
+/// Computes the box around all shapes; returns false if `all` does not contain it.
 bool find_upper_box(const UpperBodyBounds::Shapes& shapes, std::span<const PartPose> poses,
                     const RoundBounds& all, SimdTarget target, RootBox& box);
 

@@ -1,5 +1,4 @@
-// Eight constraints, times or shapes at a time, and two registers of places: the loops of yielding
-// over vector registers.
+// SIMD loops of body avoidance: eight constraints, times or shapes; register pairs of places.
 #include <algorithm>
 #include <array>
 #include <cassert>

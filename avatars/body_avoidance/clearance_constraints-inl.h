@@ -1,26 +1,23 @@
-// Borders between a body and those near it, a constraint a lane.
-// How far a trunk turns and arms are drawn in for them is below.
-// Included inside the namespace of the lanes F, after base/simd/angles-inl.h.
+// Clearance constraints between a body and those near it, one constraint per lane, and the trunk
+// rotation and arm tuck that satisfy them. Included inside the namespace of the lanes F, after
+// base/simd/angles-inl.h.
 
-// Bodies sway and lean: they stay clear of their constraint by so much; arms, which are where they
-// will be within a sixteenth of a cycle, by more.
+// Distance to keep from a constraint, because bodies sway and lean. Arms keep more, because their
+// position is known to a sixteenth of a cycle only.
 inline constexpr float kMargin_m = 0.02f, kArmMargin_m = 0.04f;
-// What is needed so soon is needed now; what is needed later than kAvoidanceHorizon_s is not yet.
+// Constraints this soon count fully; their weight falls to zero at kAvoidanceHorizon_s.
 inline constexpr float kImmediate_s = 0.45f;
 
-/// So much room in a direction, of which so much counts: a number of each constraint, and as many
-/// more as a register has.
 inline constexpr size_t kMaxConstraints = 4 * kMaxAvoidedBodies + 2 * kMaxAvoidedWalls;
 using ConstraintNumbers = float[kMaxConstraints + kLaneCount];
-// Each of its arrays begins a cache line.
 struct ClearanceConstraints {          // NOLINT(clang-analyzer-optin.performance.Padding)
-  alignas(64) ConstraintNumbers x, y;  ///< first where the other will be, then the direction
+  alignas(64) ConstraintNumbers x, y;  ///< first the other's predicted position, then the direction
   alignas(64) ConstraintNumbers direction;
   alignas(64) ConstraintNumbers trunk_clearance_m, arm_clearance_m;  ///< at scale 1
   alignas(64) ConstraintNumbers weight;
   alignas(64) ConstraintNumbers ahead_s;
   const BodyState2d* other[kMaxConstraints + kLaneCount];
-  const LimbOutlines* own[kMaxConstraints + kLaneCount];  ///< as they will swing then
+  const LimbOutlines* own[kMaxConstraints + kLaneCount];  ///< at their predicted phase
   size_t count = 0;
 
   THRONG_LANES void copy(size_t from, size_t to) {
@@ -29,7 +26,7 @@ struct ClearanceConstraints {          // NOLINT(clang-analyzer-optin.performanc
     other[to] = other[from];
     own[to] = own[from];
   }
-  /// Lanes beyond the last constraint get something that counts nothing.
+  /// Fills the lanes after the last constraint with constraints of weight 0.
   THRONG_LANES void fill(size_t last) {
     for (size_t i = last + 1; i % kLaneCount != 0; ++i) {
       copy(last, i);
@@ -38,14 +35,13 @@ struct ClearanceConstraints {          // NOLINT(clang-analyzer-optin.performanc
   }
 };
 
-/// In turns of RadialProfile, from 0 to once around.
+/// Converts an angle to directions of RadialProfile, from 0 to once around.
 THRONG_LANES F direction_of(F angle) {
   constexpr float kFullCircle = RadialProfile::kDirections;
   const F direction = angle * RadialProfile::kPerRadian;
   return max_of(direction - kFullCircle * floor_of(direction * (1 / kFullCircle)), 0.0f);
 }
 
-/// Each lane's octagon; of(lane) refers to it.
 template <typename Of>
 THRONG_LANES void load_octagons(const Of& of, F (&reaches)[8]) {
   F four[4];
@@ -58,11 +54,9 @@ THRONG_LANES void set_octagon(const Octagon& octagon, F (&reaches)[8]) {
   for (size_t i = 0; i < 8; ++i) reaches[i] = octagon.reaches_m[i];
 }
 
-/// How far octagons reach to the side that y is on.
 THRONG_LANES F across_of(const F (&reaches)[8], F y) {
   return select(y > 0.0f, reaches[2], reaches[6]);
 }
-/// How far they reach in the direction of a unit vector.
 THRONG_LANES F reach_in(const F (&reaches)[8], F x, F y) {
   constexpr float kDiagonal = 1.41421356f;
   const F ahead = abs_of(x), aside = abs_of(y);
@@ -74,7 +68,6 @@ THRONG_LANES F reach_in(const F (&reaches)[8], F x, F y) {
   return abs_of(ahead - aside) * nearest + kDiagonal * min_of(ahead, aside) * oblique;
 }
 
-/// ArmTuck.
 struct Tuck {
   F tuck, swing_damping;
 };
@@ -82,16 +75,15 @@ THRONG_LANES Tuck tuck_of(F share) {
   const F u = max_of(share - ArmTuck::kTuckShare, 0.0f) * (1 / (1 - ArmTuck::kTuckShare));
   return {min_of(share * (1 / ArmTuck::kTuckShare), 1.0f), u * u * (2.0f - u)};
 }
-/// The least share at which an arm is this still.
 THRONG_LANES F share_of(F swing_damping) {
-  // The cubic's root: a guess not far above it, and Newton's step.
+  // Root of the cubic: a guess slightly above it, and one Newton step.
   const F guess = sqrt_of(swing_damping / (2.0f - sqrt_of(swing_damping)));
   const F less = (guess * guess * (2.0f - guess) - swing_damping) /
                  (max_of(guess, 1e-12f) * (4.0f - 3.0f * guess));
   return ArmTuck::kTuckShare + (1 - ArmTuck::kTuckShare) * (guess - less);
 }
 
-/// How far an arm reaches in a direction, and what drawing it in wins.
+/// Reach of an arm in a direction, and how much tucking and damping reduce it.
 struct ArmReach {
   F swing_m, tuck_gain_m, damping_gain_m;
 };
@@ -101,8 +93,7 @@ THRONG_LANES ArmReach arm_reach(const F (&sweep)[8], const F (&tucked)[8], F x, 
   return {swing_m, tuck_gain_m, swing_m - reach_in(tucked, x, y) - tuck_gain_m};
 }
 
-/// How far bodies reach in a direction: trunk and drawn-in arms, thighs as well, and all as it is
-/// now.
+/// Reach in a direction: trunk with tucked arms; these and the thighs; all in the current posture.
 struct BodyReach {
   F trunk_m, firm_m, whole_m;
 };
@@ -115,12 +106,10 @@ THRONG_LANES Stance stance_of(F scale, F turn, F right, F left) {
   sin_cos_of(turn, stance.turn_sin, stance.turn_cos);
   return stance;
 }
-/// What each lane's body is like.
 struct Shapes {
   const Outline* outline[kLaneCount];
   const LimbOutlines* limbs[kLaneCount];
 };
-/// In the direction (x, y), at `angle`, from the bodies' ways.
 THRONG_LANES BodyReach reach_of(const Stance& stance, const Shapes& shapes, const F (&tucked)[2][8],
                                 F x, F y, F angle) {
   alignas(64) int32_t whole[kLaneCount];
@@ -154,13 +143,13 @@ THRONG_LANES BodyReach reach_of(const Stance& stance, const Shapes& shapes, cons
   return {stance.scale * trunk, stance.scale * firm, stance.scale * all};
 }
 
-/// How far trunks will have swayed to the left.
+/// Sway of trunks to the left, from now to `ahead_s`.
 THRONG_LANES F sway_offset(F sway_m, F phase, F cadence_hz, F ahead_s) {
   const F from = phase - static_cast<float>(GaitCurves::kSwayPhase);
   return sway_m * (sin_of_turns(from) - sin_of_turns(from + ahead_s * cadence_hz));
 }
 
-/// How far bodies reach at most.
+/// Upper bound on the reach of bodies in a direction.
 THRONG_LANES F max_extent_in(const F (&max_extent)[4], F turn, F x, F y) {
   const F ahead = max_extent[0], oblique = max_extent[1], aside = max_extent[2],
           maximum = max_extent[3];
@@ -168,17 +157,16 @@ THRONG_LANES F max_extent_in(const F (&max_extent)[4], F turn, F x, F y) {
   return select(abs_of(turn) > 0.0f, maximum, reach_in(octagon, x, y));
 }
 
-/// Times at which somebody may be within reach: up to four of each, and as many more as a register
-/// has.
+/// Times at which a neighbour may be within reach: up to four per neighbour, plus one register.
 struct Approaches {
   static constexpr size_t kPerBody = 4;
   static constexpr size_t kMax = kPerBody * kMaxAvoidedBodies + kLaneCount;
   using Numbers = float[kMax];
   alignas(64) Numbers ahead_s;
   const BodyState2d* other[kMax];
-  uint8_t first[kMax];  ///< the moment of the same body when it is nearest
+  uint8_t first[kMax];  ///< index of the same body's time of closest approach
   alignas(64) Numbers x, y, distance2_m2, weight;
-  alignas(64) Numbers may_touch;  ///< 1: perhaps; 0: both are clear of each other
+  alignas(64) Numbers may_touch;  ///< 1: perhaps; 0: both are certainly clear of each other
   size_t count = 0;
 
   void add(const BodyState2d& body, float time_s, size_t nearest, bool counts) {
@@ -189,19 +177,18 @@ struct Approaches {
   }
 };
 
-// Nobody looks so far ahead.
 inline constexpr float kIgnoredTime_s = kAvoidanceHorizon_s;
 inline constexpr float kReach2_m2 = kAvoidanceReach_m * kAvoidanceReach_m;
 
-/// When others, as they go, will be nearest, now, half-way to that and a little later.
+/// Finds the times to check for each neighbour: closest approach, now, halfway and shortly after.
 THRONG_LANES void find_approaches(const BodyState2d& own,
                                   std::span<const BodyState2d* const> neighbours,
                                   Approaches& approaches) {
   constexpr float kNegligible_s = 0.05f;
-  // Trunks sway and arms swing: what is nearest now may be nearer a quarter of a cycle later, and
-  // arms behind pass each other after the trunks.
+  // Trunks sway and arms swing. Bodies may be nearer a quarter of a cycle after the closest
+  // approach, and arms behind them pass each other after the trunks.
   constexpr float kSway_s = 0.25f, kAfter_s = 0.15f;
-  constexpr float kSwayReach_m = kAvoidanceReach_m + 0.2f;  // sways are less
+  constexpr float kSwayReach_m = kAvoidanceReach_m + 0.2f;  // sway is smaller than this addition
   constexpr float kSwayReach2_m2 = kSwayReach_m * kSwayReach_m;
   using OfEach = float[kMaxAvoidedBodies + kLaneCount];
   alignas(64) OfEach ahead_s[Approaches::kPerBody], distance2_m2[Approaches::kPerBody];
@@ -225,7 +212,7 @@ THRONG_LANES void find_approaches(const BodyState2d& own,
       store(x * x + y * y, distance2_m2[k] + i);
     }
   }
-  // Whoever is never within reach when nearest is not looked at any further.
+  // Neighbours that are out of reach at their closest approach are dropped.
   for (size_t n = 0; n < neighbours.size(); ++n) {
     // Set above, register by register. NOLINTNEXTLINE(clang-analyzer-core.*)
     const bool is_close = distance2_m2[0][n] <= kSwayReach2_m2;
@@ -242,9 +229,9 @@ THRONG_LANES void find_approaches(const BodyState2d& own,
   }
 }
 
-/// Where others will be, from the i-th moment on.
+/// Predicts positions of neighbours, from the i-th time on.
 THRONG_LANES void look_ahead(const BodyState2d& own, size_t i, Approaches& approaches) {
-  // What lacks room by arms' margins, see tuck_for(), and rounding.
+  // The margins of two arms, see tuck_for(), and rounding.
   constexpr float kClear_m = 2 * kArmMargin_m + 0.001f;
   const BodyState2d* const* other = approaches.other + i;
   F place[4], heading[4], motion[4];
@@ -290,7 +277,7 @@ THRONG_LANES void look_ahead(const BodyState2d& own, size_t i, Approaches& appro
   store(select(is_clear, 0.0f, 1.0f), approaches.may_touch + i);
 }
 
-/// The constraints of those within reach. False: nothing is lacking, whatever they are.
+/// Finds constraints of neighbours within reach; false if none has a deficit in any posture.
 THRONG_LANES bool find_constraints(const BodyState2d& own,
                                    std::span<const BodyState2d* const> neighbours,
                                    ClearanceConstraints& constraints) {
@@ -312,7 +299,7 @@ THRONG_LANES bool find_constraints(const BodyState2d& own,
   return may_touch > 0;
 }
 
-/// The constraints from the i-th on, in the middle of what would be between two as they are now.
+/// Places the constraints from the i-th on in the middle of the gap between two bodies.
 THRONG_LANES void set_clearances(const BodyState2d& own, const Stance& stance, size_t i,
                                  ClearanceConstraints& constraints) {
   const BodyState2d* const* other = constraints.other + i;
@@ -359,7 +346,7 @@ THRONG_LANES void set_clearances(const BodyState2d& own, const Stance& stance, s
   const F disc = load(discs), per_scale = 1.0f / own.scale;
   const F of_disc = apart - disc;
   const M is_disc = disc > 0.0f;
-  // What cannot be drawn in is given way to by the other's arm alone.
+  // The other's arm alone makes room for parts that cannot be tucked.
   const F arm_clearance =
       min_of(0.5f * (apart + own_reach.whole_m - other_reach.whole_m), apart - other_reach.firm_m);
   const F trunk_clearance = 0.5f * (apart + own_reach.trunk_m - other_reach.trunk_m);
@@ -370,7 +357,7 @@ THRONG_LANES void set_clearances(const BodyState2d& own, const Stance& stance, s
   store(per_scale * select(is_disc, of_disc, arm_clearance), constraints.arm_clearance_m + i);
 }
 
-/// As it is now and as it will be soon.
+/// Adds the wall's constraints for now and for kImmediate_s.
 THRONG_LANES void add_wall(const BodyState2d& own, const WallState2d& wall,
                            ClearanceConstraints& constraints) {
   alignas(64) float direction[kLaneCount];
@@ -390,27 +377,24 @@ THRONG_LANES void add_wall(const BodyState2d& own, const WallState2d& wall,
   }
 }
 
-// How far a trunk turns and arms are drawn in for what is near: the constraints' answer.
-
-// The trunk's turns that are compared: as many to either side, a direction of RadialProfile apart.
 inline constexpr int kTurnsPerSide = 9;
 inline constexpr size_t kTurns = 2 * kTurnsPerSide + 1;
 inline constexpr float kTurn_rad = 1 / RadialProfile::kPerRadian;
-// Half a metre of turned trunk is worth a tenth of a millimetre of room squared.
+// Half a metre of turned trunk costs as much as a deficit of 0.1 mm, squared.
 inline constexpr float kEffort = 1e-4f;
-// A turn comes about at such a speed, and something of it at once.
+// Assumed rate of a trunk rotation. Part of it takes effect at once.
 inline constexpr float kTurnRate_rps = 1.5f, kMinTurnTime_s = 0.2f;
-// A turn that lacks so much more (squared) than another is left quickly.
+// A rotation with this much more deficit (squared) than another is left quickly.
 inline constexpr float kUrgentDeficit_m2 = 1e-4f;
-// An arm stays drawn in by so much of what its swing would lack at the worst time of a cycle.
+// An arm stays tucked by this share of the deficit at the worst time of its swing.
 inline constexpr float kHoldShare = 0.5f;
 
-/// What a trunk with its arms drawn in lacks to a constraint, by its turn: the one farthest to the
-/// left is 0, for seen by a trunk that is turned to the left, what is near lies farther to the
-/// right. A trunk that does not get to a turn until then lacks what it does where it gets.
+/// Deficit of a trunk with tucked arms at one constraint, by trunk rotation. Index 0 is the
+/// leftmost rotation: seen from a trunk turned to the left, a neighbour lies farther to the right.
+/// Rotations that cannot be reached in time get the deficit of the reachable one.
 class TrunkDeficit {
  public:
-  /// `now`: as it is turned, of kTurns.
+  /// `now`: current rotation as an index into kTurns.
   TrunkDeficit(const RadialProfile& upper, const ClearanceConstraints& constraints, size_t i,
                float now)
       : clearance_m_(constraints.trunk_clearance_m[i] - kMargin_m), weight_(constraints.weight[i]) {
@@ -427,7 +411,7 @@ class TrunkDeficit {
     last_m_ = at(last_);
   }
 
-  /// Of a register of turns from the given one on, squared and by how much the constraint counts.
+  /// Weighted squared deficits of a register of rotations, from the given one on.
   THRONG_LANES F from(size_t turn) const {
     static constexpr auto kNumbers = [] {
       std::array<float, kLanesOfTurns> numbers{};
@@ -442,7 +426,6 @@ class TrunkDeficit {
     return weight_ * deficit * deficit;
   }
 
-  /// The lanes of kTurns, whole registers.
   static constexpr size_t kLanesOfTurns = (kTurns + kLaneCount - 1) / kLaneCount * kLaneCount;
 
  private:
@@ -457,11 +440,11 @@ class TrunkDeficit {
 
   const float* reach_m_;
   float share_, clearance_m_, weight_;
-  float first_, last_;  ///< the turns that it gets to until then, and what it lacks there
+  float first_, last_;  ///< reachable rotations; the deficit at each is below
   float first_m_, last_m_;
 };
 
-/// Turns the trunk to where the squares of what a body with its arms drawn in lacks are least.
+/// Turns the trunk to the least sum of squared deficits with tucked arms.
 THRONG_LANES void turn_trunk(const BodyState2d& own, const ClearanceConstraints& constraints,
                              AvoidanceMotion& target) {
   const Outline& outline = own.sweep->outline();
@@ -487,15 +470,15 @@ THRONG_LANES void turn_trunk(const BodyState2d& own, const ClearanceConstraints&
   if (best > 0 && best < kTurns - 1)
     turn_rad += kTurn_rad * parabola_minimum(costs[best + 1], costs[best], costs[best - 1]);
   constexpr float kWaist = 1 / (1 - kHipsShare);
-  constexpr float kGaitTurn_rad = 0.1f;  // the waist turns by so much in walking
+  constexpr float kGaitTurn_rad = 0.1f;  // rotation of the waist in walking
   const AvoidanceColumns& columns = outline.columns;
   target.turn_rad = std::clamp(turn_rad, kWaist * (columns.min_trunk_rad + kGaitTurn_rad),
                                kWaist * (columns.max_trunk_rad - kGaitTurn_rad));
 }
 
-/// How far arms have to be drawn in to stay within constraints.
+/// Returns the tuck that arms need to stay within constraints.
 THRONG_LANES F tuck_for(const ArmReach& arm, F clearance_m) {
-  constexpr float kMinDampingGain_m = 0.01f;  // elsewhere it makes no difference
+  constexpr float kMinDampingGain_m = 0.01f;  // smaller gains make no difference
   const F deficit = arm.swing_m + kArmMargin_m - clearance_m;
   const M is_more = (deficit > arm.tuck_gain_m) & (arm.damping_gain_m > kMinDampingGain_m);
   const F swing_damping = min_of(
@@ -506,7 +489,7 @@ THRONG_LANES F tuck_for(const ArmReach& arm, F clearance_m) {
   return select(deficit > 0.0f, share, 0.0f);
 }
 
-/// Their directions as the trunk has them then, while it turns so far.
+/// Turns directions into the trunk's at each constraint's time, while it turns to turn_rad.
 THRONG_LANES void turn_to_trunk(const BodyState2d& own, float turn_rad,
                                 ClearanceConstraints& constraints) {
   const F to_go_rad = turn_rad - own.turn_rad;
@@ -520,8 +503,7 @@ THRONG_LANES void turn_to_trunk(const BodyState2d& own, float turn_rad,
   }
 }
 
-/// How far an arm has to be drawn in to swing within all constraints, whose directions are the
-/// trunk's.
+/// Returns the tuck with which an arm swings within all constraints (in trunk directions).
 THRONG_LANES float target_tuck(const BodyState2d& own, size_t side,
                                const ClearanceConstraints& constraints) {
   F tucked[8], envelope[8], sweep[8];
@@ -538,7 +520,7 @@ THRONG_LANES float target_tuck(const BodyState2d& own, size_t side,
         sweep);
     target = max_of(target, weight * tuck_for(arm_reach(sweep, tucked, ahead, left), clearance));
     if (now <= 0) continue;
-    // Not let out only to be drawn in again by the same swing.
+    // Keeps the arm tucked if the same swing would need it again.
     const F hold =
         min_of(now, kHoldShare * tuck_for(arm_reach(envelope, tucked, ahead, left), clearance));
     const M is_now = (load(constraints.ahead_s + i) <= 0.0f) & (weight > 0.0f);

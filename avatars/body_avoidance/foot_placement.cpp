@@ -10,56 +10,50 @@ namespace {
 
 using Eigen::Vector2f;
 
-// Feet stay so far apart, and shins.
 constexpr float kClearance_m = 0.09f;
-// A step is shortened by so much at a time, and moved to the side by so much at most.
+// Increment for shortening a step, and the largest sideways shift.
 constexpr float kStep_m = 0.05f;
-constexpr int kMinShiftSteps = -5;  // of them; never longer
+constexpr int kMinShiftSteps = -5;  // in steps of kStep_m; steps are never lengthened
 constexpr float kMaxAside_m = 0.17f,
-                kInwardShare = 0.9f;  // the latter of the foot's distance from the middle
+                kInwardShare = 0.9f;  // of the foot's distance from the middle
 constexpr float kEffort = 0.003f;
-// Shares of the cycle before a foot lands; others' legs that are farther off then do not matter.
+// Cycles before the landing at which legs are compared.
 constexpr std::array<float, 7> kSamplePhases = {0.3f, 0.22f, 0.15f, 0.07f, 0, -0.07f, -0.14f};
 constexpr size_t kLandingSample = 4;
 static_assert(kSamplePhases[kLandingSample] == 0);
-// Of somebody so far from where the foot lands no leg is in its way.
+// People whose root, and legs whose foot, is farther than this cannot interfere.
 constexpr float kMaxRootDistance_m = 0.95f;
 constexpr float kMaxLegDistance_m = 0.6f;
-// A foot gets a new place from so long before it lands.
+// A foot may change its landing point from this long before it lands.
 constexpr float kWindow_s = 0.5f;
-// The rhythm of steps is chosen so far ahead, for those whose roots come so near, and by the time
-// in which legs can meet.
+// Cadence is chosen this far ahead, for people within kCadenceReach_m, while legs can meet.
 constexpr float kCadenceHorizon_s = 2.4f, kCadenceReach_m = 0.8f, kLegsReach_m = 1.0f;
-// So far ahead of the own root, or behind, and to a side of it feet can be in the way of one's own.
+// Feet of others within this distance ahead of, behind or next to the root can obstruct one's own.
 constexpr float kObstructionAhead_m = 0.9f, kObstructionAside_m = 0.55f;
-// Ways and rhythms are not foreseen so exactly: legs get more room in the choice.
+// Paths and cadences are predicted less exactly, hence a larger clearance in this choice.
 constexpr float kCadenceClearance_m = 0.22f;
-// Until legs can meet, and for so long at least, steps are shortened or lengthened to get in time;
-// then a rhythm is kept.
+// Strides change until legs can meet, at least for this long; then the cadence is kept.
 constexpr float kMinLead_s = 0.5f;
-// Strides are from so much shorter to so much longer than the gait's, in steps of so much.
 constexpr float kStrideScaleStep = 0.07f;
 constexpr int kMinStrideSteps = -4, kMaxStrideSteps = 2;
 constexpr size_t kStrideScales = kMaxStrideSteps - kMinStrideSteps + 1;
-// Shorter strides are no quicker than this, unless the gait's own are: a pelvis that goes up and
-// down as for long ones would jerk.
+// Highest cadence for shortened strides, unless the gait's own is higher: else the pelvis jerks.
 constexpr float kMaxChosenCadence_hz = 1.45f;
-// What a second with legs too near by a metre weighs, squared, against a stride of another length
-// squared.
+// Cost of 1 s with legs 1 m too near, squared, relative to the squared change of stride.
 constexpr float kClearanceWeight = 300, kCadenceEffort = 0.3f, kCadenceChange = 0.2f;
-// Among more than so many people, so near, nobody keeps step with all of them.
+// With more people than this within kAround_m, cadence is not adapted.
 constexpr int kMaxPeopleAround = 3;
 constexpr float kAround_m = 1.1f;
-// What meets later than this is left to a later choice.
+// Later encounters are left to a later choice.
 constexpr float kMaxEncounterTime_s = 1.2f;
-// Whoever hardly walks has no rhythm.
+// Below this speed there is no cadence to choose.
 constexpr float kMinWalkingSpeed_mps = 0.3f;
 
 Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 
 LegOwner owner_of(const WalkState& steps) { return {steps.ahead, steps.scale}; }
 
-/// Whether they come near, and then when.
+/// Returns whether two roots come within reach, and sets when.
 bool find_encounter(const RootMotion& own, const RootMotion& other, LegEncounter& encounter) {
   const Vector2f offset = other.root_m - own.root_m,
                  closing = other.velocity_mps - own.velocity_mps;
@@ -89,10 +83,10 @@ class CadenceChoice {
   }
 
   float best(SimdTarget target) {
-    bool is_free = true;  // then nothing is better than the gait's own strides
+    bool is_free = true;  // true: no stride scale is better than 1
     for (size_t i = 0; i < encounters_.count; ++i) {
       Prediction& predicted = predicted_[i];
-      // Times beyond the last part are its own.
+      // Padding: repeats the last time.
       for (size_t k = 0; k < kPlaces; ++k)
         predicted.ahead_s[k] = encounters_.all[i].time_s(std::min(k, kTimes - 1));
       for (size_t side = 0; side < 2; ++side)
@@ -110,7 +104,7 @@ class CadenceChoice {
     std::array<PredictedLeg, 2> legs;
   };
 
-  /// Whether legs come too near to those of whom one meets with the gait's own strides.
+  /// Returns whether legs conflict at an encounter if strides keep the gait's length.
   bool has_conflict(size_t encounter, SimdTarget target) const {
     const Prediction& predicted = predicted_[encounter];
     for (LegState leg : legs_) {
@@ -161,12 +155,12 @@ class CadenceChoice {
     }
   }
 
-  /// Every stretch, and after it the gait's own or the same on and on.
+  /// Sets all stride scales, each followed either by the gait's own stride or by itself.
   void set_cadences(std::array<float, kCadences>& stride_scales) {
     static_assert(2 * kStrideScales <= kCadences);
     const float min_stride_scale = natural_ps_ / std::max(kMaxChosenCadence_hz, natural_ps_);
     for (size_t i = 0; i < kCadences; ++i) {
-      const size_t step = std::min(i / 2, kStrideScales - 1);  // the last ones again
+      const size_t step = std::min(i / 2, kStrideScales - 1);  // the last ones repeat
       const float stride_scale = std::max(
           1 + kStrideScaleStep * static_cast<float>(kMinStrideSteps + static_cast<int>(step)),
           min_stride_scale);
@@ -186,19 +180,19 @@ class CadenceChoice {
   std::array<LegState, 2> legs_;
   const LegEncounters& encounters_;
   float now_;
-  float natural_ps_;  ///< with the gait's own strides
+  float natural_ps_;  ///< cadence at the gait's own stride
   std::array<WalkState, LegEncounters::kMax> others_;
   std::array<PredictedLegs, LegEncounters::kMax * kTimes> times_;
-  size_t count_ = 0;  ///< of times_
+  size_t count_ = 0;  ///< number of entries in times_
 };
 
-/// How far the next landing could be moved: along and to the side, root frame at scale 1.
+/// Candidate shifts of the next landing, root frame at scale 1.
 struct LandingShifts {
   alignas(64) PlaceNumbers along = {}, aside = {};
-  size_t count = 1;  ///< the first is none, and so are those beyond
+  size_t count = 1;  ///< the first shift is zero, and so is the padding
 
   explicit LandingShifts(const FootTrack& track, size_t side) {
-    // Feet do not cross.
+    // Shifts inwards end before the other foot: feet do not cross.
     const float inwards = kInwardShare * std::abs(track.side_m[side]);
     const float right = side == 0 ? -kMaxAside_m : -inwards,
                 left = side == 0 ? inwards : kMaxAside_m;
@@ -211,7 +205,6 @@ struct LandingShifts {
 };
 static_assert((1 - kMinShiftSteps) * 5 + 1 <= kPlaces);
 
-/// Where a leg is at some time if its next landing is moved.
 LegPlaces shifted_places(const PredictedLeg& leg, size_t time, const WalkState& own,
                          const LandingShifts& shifts) {
   const LegPlace place = leg.places.at(time);
@@ -258,7 +251,7 @@ FootPlacement::FootPlacement(const WalkState& own, size_t side, SimdTarget targe
     : own_(own), side_(side), target_(target) {
   static_assert(kSamplePhases.size() == kSamples && kSamples <= kPredictionTimes);
   LegState leg(own, side);
-  leg.landing_m = Vector2f::Zero();  // of where it would land
+  leg.landing_m = Vector2f::Zero();  // relative to the landing point of the gait
   const float lands_s = leg.lands_s();
   is_due_ = lands_s >= 0 && lands_s <= kWindow_s;
   if (!is_due_) return;

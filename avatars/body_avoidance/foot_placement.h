@@ -1,6 +1,6 @@
-// Footing: how the steps of somebody who walks keep clear of others' legs: in rhythm with those who
-// are close ahead, and landing beside their feet.
-// One rule: of two feet the one that lands later gives way.
+// FootPlacement shifts landing points to keep clear of others' legs; stride_scale_for() adapts the
+// cadence to walkers close ahead.
+// Invariant: of two feet the one that lands later yields.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,48 +14,45 @@
 
 namespace throng {
 
-/// Where somebody is and goes.
 struct RootMotion {
   Eigen::Vector2f root_m, velocity_mps;
 };
 
-/// When legs of somebody near could meet one's own: from then on, in so many parts of so long.
+/// Interval in which legs of a neighbour could meet one's own, in kParts equal parts.
 struct LegEncounter {
   static constexpr size_t kParts = 10;
   size_t neighbour;
   float from_s, per_s;
-  /// The middle of the k-th part.
   float time_s(size_t k) const { return from_s + (static_cast<float>(k) + 0.5f) * per_s; }
 };
 
-/// Of the first two that come soon.
 struct LegEncounters {
   static constexpr size_t kMax = 2;
   std::array<LegEncounter, kMax> all;
   size_t count = 0;
 };
 
-/// None if too many are near: nobody keeps step with all of them.
+/// Returns the encounters; none if too many neighbours are near to adapt the cadence to.
 LegEncounters find_encounters(std::span<const RootMotion> neighbours, const RootMotion& own);
 
-/// How much longer strides than the gait's (and rarer, then) keep legs apart from those of others;
-/// 1 if it makes no difference. `others` are those met, one each; `now` is what strides are.
+/// Returns the stride scale that keeps legs apart; 1 if it makes no difference. `others`: one per
+/// encounter; `now`: the current stride scale.
 float stride_scale_for(const WalkState& own, std::span<const WalkState> others,
                        const LegEncounters& encounters, float now, SimdTarget target);
 
-/// A foot that comes down, and others' legs on the ground near it meanwhile.
+/// A landing foot, and others' legs on the ground near it at that time.
 class FootPlacement {
  public:
   /// Keeps a reference to `own`.
   FootPlacement(const WalkState& own, size_t side, SimdTarget target);
 
-  /// Whether the foot lands soon enough for its place to be decided; if not, nothing else is asked.
+  /// Whether the foot lands soon enough to choose its place. If not, no other member may be called.
   bool is_due() const { return is_due_; }
-  /// Whether legs of somebody whose root is there and goes so could matter.
+  /// Whether legs of a person with this root position and velocity could matter.
   bool may_conflict(const Eigen::Vector2f& root_m, const Eigen::Vector2f& velocity_mps) const;
   void add(const WalkState& other);
 
-  /// How far from where it would the foot has to land (root frame, scale 1).
+  /// Returns the shift of the landing point (root frame, scale 1).
   Eigen::Vector2f shift_m() const;
 
  private:

@@ -1,26 +1,25 @@
-// Legs, a time, a place or a rhythm a lane. Included inside the namespace of the lanes F.
+// Leg prediction: one time, place or cadence per lane. Included in the namespace of the lanes F.
 
-// A foot steps over its ball at the end of stance: its ankle gets so far ahead.
+// At the end of stance the foot rolls over its ball, and the ankle moves ahead by kRoll_m.
 inline constexpr float kRoll_m = 0.10f, kRollFrom = 0.75f;
-// The knee is ahead of the middle between hip and ankle, and more so in swing.
+// The knee is ahead of the middle between hip and ankle by this, and by more in swing.
 inline constexpr float kBend_m = 0.055f, kSwingBend_m = 0.13f;
 
-// A foot, seen from above, is what is near a line along it; from below the ankle (adult at
-// scale 1).
+// A foot seen from above: all points within kHalfWidth_m of a line along it. Measured from below
+// the ankle, adult at scale 1.
 inline constexpr float kHeel_m = -0.01f, kToe_m = 0.165f, kHalfWidth_m = 0.05f;
 inline constexpr float kShin_m = 0.055f;
 
 struct Vec2 {
   F x, y;
 };
-/// LegPlace, a lane each.
 struct LegLanes {
   Vec2 foot, shin, knee;
 };
 
 THRONG_LANES F deficit_squared(F distance2, float reach) {
-  const F lack = max_of(reach - sqrt_of(distance2), 0.0f);
-  return lack * lack;
+  const F deficit = max_of(reach - sqrt_of(distance2), 0.0f);
+  return deficit * deficit;
 }
 
 THRONG_LANES F distance_squared(const Vec2& from, const Vec2& to) {
@@ -38,8 +37,8 @@ THRONG_LANES LegLanes load_leg(const LegPlaces& p, size_t i) {
           {load(p.knee_x + i), load(p.knee_y + i)}};
 }
 
-/// From points of the own foot to the line along the other, whichever is nearest: for feet that
-/// point the same way or the opposite one, nearly.
+/// Squared distance from points of the own foot to the line along the other, whichever is nearest.
+/// Exact only for nearly parallel feet.
 THRONG_LANES F between_feet_squared(const Vec2& foot, const LegOwner& own, const Vec2& other,
                                     const LegOwner& other_owner) {
   const float ax = other_owner.ahead.x(), ay = other_owner.ahead.y();
@@ -88,18 +87,16 @@ THRONG_LANES bool violates_clearance_at(size_t i, const LegPlaces& leg, const Le
 
 struct Cadence {
   F soon_ps, later_ps, per_soon, per_later;
-  F cycles_soon;  ///< until lead_s
+  F cycles_soon;  ///< number of cycles until lead_s
   float lead_s;
 };
 
-/// When so many cycles have passed.
 THRONG_LANES F time_of(const Cadence& r, F cycles) {
   return select(cycles <= r.cycles_soon, cycles * r.per_soon,
                 r.lead_s + (cycles - r.cycles_soon) * r.per_later);
 }
 
-/// How far from where the gait has it a foot lands, so that the body passes over it as the gait
-/// does.
+/// Returns the offset of the landing point at which the body passes over the foot as in the gait.
 THRONG_LANES Vec2 goal_of(const Cadence& r, const LegState& leg, F ahead_s, M is_next) {
   const F cycle_s = select(ahead_s < r.lead_s, r.per_soon, r.per_later);
   const F horizon_s = min_of(0.5f * leg.stance * cycle_s, LandingLimits::kMaxAhead_s);
@@ -111,14 +108,13 @@ THRONG_LANES Vec2 goal_of(const Cadence& r, const LegState& leg, F ahead_s, M is
               select(is_next, leg.landing_m.y(), 0.0f)};
 }
 
-/// A leg at some time, in the frame of LegState.
 struct LegSample {
   LegLanes leg;
   F is_grounded, share;
 };
 
-/// Each cycle goes from one landing to the next, and where a foot stands follows from when it
-/// landed; but in the first it is where it is.
+/// Each cycle goes from one landing to the next; a standing foot's place follows from its landing
+/// time. In the first cycle it is the current place.
 THRONG_LANES LegSample leg_at_time(const Cadence& r, const LegState& now, F ahead_s) {
   const float vx = now.velocity_mps.x(), vy = now.velocity_mps.y();
   const F soon_s = min_of(ahead_s, r.lead_s);
@@ -139,7 +135,7 @@ THRONG_LANES LegSample leg_at_time(const Cadence& r, const LegState& now, F ahea
   }
   const M is_swinging = phase >= now.stance;
   const F u = max_of(phase - now.stance, 0.0f) * (1 / (1 - now.stance));
-  const F keep = (1.0f - u * u * (3.0f - 2.0f * u)) * select(is_first, 1 / now.kept, 1.0f);
+  const F keep = (1.0f - u * u * (3.0f - 2.0f * u)) * select(is_first, 1 / now.offset_share, 1.0f);
   const auto& bulge = now.swing.bulge;
   const F done = u + u * (1.0f - u) * (bulge[0] + u * (bulge[1] + u * (bulge[2] + u * bulge[3])));
   const F root_x = ahead_s * vx, root_y = ahead_s * vy + now.side_m;
@@ -171,7 +167,7 @@ THRONG_LANES Vec2 to_common_frame(const LegState& now, const Vec2& s) {
           now.root_m.y() + s.x * now.ahead_m.y() + s.y * now.ahead_m.x()};
 }
 
-/// From some place that all share.
+/// Samples a leg in the frame common to all legs.
 THRONG_LANES LegSample sample_leg(const LegState& now, F ahead_s) {
   LegSample sample = leg_at_time(cadence_of(now.cadence_hz, now.cadence_hz, 0), now, ahead_s);
   for (Vec2* point : {&sample.leg.foot, &sample.leg.shin, &sample.leg.knee})

@@ -11,7 +11,7 @@ using Eigen::Vector2f;
 
 float smooth(float u) { return u * u * (3 - 2 * u); }
 
-/// `v` along `ahead` and to the left of it.
+/// Returns the components of `v` along `ahead` and to the left of it.
 Vector2f along(const Vector2f& ahead, const Vector2f& v) {
   return {ahead.dot(v), ahead.x() * v.y() - ahead.y() * v.x()};
 }
@@ -39,7 +39,7 @@ LegState::LegState(const WalkState& s, size_t side)
       lifts_x_m(s.track.x_at(stance)),
       passes_x_m(s.track.x_at(0.5f * stance)),
       side_m(s.track.side_m[side]),
-      kept(1),
+      offset_share(1),
       is_right(side == 0),
       root_m(s.root_m),
       ahead_m(s.scale * s.ahead) {
@@ -47,11 +47,11 @@ LegState::LegState(const WalkState& s, size_t side)
   if (phase >= stance) {
     const float u = (phase - stance) / (1 - stance);
     x = lifts_x_m + swing.at(u) * (lands_x_m - lifts_x_m);
-    kept = std::max(1 - smooth(u), 1e-3f);
+    offset_share = std::max(1 - smooth(u), 1e-3f);
   }
   foot_m = {x + off_m.x(), side_m + off_m.y()};
   if (cadence_hz >= kMinCadence_hz) return;
-  // A foot in the air stays there.
+  // A foot in the air stays there: it never lands.
   constexpr float kNegligible_hz = 1e-6f;
   phase = std::min(phase, stance - 0.01f);
   cadence_hz = kNegligible_hz;

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// An arm that hangs straight, a little before the hip and as near to it as it gets.
+// A straight arm slightly in front of the hip, as near to it as possible.
 constexpr std::array<double, AvoidanceColumns::kArmJoints> kTucked_rad = {0, -3 * kDegree,
                                                                           3 * kDegree, 0};
 constexpr float kMaxHeadYaw_rad = 0.5f;  // Gait::kMaxHeadYaw_rad
@@ -38,7 +38,7 @@ std::optional<AvoidanceColumns> columns_of(const PosableModel& model) {
     columns.head = model.column_of_joint(yaw_joint);
     columns.min_head_rad = limits(columns.head).lower;
     columns.max_head_rad = limits(columns.head).upper;
-    // The head looks where it looked, within what looks are bounded for.
+    // Limits the trunk: the head counters its rotation and must stay within kMaxHeadYaw_rad.
     columns.min_trunk_rad =
         std::max(columns.min_trunk_rad, -columns.max_head_rad - kMaxHeadYaw_rad);
     columns.max_trunk_rad = std::min(columns.max_trunk_rad, kMaxHeadYaw_rad - columns.min_head_rad);
@@ -60,7 +60,7 @@ std::optional<AvoidanceColumns> columns_of(const PosableModel& model) {
   return columns;
 }
 
-/// Vertices that are farthest in some direction: they stand for a part.
+/// Returns the extreme vertices in 26 directions, which stand for a part.
 std::vector<Vector3d> outermost(const Part& part) {
   std::vector<Vector3d> points;
   for (int x = -1; x <= 1; ++x)
@@ -77,10 +77,9 @@ std::vector<Vector3d> outermost(const Part& part) {
   return points;
 }
 
-/// Arms are those below the elbow.
+/// Arms are the parts below the elbow.
 enum class Region { kElse, kTrunk, kUpperArm, kRightArm, kLeftArm, kRightThigh, kLeftThigh };
 
-/// Which links hang from which.
 std::vector<Region> regions_of(const PosableModel& model, const AvoidanceColumns& columns) {
   const Robot& robot = model.model().robot;
   std::vector<Region> regions(robot.links.size(), Region::kElse);
@@ -107,7 +106,7 @@ std::vector<Region> regions_of(const PosableModel& model, const AvoidanceColumns
   return regions;
 }
 
-/// Of an arm while it is drawn in: tucking it may win less than nothing, see arm_reach().
+/// Extends an arm's sweep to any tuck: tucking may increase the reach, see arm_reach().
 Octagon at_any_tuck(Octagon sweep, const Octagon& tucked) {
   const float farther_m = std::max(
       {tucked.reaches_m[2] - sweep.reaches_m[2], tucked.reaches_m[6] - sweep.reaches_m[6], 0.0f});
@@ -168,7 +167,6 @@ MaxExtent::MaxExtent(const Octagon& octagon) {
   ahead_m = std::max(r[0], r[4]);
   oblique_m = std::max({r[1], r[3], r[5], r[7]});
   aside_m = std::max(r[2], r[6]);
-  // The corners lie where the sides meet.
   for (const float side_m : {ahead_m, aside_m})
     max_m = std::max(max_m, std::hypot(side_m, 1.41421356f * oblique_m - side_m));
 }
@@ -241,7 +239,7 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     shapes.push_back(
         {regions[static_cast<size_t>(part.link)], static_cast<size_t>(part.link), outermost(part)});
 
-  // The model's points in the axes of `along`, from the axis that the trunk turns about.
+  // Visits the model's points in the axes of `along`, from the axis that the trunk turns about.
   std::vector<Isometry3d> links;
   const auto visit = [&](const std::vector<double>& posture, const auto& along, const auto& add) {
     model.pose(posture, links);
@@ -287,7 +285,7 @@ std::unique_ptr<const Outline> outline_of(const PosableModel& model, const GaitT
     for (int phase = 0; phase < LimbSweep::kPhases; ++phase) {
       const std::vector<double> posture = row(speed, phase * table.phases / LimbSweep::kPhases);
       boxes[static_cast<size_t>(phase)] = boxes_of(posture, heading_axes);
-      if (aside >= 0)  // its share of a sine from GaitCurves::kSwayPhase on
+      if (aside >= 0)  // projection on a sine from GaitCurves::kSwayPhase on
         sway_m -= posture[static_cast<size_t>(model.column_of_joint(aside))] *
                   (2.0 / LimbSweep::kPhases) *
                   sin_cos(kTurn * (static_cast<double>(phase) / LimbSweep::kPhases -

@@ -13,19 +13,19 @@ using ArmAngles = std::array<float, StandingPosture::kArmJoints>;
 
 constexpr float kRadians = 3.14159265358979323846f / 180;
 
-/// Flexion and abduction of the shoulder, flexion of elbow and wrist; degrees.
+/// Shoulder flexion and abduction, elbow and wrist flexion, in degrees.
 struct HoldParameters {
-  float share;  ///< of people
+  float share;  ///< share of people
   ArmAngles right_deg, left_deg;
-  ArmAngles both_deg;  ///< people differ by up to so much to either side, both arms alike
-  ArmAngles each_deg;  ///< and by so much more, each arm by itself
+  ArmAngles both_deg;  ///< variation between people to either side, equal in both arms
+  ArmAngles each_deg;  ///< additional variation of each arm
 };
 
 constexpr ArmAngles kHangs_deg = {1, 2, 11, 6};
 constexpr ArmAngles kPocket_deg = {-24, -7, 43, 8};
 
-// Hands stay near the body, so that they do not reach who stands before or behind.
-// Joined hands lie one in the other: they may differ but little, and one is above the other.
+// Hands stay near the body and do not reach people in front or behind. Joined hands lie one in the
+// other: they vary little, and one is above the other.
 constexpr std::array<HoldParameters, kArmHoldCount> kHolds = {{
     {0.34f, kHangs_deg, kHangs_deg, {3, 1, 5, 4}, {2, 1.5f, 4, 3}},
     {0.15f, kPocket_deg, kPocket_deg, {3, 1.5f, 5, 5}, {2, 1, 3, 4}},
@@ -36,7 +36,6 @@ constexpr std::array<HoldParameters, kArmHoldCount> kHolds = {{
     {0.08f, {-14, -6, 93, 20}, kHangs_deg, {2, 1.5f, 4, 5}, {1, 1, 2, 3}},
 }};
 
-/// Four numbers from -1 to 1.
 std::array<float, 4> draws(uint64_t seed, uint64_t id, uint32_t number) {
   const uint64_t bits = random_bits({seed, id, 0, Purpose::kStandingPosture}, number);
   std::array<float, 4> out;
@@ -67,7 +66,7 @@ StandingPosture standing_posture(uint64_t seed, uint64_t id) {
   const std::array<float, 4> whole = draws(seed, id, 0), both = draws(seed, id, 1);
   StandingPosture posture = mean_standing_posture(hold_of(0.5f + 0.5f * whole[0]), whole[1] < 0);
   posture.trunk_rad = kMaxStandingTrunk_rad * whole[2];
-  // Most heads are turned by little.
+  // The cube keeps most heads nearly straight.
   posture.head_rad = kMaxStandingHead_rad * whole[3] * whole[3] * whole[3];
   const HoldParameters& parameters = kHolds[static_cast<size_t>(posture.hold)];
   for (uint32_t side = 0; side < 2; ++side) {

@@ -1,8 +1,8 @@
-// StandingPosture: how a person who stands holds the arms, the trunk and the head.
+// StandingPosture describes how a standing person holds the arms, the trunk and the head.
 // Invariant: it depends on seed and id alone, and stays within the limits of the joints.
 //
-// The shares and angles are our own estimate, set by eye on pictures of the body. The adult has no
-// joint that turns an upper arm about its own axis: arms cannot be folded before the chest.
+// The shares and angles are estimates, set by eye on pictures of the body. The adult has no joint
+// that turns an upper arm about its own axis; hence no arms folded before the chest.
 #pragma once
 
 #include <array>
@@ -14,7 +14,6 @@ namespace throng {
 
 struct AvoidanceColumns;
 
-/// What a person who stands does with arms and hands.
 enum class ArmHold : uint8_t {
   kHanging,
   kInPockets,      ///< both hands
@@ -38,14 +37,12 @@ struct StandingPosture {
 /// Limits of StandingPosture::trunk_rad and head_rad, to either side.
 inline constexpr float kMaxStandingTrunk_rad = 0.07f, kMaxStandingHead_rad = 0.2f;
 
-/// The posture of a person.
 StandingPosture standing_posture(uint64_t seed, uint64_t id);
-/// The mean of the postures of all people who hold their arms so.
+/// Returns the mean posture of all people with this arm hold.
 StandingPosture mean_standing_posture(ArmHold hold, bool is_mirrored);
-/// The share of people who hold their arms so.
 double share_of(ArmHold hold);
 
-/// Moves the arms of a posture row by `share`, from 0 to 1, of the way to those of a posture.
+/// Moves the arms of a posture row towards those of a posture, by `share` from 0 to 1.
 void apply_standing_arms(const AvoidanceColumns& columns, const StandingPosture& posture,
                          float share, std::span<float> row);
 

@@ -1,13 +1,12 @@
-// Boxes around parts as posed, a part a lane. Included inside the namespace of the lanes F.
+// Boxes around posed parts, one part per lane. Included inside the namespace of the lanes F.
 
-// Single precision in postures and kinematics: ten times what was measured.
+// Single precision in postures and kinematics: ten times the measured error.
 inline constexpr float kUpperRoundingMargin_m = 1e-4f;
 
 struct Extent {
   F low, high;
 };
 
-/// How far shapes reach along an axis of the root.
 THRONG_LANES Extent extent_of(const UpperBodyBounds::Shapes& shapes, size_t i,
                               std::span<const PartPose> poses, size_t axis) {
   F row[4];
@@ -25,7 +24,6 @@ THRONG_LANES Extent extent_of(const UpperBodyBounds::Shapes& shapes, size_t i,
   return {middle - half, middle + half};
 }
 
-/// The square of how far something reaches from a place along an axis.
 THRONG_LANES F max_distance_squared(const Extent& extent, float from) {
   const F maximum = max_of(from - extent.low, extent.high - from);
   return maximum * maximum;

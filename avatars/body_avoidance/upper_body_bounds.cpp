@@ -9,20 +9,19 @@
 namespace throng {
 namespace {
 
-/// Whether a head that hangs from the trunk turns about the axis that the trunk turns about.
+/// Returns whether the head joint turns about the axis of the trunk joint above it.
 bool is_on_axis(const PosableModel& model, const Joint& head, const AvoidanceColumns& columns) {
   const Robot& robot = model.model().robot;
   if (head.parent_link <= 0) return false;
   const auto trunk_joint = static_cast<size_t>(head.parent_link - 1);
   const Joint& trunk = robot.joints[trunk_joint];
   if (model.column_of_joint(static_cast<int>(trunk_joint)) != columns.trunk) return false;
-  constexpr double kNearly = 1e-6;
+  constexpr double kTolerance = 1e-6;
   const Eigen::Vector3d to = head.parent_from_joint.translation();
   const Eigen::Vector3d axis = head.parent_from_joint.linear() * head.axis;
-  return to.cross(trunk.axis).norm() < kNearly && (axis - trunk.axis).norm() < kNearly;
+  return to.cross(trunk.axis).norm() < kTolerance && (axis - trunk.axis).norm() < kTolerance;
 }
 
-/// The links of parts, each once.
 std::vector<int> links_of(const auto& parts) {
   std::vector<int> links;
   for (const auto& upper : parts)
@@ -46,7 +45,7 @@ std::vector<UpperBodyBounds::UpperPart> UpperBodyBounds::upper_parts(
     is_upper[child] = is_upper[static_cast<size_t>(joint.parent_link)] ||
                       (column >= 0 && column == columns.trunk);
     turns[child] = column >= 0 && column == columns.head;
-    // Its turns cancel the trunk's: see apply_avoidance().
+    // Its rotation cancels the trunk's: see apply_avoidance().
     stays[child] = turns[child] && is_on_axis(posable, joint, columns);
   }
   std::vector<UpperPart> upper;
@@ -72,7 +71,7 @@ UpperBodyBounds::UpperBodyBounds(const Model& model, const std::vector<UpperPart
   while (shapes_.link.size() % kShapeLanes != 0) add_part(parts.back());
 }
 
-/// Of a part that turns about its frame's z axis, whichever way it is turned.
+/// Adds a part that turns about the z axis of its frame, at any rotation.
 void UpperBodyBounds::add(const UpperPart& upper, uint32_t link) {
   const std::vector<Eigen::Vector3f>& vertices = upper.part->mesh.vertices;
   Eigen::AlignedBox3f box;
@@ -86,7 +85,7 @@ void UpperBodyBounds::add(const UpperPart& upper, uint32_t link) {
     box.max().head<2>().setConstant(farthest);
   }
   const Eigen::Vector3f middle = box.center(), half = 0.5f * box.sizes();
-  float widest = upper.turns ? 1 : 0;  // of the ellipse that the box is around, so much wider
+  float widest = upper.turns ? 1 : 0;  // ratio of the ellipse to the one inscribed in the box
   for (const Eigen::Vector3f& vertex : vertices) {
     if (upper.turns) break;
     const Eigen::Vector2f across =

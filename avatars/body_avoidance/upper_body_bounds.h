@@ -1,6 +1,6 @@
-// The room that an upper body takes, seen from above, wherever giving way has put it.
-// One rule: it holds every vertex of trunk, arms and head, whichever way the head looks; the legs'
-// room is stepping's, see WalkBounds.
+// UpperBodyBounds computes boxes around the upper body in any avoidance posture.
+// Invariant: they contain every vertex of trunk, arms and head at any head yaw. The legs' bounds
+// are stepping's, see WalkBounds.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +24,18 @@ class UpperBodyBounds {
  public:
   UpperBodyBounds(const Model& model, const AvoidanceColumns& columns);
 
-  /// Poses the links of the upper body from posture rows of the whole.
+  /// Kinematics of the upper body's links, for posture rows of the whole body.
   const FlatModel& kinematics() const { return kinematics_; }
 
-  /// A box around the upper body in x, y and z; `poses` as kinematics() has them, root frame,
-  /// scale 1. Nothing if `all` does not hold all of it.
+  /// Returns a box around the upper body, or nothing if `all` does not contain it. `poses` are
+  /// those of kinematics(), root frame, scale 1.
   std::optional<RootBox> box_within(std::span<const PartPose> poses, const RoundBounds& all,
                                     SimdTarget target) const;
 
-  /// Of parts, up to a multiple of eight, the last one repeated: a box in the frame of its link,
-  /// and an ellipse across it that holds the part, too.
+  /// Boxes around parts in the frame of their link, and an ellipse in x and y that contains the
+  /// part. Padded to a multiple of eight with the last part.
   struct Shapes {
-    std::vector<uint32_t> link;  ///< of kinematics()
+    std::vector<uint32_t> link;  ///< index into the links of kinematics()
     std::vector<float> middle_m[3], half_m[3], ellipse_m[2];
   };
 

@@ -20,21 +20,19 @@
 namespace throng {
 namespace {
 
-// 2.23 m/s at a height of 1.75 m: walkers' free speeds are cut at 2.2 m/s (Weidmann 1993). Boulic's
-// curves end at 3, but each step there takes a centimetre of radius from everybody.
+// 2.23 m/s at a height of 1.75 m: desired speeds are limited to 2.2 m/s (Weidmann 1993). Boulic's
+// curves extend to 3, but higher limits enlarge every bounding sphere by 1 cm.
 constexpr double kMaxRelativeSpeed = 2.6;
 constexpr int kPhases = 128;
 constexpr int kSpeeds = 33;
 
-// Shorter strides than this, in leg lengths, belong to speeds below a millimetre a second.
+// Shorter strides, in leg lengths, belong to speeds below 1 mm/s.
 constexpr float kMinStride = 0.03f;
 
-// Nodes are rounded to this, in radians and metres: the last bits of the C library's sines, which
-// differ between processors, do not reach a result.
+// Nodes are rounded to hide the last bits of the C library's sines, which differ by processor.
 constexpr double kNodeGrain = 1.0 / (1 << 18);
 
-/// How far the right foot has come in the root frame, by share of its swing: the least squares of
-/// some points of it.
+/// Fits the advance of the right foot in the root frame over its swing, by least squares.
 SwingCurve swing_of(const std::vector<WalkerPose>& cycle, double stance) {
   const auto phases = static_cast<double>(cycle.size());
   const auto x_at = [&](double phase) {
@@ -67,12 +65,12 @@ struct Gait::Table : GaitTable {
   Table(int column_count, int phase_cells, int speed_nodes)
       : GaitTable(column_count, phase_cells, speed_nodes) {}
 
-  float leg_length_m = 0;  // 0: keeps still
+  float leg_length_m = 0;  // 0: the model has no gait
   float max_sqrt_speed = 0;
   float speed_cells_per_sqrt_speed = 0;
   float strides_per_sqrt_speed = 0;
   std::vector<RootBox> boxes;        // see bounds_around()
-  std::optional<Stepping> stepping;  // of a walker
+  std::optional<Stepping> stepping;  // of a walker only
 
   void set_row(int speed, int phase, const std::vector<double>& posture) {
     for (int c = 0; c < columns; ++c)
@@ -80,8 +78,7 @@ struct Gait::Table : GaitTable {
           std::nearbyint(posture[static_cast<size_t>(c)] / kNodeGrain) * kNodeGrain);
   }
 
-  // The square root of the relative speed, within the table. Strides are linear in it, so a posture
-  // between two speeds still stands firm.
+  // Square root of the relative speed, limited to the table. Strides are linear in it.
   float sqrt_speed(float speed_mps, float scale) const {
     const float relative = std::max(speed_mps, 0.0f) / (leg_length_m * scale);
     return std::min(std::sqrt(relative), max_sqrt_speed);
@@ -116,8 +113,7 @@ struct Gait::Table : GaitTable {
     if (stepping) a(*stepping);
   }
 
-  /// The tables of all styles are larger than a core's own cache: rows are asked for before they
-  /// are needed.
+  /// Prefetches rows: the tables of all styles exceed the cache of a core.
   void fetch(const RowBlend& blend) const {
     if (leg_length_m == 0) return;
     for (const float* speed : {blend.from, blend.from + speed_stride()})
@@ -125,7 +121,6 @@ struct Gait::Table : GaitTable {
         __builtin_prefetch(line);
   }
 
-  /// Of any tables of this one's shape.
   void blend(std::span<const RowBlend> blends, float* out, SimdTarget target) const {
     const auto floats = static_cast<size_t>(columns);
     if (leg_length_m != 0)
@@ -158,7 +153,6 @@ Gait::Gait(const Model& model, GaitStyle style) : column_count_(model.kinematics
       const double sqrt_speed = highest * speed / (kSpeeds - 1);
       cycles.push_back(
           walker->cycle(std::min(sqrt_speed * sqrt_speed, kMaxRelativeSpeed), kPhases));
-      // A standing person is perfectly still.
       if (speed == 0) cycles.back().assign(kPhases, WalkerPose(cycles.back().front()));
       for (int phase = 0; phase <= kPhases; ++phase)
         table_->set_row(speed, phase, cycles.back()[static_cast<size_t>(phase % kPhases)].columns);
@@ -361,8 +355,7 @@ void Gait::walk(WalkBatch& batch, SimdTarget target) {
   }
 }
 
-/// Somebody whom not even the table's own feet suit: fast walkers whose toes touch the room of all
-/// postures. Posture and box are the table's.
+/// Uses the table's posture and box, for fast walkers whose toes reach the common bounds.
 void Gait::stand_as_tabled(WalkBatch& batch, size_t i) const {
   constexpr size_t kMaxColumns = 256;
   std::array<float, kMaxColumns> row;

@@ -12,26 +12,25 @@ namespace {
 
 using Knot = PeriodicCurve::Knot;
 
-// Boulic's tables change at these relative speeds; the last one ends them.
+// Relative speeds at which Boulic's tables change; the last one is their end.
 constexpr double kSlow = 0.5;
 constexpr double kFast = 1.3;
 constexpr double kMaxRv = 3.0;
 
-// The pelvis of this body carries the trunk rigidly, Boulic's does not: his full roll would make
-// the head swing 5 cm to each side.
+// This pelvis carries the trunk rigidly, Boulic's does not. His full roll would swing the head by 5
+// cm to each side.
 constexpr double kRollShare = 0.35;
 
-// The body's centre surges to and fro once a step: at 1.3 m/s and 1.9 steps a second by 1 cm, as
-// its speed varies by 0.11 m/s over a step. In leg lengths.
+// Forward surge of the body's centre, once per step, in leg lengths: 1 cm at 1.3 m/s and 1.9 steps
+// per second, where the speed varies by 0.11 m/s.
 constexpr double kSurge = 0.0125;
-// Heads surge by 0.6 to 0.7 cm (recorded). Boulic's pitch of 2 degrees to and fro would make a head
-// on a trunk without joints surge by more than the pelvis; of his, the lean forward is kept.
+// Recorded heads surge by 0.6 to 0.7 cm. Boulic's pitch of 2 degrees would move a head on a trunk
+// without joints more than the pelvis. Only his forward lean is kept.
 constexpr double kPitchShare = 0.15;
-// Fast walkers lean forward; without it their hips would be stretched to the joint's limit.
+// Fast walkers lean forward; otherwise their hips would reach the joint's limit.
 constexpr double kFastLean_deg = 2.5;
-// The speed is highest while both feet carry, just after a heel strike.
+// Phase of the highest speed: both feet carry, just after a heel strike.
 constexpr double kSurgesFrom = 0.075;
-/// From -1, farthest back, to 1.
 double surge(double t) { return sin_cos(kTurn * 2 * (t - kSurgesFrom)).sin; }
 
 double slow_share(double rv) { return std::min(rv / kSlow, 1.0); }
@@ -43,8 +42,8 @@ PeriodicCurve curve_of_degrees(std::vector<Knot> knots) {
   return PeriodicCurve(knots);
 }
 
-// The knee's yielding under load. Boulic's tables have 3 degrees there up to RV 1.3 and 25 at RV 3;
-// 16.6 is measured at 1.34 m/s (RV 1.56).
+// Knee flexion under load. Boulic's tables have 3 degrees up to RV 1.3 and 25 at RV 3; measured are
+// 16.6 at 1.34 m/s (RV 1.56).
 double loaded_knee_degrees(double rv) {
   constexpr double kMeasuredRv = 1.56;
   if (rv < kMeasuredRv) return 3 + (16.6 - 3) * rv / kMeasuredRv;
@@ -72,10 +71,9 @@ PeriodicCurve thorax_curve(double rv) {
       {{0.1, 4 * rv / 3}, {0.4, -1.5 * rv}, {0.6, -4 * rv / 3}, {0.9, 1.5 * rv}});
 }
 
-// The measured cycle's hip - knee + ankle: 19 degrees at heel strike, flat from 0.1 to 0.35, -63
-// soon after toe-off, level again at 0.86, 21 at 0.95. Its scale with speed is that of the stride,
-// sqrt(RV). The foot here has no toe joint: rolling over its tip to 45 degrees lifts the ankle as
-// far as rolling over the ball to the measured 58.
+// Measured hip - knee + ankle: 19 degrees at heel strike, 0 from 0.1 to 0.35, -63 soon after
+// toe-off, 0 again at 0.86, 21 at 0.95. It scales with the stride, sqrt(RV). The foot has no toe
+// joint: rolling over its tip to 45 degrees lifts the ankle as much as rolling over the ball to 58.
 PeriodicCurve foot_pitch_curve(double rv, GaitStyle style) {
   const double stride = parameters_of(style).stride * std::sqrt(rv);
   const double toe_off = stance_fraction(rv, style);
@@ -166,7 +164,7 @@ double GaitCurves::pelvis_forward(double t) const {
 }
 
 double GaitCurves::pelvis_roll(double t) const {
-  // The hip of the swing leg drops within 0.15 of the cycle and comes back by the next heel strike.
+  // The hip of the swing leg drops within 0.15 of the cycle and returns by the next heel strike.
   t -= std::floor(t);
   const double half = t < 0.5 ? t : t - 0.5;
   const double drop = half < 0.15 ? 1 - sin_cos(kTurn * half / 0.3).cos

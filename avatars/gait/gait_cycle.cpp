@@ -15,14 +15,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// How exactly a leg's joints have to meet and be square for the closed form to hold.
+// Tolerance for joints of a leg to meet and be perpendicular, as the closed form requires.
 constexpr double kSquare = 1e-3;
 
 Matrix3d turn_y(double angle) { return turn_about(Vector3d::UnitY(), angle); }
 
 Vector2d sagittal(const Vector3d& v) { return {v.x(), v.z()}; }
 
-// (x, z) turned by `angle` about +y, toes down.
+// Returns (x, z) turned by `angle` about +y, toes down.
 Vector2d turned(const Vector2d& v, double angle) {
   const auto [s, c] = sin_cos(angle);
   return {c * v.x() + s * v.y(), c * v.y() - s * v.x()};
@@ -35,7 +35,7 @@ double angle_from(const Vector2d& from, const Vector2d& to) {
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// The lower convex hull from left to right (Andrew 1979).
+// Returns the lower convex hull from left to right (Andrew 1979).
 std::vector<Vector2d> lower_hull(std::vector<Vector2d> points) {
   std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
     return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
@@ -74,7 +74,7 @@ std::optional<Leg> Leg::find(const PosableModel& model, const std::string& side)
     chain.push_back(
         {joint, {frame.linear() * j.axis, model.column_of_joint(joint)}, frame.translation()});
   }
-  // Joints are stored parents first, so the order in the URDF is the order of the chain.
+  // Joints are stored parents first: URDF order is chain order.
   std::sort(chain.begin(), chain.begin() + 3,
             [](const HipJoint& a, const HipJoint& b) { return a.joint < b.joint; });
 
@@ -105,7 +105,7 @@ std::optional<Leg> Leg::find(const PosableModel& model, const std::string& side)
 
 namespace {
 
-// The links from this one outwards, those from `end` on left out.
+// Returns which links hang from `link`, itself included, without the branch at `end`.
 std::vector<bool> branch_of(const Robot& robot, int link, int end = -1) {
   std::vector<bool> in_branch(robot.links.size(), false);
   in_branch[static_cast<size_t>(link)] = true;
@@ -138,7 +138,7 @@ void Leg::read_limbs(const PosableModel& model, const std::array<int, 5>& joints
     for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
       const auto link = static_cast<size_t>(part.link);
       const Vector3d p = zero[link] * vertex.cast<double>();
-      // What sits between the hip's axes turns about the hip alone.
+      // Geometry between the hip's axes turns about the hip alone.
       if (hip[link]) thigh_radius_ = std::max(thigh_radius_, (p - hip_).norm());
       if (thigh[link])
         thigh_radius_ = std::max(thigh_radius_, distance_from_segment(p, hip_, knee));
@@ -165,7 +165,7 @@ LegShape Leg::shape() const {
   shape.thigh_radius_m = thigh_radius_;
   shape.shank_radius_m = shank_radius_;
   for (const Vector3d& point : foot_) shape.foot_m.extend(point);
-  // Of the part of the sole that a flat foot stands on.
+  // Half width of the sole that a flat foot stands on.
   constexpr double kSole_m = 0.005;
   for (const Vector3d& point : foot_)
     if (point.z() < shape.foot_m.min().z() + kSole_m)
@@ -207,8 +207,8 @@ double Leg::reach_m(double knee_flexion_rad) const {
 }
 
 Leg::Rolled Leg::rolled(double pitch_rad) const {
-  // Without sliding, the contact moves along the sole as far as along the ground; the ankle is
-  // where the turned foot puts it over that contact. sole_ measures arc so that roll_m(0) is 0.
+  // Without sliding, the contact moves equally far along the sole and along the ground. The turned
+  // foot places the ankle over that contact. sole_ measures arc such that roll_m(0) is 0.
   double lowest = std::numeric_limits<double>::infinity(), ankle_x = 0;
   for (const SolePoint& point : sole_) {
     const Vector2d p = turned(point.position, -pitch_rad);
@@ -219,8 +219,7 @@ Leg::Rolled Leg::rolled(double pitch_rad) const {
   return {ankle_x, -lowest};
 }
 
-// Columns: forward along the heading, the knee's axis, and up in the plane that the leg bends in.
-// The plane holds the heading and, but for the ankle's sideways offset, hip and ankle.
+// Columns: forward along the heading, the knee's axis, and up in the plane in which the leg bends.
 Matrix3d Leg::plane_frame(const Vector3d& hip_m, const FootTarget& target) const {
   const SinCos heading = sin_cos(target.heading_rad);
   const Vector3d forward(heading.cos, heading.sin, 0);
@@ -250,7 +249,7 @@ void Leg::solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
   const Matrix3d frame = plane_frame(hip, target);
   const Vector2d reach = sagittal(frame.transpose() * (target.ankle_m - hip));
 
-  // Law of cosines for links that need not be straight in the zero posture.
+  // Cosine rule for links that need not be straight in the zero posture.
   const double required = (reach.squaredNorm() - thigh_.squaredNorm() - shank_.squaredNorm()) / 2;
   const double straight = angle_from(shank_, thigh_);
   const double knee =
@@ -280,9 +279,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kToeOut = 6 * kDegree;
-// Beyond the model's own hang of the arms, so that hands pass the thighs.
+// Added to the hang of the model's arms to let hands pass the thighs.
 constexpr double kArmsOut = 1 * kDegree;
-// Height of the lowest sole point at its highest in the swing, in leg lengths; 2.5 cm for an adult.
+// Maximum height of the lowest sole point in swing, in leg lengths; 2.5 cm for an adult.
 constexpr double kClearance = 0.029;
 // Walking feet land nearer to the line of travel than the hips are apart (step width about 0.1 m).
 constexpr double kStepWidthShare = 0.62;
@@ -294,22 +293,19 @@ double smooth(double u) {
 
 }  // namespace
 
-// One foot over the cycle, seen from above and from the side.
 struct Walker::Step {
   const GaitCurves* curves;
   const Leg* leg;
   double stride_m, stance, swing_height_m, side_m, heading_rad;
 
-  // The point under the ankle, in the root frame; the foot rolls along its heading and nowhere
-  // else.
+  // Returns the point under the ankle, in the root frame. The foot rolls along its heading only.
   Vector2d planted(double t) const {
     const double roll = leg->roll_m(curves->foot_pitch(t));
     return Vector2d(stride_m * (stance / 2 - t), side_m) +
            roll * Vector2d(sin_cos(heading_rad).cos, sin_cos(heading_rad).sin);
   }
 
-  // Cubic. The foot leaves with the rolling foot's speed and lands with a part of it: at all of it
-  // the foot would reach 5 cm too far first.
+  // Cubic. The foot lands with a share of the rolling speed; at all of it, it overshoots by 5 cm.
   Vector2d swing(double t) const {
     constexpr double kDt = 1e-5, kLandingShare = 0.35;
     const double span = 1 - stance, u = (t - stance) / span, v = 1 - u;
@@ -331,24 +327,22 @@ struct Walker::Step {
     return swing_height_m * (u * u * v * v * v) / (0.4 * 0.4 * 0.6 * 0.6 * 0.6);
   }
 
-  // The share of the body's weight on this foot.
   double load(double t) const {
     const double shared = stance - 0.5;
     return smooth(t / shared) * smooth((stance - t) / shared);
   }
 };
 
-// A moment of the cycle before the pelvis's height is known.
 struct Walker::Instant {
   std::vector<double> columns;
-  Isometry3d pelvis;  // its motion from the zero posture
+  Isometry3d pelvis;  // relative to the zero posture
   struct Foot {
     Vector3d track_m;  // on the ground under the ankle
     double clearance_m, load, knee_rad;
     FootTarget target;
   };
   std::array<Foot, 2> feet;
-  double shift_m = 0;  // of both tracks, forward
+  double shift_m = 0;  // shift of both tracks, forward
 };
 
 std::optional<Walker> Walker::find(const PosableModel& model, GaitStyle style) {
@@ -364,7 +358,7 @@ std::optional<Walker> Walker::find(const PosableModel& model, GaitStyle style) {
   const Vector3d up = zero[static_cast<size_t>(lift.child_link)].linear() * lift.axis;
   if (lift.kind != Joint::Kind::kPrismatic || up.z() < 1 - 1e-6) return std::nullopt;
   walker.vertical_column_ = model.column_of_joint(vertical);
-  // The pelvis is what both legs hang from: the parent of the first joint of a hip.
+  // The pelvis is the link from which both legs hang: the parent of the first joint of a hip.
   for (size_t side = 0; side < 2; ++side) {
     const std::string name = side == 0 ? "right" : "left";
     int first_hip = std::numeric_limits<int>::max();
@@ -417,7 +411,7 @@ Walker::Instant Walker::instant(const GaitCurves& curves, const std::array<Step,
 
 namespace {
 
-// Where a concave function is highest, by golden-section search.
+// Returns the argument of a concave function's maximum, by golden-section search.
 template <typename Function>
 double highest_point(const Function& value, double low, double high) {
   constexpr double kGolden = 0.6180339887498949;
@@ -431,8 +425,7 @@ double highest_point(const Function& value, double low, double high) {
   return (low + high) / 2;
 }
 
-// The rise and fall of a step, without its mean: the first harmonic, so that the body does not
-// jerk.
+// Returns the vertical oscillation of a step: the first harmonic; higher ones would jerk the body.
 std::vector<double> bob_of(const std::vector<double>& samples, double largest) {
   const size_t n = samples.size();
   const auto angle = [n](size_t i) {
@@ -451,19 +444,18 @@ std::vector<double> bob_of(const std::vector<double>& samples, double largest) {
   return bob;
 }
 
-// Height of a hip whose leg reaches `reach` to an ankle.
 double hip_height(const Vector3d& hip, const Vector3d& ankle, double reach) {
   const double aside = (hip - ankle).head<2>().squaredNorm();
   return ankle.z() + std::sqrt(std::max(0.0, reach * reach - aside));
 }
 
-// A leg as what keeps the pelvis from rising: from the hip, without its height, to the ankle.
+// A leg as a limit on the pelvis's height: from the hip, without its height, to the ankle.
 struct Rope {
   Vector3d ankle;
   double length;
 };
 
-// How far the pelvis can rise if all feet are moved forward by `shift`.
+// Returns how far the pelvis can rise if all feet are moved forward by `shift`.
 double highest_lift(const std::vector<Rope>& ropes, double shift) {
   double lift = std::numeric_limits<double>::infinity();
   for (const Rope& rope : ropes)
@@ -473,8 +465,8 @@ double highest_lift(const std::vector<Rope>& ropes, double shift) {
 
 }  // namespace
 
-// Heights of pelvis and ankles and the places of the feet depend on each other, weakly, so they are
-// found in turn. The feet are moved forward or back to where the legs allow the highest pelvis.
+// Pelvis, ankles and feet depend on each other weakly, hence the iteration. Feet are moved to where
+// the legs allow the highest pelvis.
 std::vector<double> Walker::fit_to_ground(const GaitCurves& curves,
                                           std::vector<Instant>& instants) const {
   const size_t n = instants.size();

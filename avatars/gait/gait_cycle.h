@@ -1,6 +1,7 @@
-// One cycle of walking at one speed: the published curves bent so that feet stand on the ground.
-// One rule: a foot in stance rolls from heel to toe without sliding while the root moves one stride
-// a cycle.
+// Walker computes one cycle of walking at one speed: published curves adapted to keep feet on the
+// ground.
+// Invariant: a foot in stance rolls from heel to toe without sliding while the root moves one
+// stride per cycle.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -14,37 +15,35 @@
 
 namespace throng {
 
-// One leg of a walking body: where its joints are, how its foot rolls, and the angles that put it
-// there. One rule: all geometry is that of the zero posture in root axes, x forward; a foot pose is
-// a turn from it.
+// Leg: joints, roll of the foot, inverse kinematics. Zero posture in root axes, x forward; a foot
+// pose is a rotation from it.
 
-/// What the foot has to do at one instant, in the root frame.
 struct FootTarget {
   Eigen::Vector3d ankle_m = Eigen::Vector3d::Zero();
   double pitch_rad = 0;    ///< toes up positive
   double heading_rad = 0;  ///< toes to the left positive
 };
 
-/// A leg as plain numbers: all that bending and bounding it takes. Meshes count as they lie in the
-/// zero posture.
+/// Dimensions of a leg for inverse kinematics and bounds; meshes in the zero posture.
 struct LegShape {
   std::array<Eigen::Vector3d, 3> hip_axes;  ///< root axes
-  std::array<int, 5> columns{};             ///< of the hip's axes, the knee and the ankle
+  std::array<int, 5> columns{};             ///< columns of the hip's axes, the knee and the ankle
   Eigen::Vector3d hip_m = Eigen::Vector3d::Zero();
   Eigen::Vector2d thigh_m, shank_m;  ///< (x, z), hip to knee to ankle
   double knee_side_m = 0;            ///< knee left of hip
   double ankle_side_m = 0;           ///< ankle left of hip
   double knee_sign = 1, ankle_sign = 1;
-  double thigh_radius_m = 0;   ///< every vertex is so near to the line from hip to knee
-  double shank_radius_m = 0;   ///< and from knee to ankle
-  Eigen::AlignedBox3d foot_m;  ///< from the ankle
+  double thigh_radius_m = 0;   ///< maximum distance of a vertex from the line hip to knee
+  double shank_radius_m = 0;   ///< same for the line knee to ankle
+  Eigen::AlignedBox3d foot_m;  ///< relative to the ankle
   double sole_half_width_m = 0;
 };
 
 class Leg {
  public:
-  /// Reads the leg off the robot's joint frames; empty if a joint is missing or the leg is not a
-  /// hip of three perpendicular axes through one point over two parallel cross-axes (knee, ankle).
+  /// Reads the leg off the robot's joint frames. Empty if a joint is missing or the leg has another
+  /// form. Form: a hip of three perpendicular axes through one point over two parallel cross-axes
+  /// (knee, ankle).
   static std::optional<Leg> find(const PosableModel& model, const std::string& side);
 
   double length_m() const { return thigh_.norm() + shank_.norm(); }
@@ -52,33 +51,31 @@ class Leg {
   Eigen::Vector3d ankle_m() const { return ankle_; }
   LegShape shape() const;
 
-  /// `pelvis` is the pelvis's motion from its zero posture, in root axes.
+  /// `pelvis`: displacement of the pelvis from its zero posture, in root axes.
   Eigen::Vector3d hip_m(const Eigen::Isometry3d& pelvis) const { return pelvis * hip_; }
 
-  /// Distance from hip to ankle with the knee bent this far.
   double reach_m(double knee_flexion_rad) const;
 
-  /// From the point on the ground under the foot's middle plane to the ankle, when the foot is
-  /// turned by `target` and its lowest point touches the ground; seen from `hip_m`.
+  /// Returns the vector from the point on the ground under the foot's middle plane to the ankle.
+  /// The foot is turned by `target` and its lowest point touches the ground, for a hip at `hip_m`.
   Eigen::Vector3d ankle_over_ground_m(const Eigen::Vector3d& hip_m, const FootTarget& target) const;
 
-  /// How far the ankle moves forward when a flat foot rolls on the ground, without sliding, to
-  /// `pitch_rad`.
+  /// Returns the advance of the ankle when a flat foot rolls to `pitch_rad` without sliding.
   double roll_m(double pitch_rad) const { return rolled(pitch_rad).ahead_m; }
 
-  /// An ankle over a foot that has rolled, in a leg that does not lean.
+  /// Ankle position over a rolled foot, in a leg that does not lean.
   struct Rolled {
-    double ahead_m;   ///< as roll_m() has it
+    double ahead_m;   ///< see roll_m()
     double height_m;  ///< above the ground
   };
   Rolled rolled(double pitch_rad) const;
 
-  /// Up, in the plane that the leg bends in to reach `target`.
+  /// Returns the up direction of the plane in which the leg bends to reach `target`.
   Eigen::Vector3d up_along_leg(const Eigen::Vector3d& hip_m, const FootTarget& target) const {
     return plane_frame(hip_m, target).col(2);
   }
 
-  /// Sets the leg's five columns; within reach, the foot is where `target` says.
+  /// Sets the leg's five columns; within reach, the foot is at `target`.
   void solve(const Eigen::Isometry3d& pelvis, const FootTarget& target,
              std::vector<double>& columns) const;
 
@@ -98,10 +95,10 @@ class Leg {
   double sideways_ = 0;            // ankle left of hip
   double knee_side_ = 0;           // knee left of hip
   double thigh_radius_ = 0, shank_radius_ = 0;
-  std::vector<Eigen::Vector3d> foot_;  // from the ankle
+  std::vector<Eigen::Vector3d> foot_;  // relative to the ankle
 
   struct SolePoint {
-    Eigen::Vector2d position;  // (x, z) from the ankle
+    Eigen::Vector2d position;  // (x, z) relative to the ankle
     double arc = 0;            // along the sole, 0 under the flat foot's lowest point
   };
   std::vector<SolePoint> sole_;  // convex, from heel to toe
@@ -109,38 +106,35 @@ class Leg {
 
 class GaitCurves;
 
-/// A moment of walking: joint angles, and where they put the feet.
 struct WalkerPose {
-  std::vector<double> columns;  ///< of a posture row
+  std::vector<double> columns;  ///< a posture row
   Eigen::Matrix3d root_from_pelvis = Eigen::Matrix3d::Identity();
   struct Foot {
     Eigen::Vector3d hip_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d ground_m =
-        Eigen::Vector3d::Zero();  ///< below the foot: on the ground, or above
-                                  ///< it by as much as the swinging foot is
+    Eigen::Vector3d ground_m = Eigen::Vector3d::Zero();  ///< on the ground or, in swing, above it
     FootTarget target;
   };
   std::array<Foot, 2> feet;  ///< right, left
-  double shift_m = 0;        ///< of both feet's tracks, forward
+  double shift_m = 0;        ///< shift of both feet's tracks, forward
 };
 
 class Walker {
  public:
-  /// Empty if the model is no walker: two legs (see Leg) under a pelvis that moves up and down.
+  /// Empty if the model has no two legs (see Leg) under a pelvis that moves up and down.
   static std::optional<Walker> find(const PosableModel& model, GaitStyle style);
 
   double leg_length_m() const { return legs_[0].length_m(); }
   GaitStyle style() const { return style_; }
 
-  /// Postures at phases 0, 1/n, ... of a cycle; n even. relative_speed in leg lengths a second, in
-  /// [0, 3]; 0 stands still. Angles are inside the joints' limits.
+  /// Postures at phases 0, 1/n, ... of a cycle; n even. relative_speed in leg lengths per second,
+  /// in [0, 3]; 0 stands. Angles are within the joint limits.
   std::vector<WalkerPose> cycle(double relative_speed, int n) const;
 
   const Leg& leg(size_t side) const { return legs_[side]; }
   int vertical_column() const { return vertical_column_; }
-  /// The links that the legs hang from the pelvis by.
+  /// Child links of the joints by which the legs hang from the pelvis.
   const std::array<int, 2>& leg_links() const { return leg_links_; }
-  /// Less than this no knee is bent: at less, a millimetre of pelvis is worth several degrees.
+  /// Minimum knee flexion. Below it, a millimetre of pelvis height is worth several degrees.
   static constexpr double kMinKneeBend_rad = 0.03490658503988659;
 
  private:

@@ -10,14 +10,13 @@
 
 namespace throng {
 
-/// A hash of all sources that a gait depends on; cmake/GaitSources.cmake.
+/// Hash of all sources that a gait depends on; see cmake/GaitSources.cmake.
 extern const char* const gait_sources;
 
 namespace {
 
 constexpr uint64_t kMaxBytes = 1 << 28;
 
-/// The archive, and the checksum of all before it.
 std::vector<uint8_t> with_checksum(std::vector<uint8_t> bytes) {
   uint64_t sum = checksum(bytes);
   Archive tail;
@@ -58,7 +57,7 @@ Gait gait_of(const Model& model, GaitStyle style) {
       generated_file(std::filesystem::path("gaits") / gait_file_name(model, style));
   if (!file.empty()) try {
       return read_gait_file(file);
-    } catch (const InputError&) {  // damaged: as if it were not there
+    } catch (const InputError&) {  // a damaged file counts as missing
     }
   return Gait(model, style);
 }

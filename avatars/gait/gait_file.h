@@ -1,6 +1,7 @@
-// Gaits in files: what was tabulated when Throng was built is read when it starts.
-// One rule: a file is named after all that its gait depends on (model, style, our own sources), so
-// one that is found is the gait that would be tabulated, bit by bit; without it only time is lost.
+// Gait files store gaits that were tabulated when Throng was built.
+// Invariant: the file name identifies everything its gait depends on (model, style, sources). A
+// file that is found equals the gait that would be tabulated, bit by bit. A missing file costs time
+// only.
 #pragma once
 
 #include <filesystem>
@@ -9,17 +10,15 @@
 
 namespace throng {
 
-/// Read from the file that was made with the program, or tabulated where there is none, as for
-/// models that do not come with Throng.
+/// Reads the gait file built with the program; tabulates the gait if there is none.
 Gait gait_of(const Model& model, GaitStyle style);
 
-/// Of a gait's file, without a folder.
 std::filesystem::path gait_file_name(const Model& model, GaitStyle style);
 
 /// Tabulates a gait and writes its file into the folder. Throws EnvironmentError.
 void write_gait_file(const Model& model, GaitStyle style, const std::filesystem::path& folder);
 
-/// Throws InputError for a file that is not what write_gait_file() wrote.
+/// Throws InputError for a file that write_gait_file() did not write.
 Gait read_gait_file(const std::filesystem::path& file);
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// A model's links posed from a posture row, in double precision: what a gait is fitted with.
-// One rule: for construction and bounds only; a crowd is posed by forward_kinematics().
+// PosableModel poses links in double precision, to fit gaits and bounds; runs use
+// forward_kinematics().
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,16 +18,14 @@ class PosableModel {
 
   /// Index into Robot::joints, or -1.
   int joint_of(const std::string& name) const;
-  /// Column that drives the joint, or -1; of a mimic joint its leader's.
+  /// Column that drives the joint, or -1. For a mimic joint: the column of its leader.
   int column_of_joint(int joint) const { return drives_[static_cast<size_t>(joint)].column; }
-  /// How much the joint moves per unit of its column: 1, or a mimic's multiplier.
+  /// Returns the joint's movement per unit of its column: 1, or a mimic's multiplier.
   double gain_of_joint(int joint) const { return drives_[static_cast<size_t>(joint)].gain; }
 
-  /// The joint that turns the head alone about an upright axis, or -1: "head_yaw", and nothing
-  /// hangs from the head.
+  /// Returns the joint "head_yaw" if it turns the head alone about an upright axis; otherwise -1.
   int head_yaw_joint() const;
 
-  /// The zero posture, as near as the limits allow.
   std::vector<double> rest() const;
   double clamped(int column, double value) const;
 
@@ -42,7 +40,7 @@ class PosableModel {
     double offset = 0;
   };
   const Model* model_;
-  std::vector<Drive> drives_;  // one a joint
+  std::vector<Drive> drives_;  // one per joint
 };
 
 }  // namespace throng

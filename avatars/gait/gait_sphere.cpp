@@ -12,19 +12,18 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// Single precision in postures, kinematics and placing: ten times what was measured.
+// Single precision in postures, kinematics and placing: ten times the measured error.
 constexpr double kFloatMargin = 1e-4;
 
-// Results are multiples of this, so that the last bits of a C library's sines do not reach them.
+// Results are multiples of this grain, which hides the last bits of a C library's sines.
 constexpr double kGrain = 1.0 / 8192;
 
-// The bound on what happens between two nodes falls with the square of their distance, so this many
-// speeds are looked at for one in the table.
+// Speeds per table cell: the bound between nodes falls with the square of their distance.
 constexpr int kSpeedSplit = 3;
 
 int speed_steps(const GaitTable& table) { return (table.speeds - 1) * kSpeedSplit + 1; }
 
-// A posture of the table; step counts speeds in parts of kSpeedSplit.
+// Returns a posture of the table; `step` counts speeds in parts of kSpeedSplit.
 std::vector<double> columns_at(const GaitTable& table, int step, int phase) {
   const int speed = step / kSpeedSplit;
   const double share = static_cast<double>(step % kSpeedSplit) / kSpeedSplit;
@@ -38,32 +37,31 @@ std::vector<double> columns_at(const GaitTable& table, int step, int phase) {
 }
 
 // A vertex at height z and distance r from the axis is sqrt(r^2 + z^2 - 2 z c + c^2) from a centre
-// at height c: a line over c, but for c^2. The farthest vertices are those whose lines are
-// uppermost.
+// at height c. Without c^2 this is a line over c; the farthest vertices have the uppermost lines.
 struct Line {
   double z, square;
   double at(double c) const { return square - 2 * z * c; }
 };
 
 double squared_radius(const std::vector<Line>& lines, double c) {
-  double most = 0;
-  for (const Line& line : lines) most = std::max(most, line.at(c));
-  return most + c * c;
+  double max_value = 0;
+  for (const Line& line : lines) max_value = std::max(max_value, line.at(c));
+  return max_value + c * c;
 }
 
-// std::max_element would work out every line twice.
+// std::max_element would compute every line twice.
 Line uppermost_at(double c, const std::vector<Line>& lines) {
   const Line* uppermost = &lines.front();
-  double most = uppermost->at(c);
+  double max_value = uppermost->at(c);
   for (const Line& line : lines)
-    if (const double height = line.at(c); height > most) {
-      most = height;
+    if (const double height = line.at(c); height > max_value) {
+      max_value = height;
       uppermost = &line;
     }
   return *uppermost;
 }
 
-// The lowest point of the convex squared_radius(), by golden-section search.
+// Minimises the convex squared_radius() by golden-section search.
 double best_centre(const std::vector<Line>& lines, double low, double high) {
   constexpr double kGolden = 0.6180339887498949;
   for (int i = 0; i < 40; ++i) {
@@ -74,7 +72,7 @@ double best_centre(const std::vector<Line>& lines, double low, double high) {
   return (low + high) / 2;
 }
 
-// Every node would do; a sample of them misses the best height by less than a millimetre.
+// A sample of the nodes finds the best height to less than a millimetre.
 double centre_height(const PosableModel& model, const GaitTable& table) {
   constexpr int kPhaseStride = 16, kStepStride = 12, kHeights = 12;
   std::vector<Line> uppermost;
@@ -100,9 +98,9 @@ double centre_height(const PosableModel& model, const GaitTable& table) {
   return best_centre(uppermost, low, high);
 }
 
-// How far a part's vertices can stray between two nodes from the straight line between their places
-// at these. A joint's motion is linear there, so |p - chord| <= |p''| / 8, and |p''| is bounded by
-// the joints' travel: two joints i above j contribute 2 |di| |dj| lever_j, one alone di^2 lever_i.
+// Sagitta bounds the distance of a part's vertices between two nodes from the chord between the
+// nodes. Joints move linearly there: |p - chord| <= |p''| / 8. Two joints i above j contribute 2
+// |di| |dj| lever_j to |p''|, one alone di^2 lever_i.
 class Sagitta {
  public:
   Sagitta(const PosableModel& model, const Part& part) {
@@ -143,14 +141,14 @@ class Sagitta {
   std::vector<Mover> chain_;  // root first
 };
 
-// Of each part over all cells: along the phase, then between the two postures so found along the
-// speed.
-std::vector<double> strays_between_nodes(const PosableModel& model, const GaitTable& table) {
+// Bounds for each part over all cells: along the phase, plus along the speed.
+std::vector<double> deviations_between_nodes(const PosableModel& model, const GaitTable& table) {
   std::vector<Sagitta> parts;
   for (const Part& part : model.model().parts) parts.emplace_back(model, part);
   std::vector<double> along_phase(parts.size(), 0), along_speed(parts.size(), 0);
-  const auto raise = [&parts](std::vector<double>& most, const std::vector<double>& travel) {
-    for (size_t i = 0; i < parts.size(); ++i) most[i] = std::max(most[i], parts[i].bound(travel));
+  const auto raise = [&parts](std::vector<double>& bounds, const std::vector<double>& travel) {
+    for (size_t i = 0; i < parts.size(); ++i)
+      bounds[i] = std::max(bounds[i], parts[i].bound(travel));
   };
   std::vector<double> travel(static_cast<size_t>(table.columns));
   for (int step = 0; step < speed_steps(table); ++step) {
@@ -173,9 +171,9 @@ std::vector<double> strays_between_nodes(const PosableModel& model, const GaitTa
   return along_phase;
 }
 
-// A part's vertices in its link's frame; of a head that turns those of all its turns: hulls of
-// these points hold every vertex, whichever way it looks. A turn's arc lies inside the polygon
-// around it, whose corners are farther out, and the ends of the arc.
+// Returns a part's vertices in its link's frame; for a head, points whose hull contains every
+// vertex at any head yaw. A yaw arc lies inside the circumscribed polygon, given by its corners and
+// the arc's ends.
 std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& table,
                                  const Part& part) {
   const std::vector<Joint>& joints = model.model().robot.joints;
@@ -183,8 +181,8 @@ std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& tab
   const bool turns =
       yaw_joint >= 0 && joints[static_cast<size_t>(yaw_joint)].child_link == part.link;
   constexpr int kCorners = 4;  // to either side
-  const double most = static_cast<double>(Gait::kMaxHeadYaw_rad);
-  const double half = 0.5 * most / kCorners;
+  const double max_rad = static_cast<double>(Gait::kMaxHeadYaw_rad);
+  const double half = 0.5 * max_rad / kCorners;
   std::vector<Vector3d> points;
   for (const Eigen::Vector3f& vertex : part.mesh.vertices) {
     const Vector3d p = vertex.cast<double>();
@@ -203,7 +201,7 @@ std::vector<Vector3d> reached_by(const PosableModel& model, const GaitTable& tab
   return points;
 }
 
-// Vertices near each other: their sphere tells most postures apart from the farthest one.
+// Nearby vertices; their sphere excludes most postures from the search.
 struct Cluster {
   Vector3d middle;
   double radius = 0;
@@ -216,7 +214,7 @@ struct Cluster {
     for (const Vector3d& vertex : vertices) radius = std::max(radius, (vertex - middle).norm());
   }
 
-  // Cut in two across its longest side until a piece is no larger than this.
+  // Splits points across their longest side until the radius is at most `largest`.
   static void cut(std::vector<Vector3d> points, double largest, std::vector<Cluster>& pieces) {
     Cluster whole(std::move(points));
     if (whole.radius <= largest) {
@@ -238,16 +236,16 @@ struct Cluster {
 // A part as the search for the farthest vertex sees it.
 struct Extent {
   size_t link;
-  double stray;
+  double deviation;
   double drop;
-  bool stands;  // moves when its owner stands and shifts its weight
+  bool stands;  // moves when a standing person shifts weight
   Cluster whole;
   std::vector<Cluster> pieces;
 };
 
-// What standing may do at a speed: move all that is not of the legs, and anything in it.
+// Displacement by standing at one speed: of everything but the legs, and of any point.
 struct Sway {
-  double shift = 0, stray = 0;
+  double shift = 0, deviation = 0;
 };
 
 Sway sway_at(const StandingJoints& standing, int step) {
@@ -256,12 +254,11 @@ Sway sway_at(const StandingJoints& standing, int step) {
   const double part = static_cast<double>(step % kSpeedSplit) / kSpeedSplit;
   const double slow = standing.shares[speed];
   const double fast = part > 0 ? standing.shares[speed + 1] : slow;
-  // Between two steps a little more of it may be allowed than at the faster one.
+  // Between two steps the share may be slightly above that at the faster one.
   const double share = speed > 0 ? std::max({slow, fast, standing.shares[speed - 1]}) : 1.0;
   return {share * standing.max_shift_m(), share * standing.max_breath_m()};
 }
 
-// By link, whether it hangs from one of these.
 std::vector<bool> hanging_from(const PosableModel& model, std::span<const int> roots) {
   const Robot& robot = model.model().robot;
   std::vector<bool> hangs(robot.links.size(), false);
@@ -273,16 +270,16 @@ std::vector<bool> hanging_from(const PosableModel& model, std::span<const int> r
 }
 
 std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table,
-                               const std::vector<double>& strays, const std::vector<bool>& of_leg,
-                               double max_drop_m) {
-  constexpr double kPieces = 8;  // a piece's radius to the part's
+                               const std::vector<double>& deviations,
+                               const std::vector<bool>& of_leg, double max_drop_m) {
+  constexpr double kPieces = 8;  // ratio of the part's radius to a piece's
   std::vector<Extent> extents;
-  for (size_t i = 0; i < strays.size(); ++i) {
+  for (size_t i = 0; i < deviations.size(); ++i) {
     const Part& part = model.model().parts[i];
     std::vector<Vector3d> points = reached_by(model, table, part);
     if (points.empty()) continue;
     Extent extent{static_cast<size_t>(part.link),
-                  strays[i],
+                  deviations[i],
                   of_leg[static_cast<size_t>(part.link)] ? 0 : max_drop_m,
                   !of_leg[static_cast<size_t>(part.link)],
                   Cluster(points),
@@ -293,32 +290,32 @@ std::vector<Extent> extents_of(const PosableModel& model, const GaitTable& table
   return extents;
 }
 
-// Raises `farthest` to the largest distance of any vertex in a posture; distance(point) grows by at
-// most the length that the point moves.
+// Raises `farthest` to the largest distance of any vertex in a posture. Requires: distance(point)
+// grows by at most the point's displacement.
 template <typename Distance>
 void raise_farthest(const std::vector<Extent>& extents, const std::vector<Isometry3d>& links,
                     const Sway& sway, const Distance& distance, double& farthest) {
   for (const Extent& extent : extents) {
     const Isometry3d& pose = links[extent.link];
-    // A convex function of the drop and of the shift: the most is at their ends.
-    const auto dropped = [&](const Vector3d& point) {
+    // A convex function of drop and shift: its maximum is at their ends.
+    const auto max_over_drop = [&](const Vector3d& point) {
       const double high = distance(point);
       return extent.drop > 0 ? std::max(high, distance(point - extent.drop * Vector3d::UnitZ()))
                              : high;
     };
-    const auto most = [&](const Vector3d& point) {
-      if (!extent.stands || (sway.shift == 0 && sway.stray == 0)) return dropped(point);
+    const auto max_distance = [&](const Vector3d& point) {
+      if (!extent.stands || (sway.shift == 0 && sway.deviation == 0)) return max_over_drop(point);
       const Vector3d shift = sway.shift * Vector3d::UnitY();
-      return std::max(dropped(point - shift), dropped(point + shift)) + sway.stray;
+      return std::max(max_over_drop(point - shift), max_over_drop(point + shift)) + sway.deviation;
     };
     const auto beyond = [&](const Cluster& cluster) {
-      return most(pose * cluster.middle) + cluster.radius + extent.stray > farthest;
+      return max_distance(pose * cluster.middle) + cluster.radius + extent.deviation > farthest;
     };
     if (!beyond(extent.whole)) continue;
     for (const Cluster& piece : extent.pieces) {
       if (!beyond(piece)) continue;
       for (const Vector3d& vertex : piece.vertices)
-        farthest = std::max(farthest, most(pose * vertex) + extent.stray);
+        farthest = std::max(farthest, max_distance(pose * vertex) + extent.deviation);
     }
   }
 }
@@ -327,10 +324,10 @@ double rounded_up(double farthest) {
   return std::ceil((farthest + kFloatMargin) / kGrain) * kGrain;
 }
 
-// A part's slabs in its link's frame: its box in any pose, without its vertices.
+// Slabs of a part in its link's frame. They bound the part in any pose without its vertices.
 struct BoundedPart {
   size_t link;
-  double stray;
+  double deviation;
   Slabs slabs;
 
   Eigen::AlignedBox3d box(const Isometry3d& pose) const {
@@ -338,22 +335,22 @@ struct BoundedPart {
     for (int axis = 0; axis < 3; ++axis) {
       const Slab extent = slabs.bound<26>(pose.linear().row(axis).transpose().cast<float>());
       middle[axis] = pose.translation()[axis] + static_cast<double>(extent.centre);
-      half[axis] = static_cast<double>(extent.half) + stray;
+      half[axis] = static_cast<double>(extent.half) + deviation;
     }
     return {middle - half, middle + half};
   }
 };
 
 std::vector<BoundedPart> bounded_parts(const PosableModel& model, const GaitTable& table,
-                                       const std::vector<double>& strays) {
+                                       const std::vector<double>& deviations) {
   std::vector<BoundedPart> parts;
-  for (size_t i = 0; i < strays.size(); ++i) {
+  for (size_t i = 0; i < deviations.size(); ++i) {
     const Part& part = model.model().parts[i];
     if (part.mesh.vertices.empty()) continue;
     std::vector<Eigen::Vector3f> points;
     for (const Vector3d& point : reached_by(model, table, part))
       points.push_back(point.cast<float>());
-    parts.push_back({static_cast<size_t>(part.link), strays[i], Slabs::around(points)});
+    parts.push_back({static_cast<size_t>(part.link), deviations[i], Slabs::around(points)});
   }
   return parts;
 }
@@ -370,7 +367,6 @@ RootBox root_box(const Eigen::AlignedBox3d& box) {
   return out;
 }
 
-// A box each around the cells that a posture may lie in.
 class CellBoxes {
  public:
   explicit CellBoxes(const GaitTable& table)
@@ -378,7 +374,7 @@ class CellBoxes {
         speeds_(std::max(table.speeds - 1, 1)),
         boxes_(static_cast<size_t>(speeds_) * static_cast<size_t>(phases_)) {}
 
-  // A node belongs to the cells before and behind it; those at phase 0 are those at the last, too.
+  // A node belongs to the cells before and behind it; nodes at phase 0 also to the last cell.
   void add(int step, int phase, const Eigen::AlignedBox3d& node) {
     const int fast = step / kSpeedSplit, slow = step % kSpeedSplit == 0 ? fast - 1 : fast;
     const int before = phase == 0 ? phases_ - 1 : phase - 1;
@@ -405,15 +401,14 @@ class CellBoxes {
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
                          std::span<const int> leg_roots, double max_drop_m,
                          const StandingJoints& standing) {
-  const std::vector<double> strays = strays_between_nodes(model, table);
+  const std::vector<double> deviations = deviations_between_nodes(model, table);
   const std::vector<bool> of_leg = hanging_from(model, leg_roots);
-  const std::vector<Extent> extents = extents_of(model, table, strays, of_leg, max_drop_m);
-  const std::vector<BoundedPart> parts = bounded_parts(model, table, strays);
+  const std::vector<Extent> extents = extents_of(model, table, deviations, of_leg, max_drop_m);
+  const std::vector<BoundedPart> parts = bounded_parts(model, table, deviations);
   const Vector3d centre(0, 0, std::nearbyint(centre_height(model, table) / kGrain) * kGrain);
   double farthest = 0, widest = 0;
   CellBoxes whole(table), rest(table);
   std::vector<Isometry3d> links;
-  // A posture is worked out once for all that is asked of it.
   for (int step = speed_steps(table) - 1; step >= 0; --step) {
     const Sway sway = sway_at(standing, step);
     for (int phase = 0; phase < table.phases; ++phase) {

@@ -3,12 +3,12 @@
 namespace throng {
 namespace {
 
-// Plain is Boulic's adult with what was measured (gait_curves.cpp). Short steps: the elderly take
-// steps shorter by an eighth or more at the same speed, stand longer on both feet and move arms and
-// pelvis less (Winter, Patla, Frank & Walt, "Biomechanical walking pattern changes in the fit and
-// healthy elderly", Physical Therapy 70, 1990). The others are our own, set by eye on pictures of
-// the body: relaxed rolls and leans back, brisk leans ahead with bent arms, stiff keeps the trunk
-// and the arms still, pockets keeps the hands at the hips.
+// Plain is Boulic's adult with measured changes (gait_curves.cpp). Short steps: at equal speed the
+// elderly shorten steps by an eighth or more, prolong double stance and move arms and pelvis less.
+// Source: Winter, Patla, Frank & Walt, "Biomechanical walking pattern changes in the fit and
+// healthy elderly", Physical Therapy 70, 1990. The other styles are set by eye on pictures of the
+// body. Relaxed rolls and leans back, brisk leans forward with bent arms, stiff keeps trunk and
+// arms still, pockets keeps the hands at the hips.
 constexpr std::array<StyleParameters, kGaitStyleCount> kFigures = {{
     {.name = "plain"},
     {.name = "relaxed",

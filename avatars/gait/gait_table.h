@@ -1,6 +1,5 @@
-// Postures over speed and phase, and the sphere that holds a body in all of them.
-// One rule: between its nodes a posture is bilinear; gait.cpp reads it so, the sphere's bound
-// relies on it.
+// GaitTable stores postures over speed and phase; GaitBounds bounds a body in all of them.
+// Invariant: between its nodes a posture is bilinear, as gait.cpp reads it; the bounds rely on it.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +12,8 @@
 
 namespace throng {
 
-/// Rows of column_count floats, each padded to a multiple of 4; speed-major, phases 0..phases of
-/// which the last repeats the first. One phase and one speed for a model that keeps still.
+/// Rows of column_count floats, padded to a multiple of 4, speed-major. Phases 0..phases; the last
+/// repeats the first. One phase and one speed for a model without a gait.
 struct GaitTable {
   int columns = 0;
   int row_floats = 0;
@@ -36,35 +35,31 @@ struct GaitTable {
   const float* row(int speed, int phase) const {
     return const_cast<GaitTable*>(this)->row(speed, phase);
   }
-  /// Floats from a row to the next phase's, and to the next speed's.
+  /// Number of floats to the row of the next phase, and of the next speed.
   size_t phase_stride() const { return static_cast<size_t>(row_floats); }
   size_t speed_stride() const { return static_cast<size_t>(phases + 1) * phase_stride(); }
 };
 
-/// Where a posture lies between the nodes.
 struct GaitPosition {
   int speed = 0, phase = 0;
-  float u = 0, v = 0;  ///< shares of the next phase and the next speed
+  float u = 0, v = 0;  ///< fractions towards the next phase and the next speed
 };
 
-/// What holds every vertex of every part in every posture between the nodes, whichever way the head
-/// is turned.
+/// Bounds of all vertices in every posture between the nodes, at any head yaw.
 struct GaitBounds {
-  double centre_z_m = 0;  ///< of the sphere: on the root's z axis where the radius is smallest
+  double centre_z_m = 0;  ///< sphere's centre on the root's z axis
   double radius_m = 0;
-  double upright_radius_m = 0;  ///< of the cylinder around the root's z axis
-  // Boxes in the root frame, one for each cell between the nodes (speed-major, max(speeds - 1, 1)
-  // times phases).
-  std::vector<RootBox> whole;  ///< of every part
-  std::vector<RootBox> rest;   ///< of those that do not hang from the legs' roots
+  double upright_radius_m = 0;  ///< radius of the cylinder around the root's z axis
+  // Boxes in the root frame by cell: speed-major, max(speeds - 1, 1) times phases.
+  std::vector<RootBox> whole;  ///< around all parts
+  std::vector<RootBox> rest;   ///< around parts that do not hang from the legs' roots
 };
-/// What does not hang from `leg_roots` (links) may be lowered by up to max_drop_m, and be moved as
-/// standing does; the boxes hold it where it is.
+/// Computes the bounds. Parts that do not hang from `leg_roots` (links) may be lowered by up to
+/// max_drop_m and moved by standing. The boxes do not include these changes.
 GaitBounds bounds_around(const PosableModel& model, const GaitTable& table,
                          std::span<const int> leg_roots = {}, double max_drop_m = 0,
                          const StandingJoints& standing = {});
 
-/// What the model has for standing, within the limits of its joints.
 StandingJoints standing_joints(const PosableModel& model, const GaitTable& table,
                                double max_sqrt_speed);
 

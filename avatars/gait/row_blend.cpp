@@ -1,4 +1,4 @@
-// Columns as lanes. Where a row is not a multiple of a register, its last columns are done twice.
+// Columns as lanes. If a row is not a multiple of a register, its last columns are computed twice.
 #include "avatars/gait/row_blend.h"
 
 #include "base/simd/dispatch.h"

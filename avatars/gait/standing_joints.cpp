@@ -6,9 +6,9 @@
 namespace throng {
 namespace {
 
-// Bodies that walk a little may still be on their way into standing or out of it: all of it up to
-// this square root of the relative speed (0.8 m/s for an adult), nothing from that on (1.3 m/s).
-constexpr double kAll = 0.95, kNothing = 1.2;
+// Full standing motion up to the first square root of the relative speed (0.8 m/s for an adult),
+// none from the second (1.3 m/s): slow walkers may still be in transition.
+constexpr double kFullSqrtSpeed = 0.95, kNoneSqrtSpeed = 1.2;
 
 bool all_hang_from(const Robot& robot, int link) {
   std::vector<bool> hangs(robot.links.size(), false);
@@ -20,7 +20,7 @@ bool all_hang_from(const Robot& robot, int link) {
   return std::all_of(hangs.begin() + 1, hangs.end(), [](bool each) { return each; });
 }
 
-/// Of the joint that moves all of a body along the root's y axis, or -1.
+/// Returns the column of the joint that moves the whole body along the root's y axis, or -1.
 int lateral_column(const PosableModel& model) {
   const int lateral = model.joint_of("pelvis_lateral");
   if (lateral < 0) return -1;
@@ -32,7 +32,7 @@ int lateral_column(const PosableModel& model) {
   return moves_all ? model.column_of_joint(lateral) : -1;
 }
 
-/// No vertex that hangs from a joint's link is farther from the joint.
+/// Returns the maximum distance from a joint of any vertex on the links below it.
 double reach_from(const PosableModel& model, int joint) {
   const Robot& robot = model.model().robot;
   const int end = robot.joints[static_cast<size_t>(joint)].child_link;
@@ -54,7 +54,7 @@ double reach_from(const PosableModel& model, int joint) {
   return max_m;
 }
 
-/// How much of a column is left to its limits, to either side, at one speed.
+/// Returns the remaining range of a column to its limits, the same to either side, at one speed.
 double range_of(const PosableModel& model, const GaitTable& table, int column, int speed) {
   const JointColumn& limits = model.model().kinematics.columns()[static_cast<size_t>(column)];
   float range = std::max(limits.upper - limits.lower, 0.0f);
@@ -84,7 +84,8 @@ StandingJoints standing_joints(const PosableModel& model, const GaitTable& table
   }
   for (int speed = 0; speed < table.speeds; ++speed) {
     const double sqrt_speed = max_sqrt_speed * speed / std::max(table.speeds - 1, 1);
-    double share = std::clamp((kNothing - sqrt_speed) / (kNothing - kAll), 0.0, 1.0);
+    double share =
+        std::clamp((kNoneSqrtSpeed - sqrt_speed) / (kNoneSqrtSpeed - kFullSqrtSpeed), 0.0, 1.0);
     const auto limit = [&](int column, float max_offset) {
       if (column >= 0)
         share = std::min(share,

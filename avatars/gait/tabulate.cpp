@@ -1,5 +1,4 @@
-// Writes the gait of each style of a model into a folder and removes others: throng_tabulate URDF
-// FOLDER
+// throng_tabulate URDF FOLDER: writes the gaits of a model into a folder and removes other files.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -19,7 +18,6 @@ void tabulate(const fs::path& urdf, const fs::path& folder) {
   std::vector<fs::path> names;
   for (size_t style = 0; style < kGaitStyleCount; ++style)
     names.push_back(gait_file_name(*model, static_cast<GaitStyle>(style)));
-  // Those of earlier sources.
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     if (std::find(names.begin(), names.end(), entry.path().filename()) == names.end())
       fs::remove(entry);

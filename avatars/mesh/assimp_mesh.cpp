@@ -23,19 +23,20 @@
 
 namespace throng {
 
-// The files that assimp reads: the mesh, and those that it names (buffers of a glTF, materials of
-// an .obj). One rule: only regular files, only for reading, and within one bound for all of them.
+// AssimpFiles opens the files that assimp reads: the mesh, and those it names (buffers of a glTF,
+// materials of an .obj).
+// Invariant: regular files only, read-only, and within one size limit for all of them.
 
 class AssimpFiles : public Assimp::IOSystem {
  public:
-  /// `mesh` is known as name() whatever lies there now, and counts among the `max_bytes`.
+  /// `mesh` keeps the name name() even if its path changes, and counts towards `max_bytes`.
   AssimpFiles(const RegularFile& mesh, uint64_t max_bytes);
 
   const std::string& name() const { return name_; }
 
   bool Exists(const char* file) const override;
   char getOsSeparator() const override { return '/'; }
-  /// Null for what is not there, no regular file, too much, or to be written.
+  /// Returns null for a missing or irregular file, one that is too large, or a mode that writes.
   Assimp::IOStream* Open(const char* file, const char* mode) override;
   void Close(Assimp::IOStream* stream) override;
   bool ComparePaths(const char* one, const char* other) const override;
@@ -51,13 +52,13 @@ class AssimpFiles : public Assimp::IOSystem {
   const RegularFile& mesh_;
   std::string name_;
   uint64_t bytes_left_;
-  /// Importers open their file several times: to see whether it is theirs, and to read it.
+  /// Importers open their file several times: to detect the format, and to read it.
   std::map<std::string, Content> read_;
 };
 
 namespace {
 
-/// Deeper trees of nodes than any modelling program writes.
+/// Deeper than the node trees of any modelling program.
 constexpr int kMaxNodeDepth = 200;
 
 class Collector {
@@ -73,25 +74,26 @@ class Collector {
  private:
   void append(const aiNode& node, const aiMatrix4x4& file_from_parent, int depth) {
     if (depth > kMaxNodeDepth)
-      throw ParseFailure(fmt::format("nodes nested at most {} deep", kMaxNodeDepth), "deeper ones");
+      throw ParseFailure(fmt::format("at most {} levels of nested nodes", kMaxNodeDepth), "more");
     const aiMatrix4x4 file_from_node = file_from_parent * node.mTransformation;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_.mNumMeshes)
         throw ParseFailure(
-            fmt::format("nodes that show the {} meshes that there are", scene_.mNumMeshes),
+            fmt::format("nodes that refer to the file's {} meshes", scene_.mNumMeshes),
             fmt::format("mesh {}", node.mMeshes[i]));
       append(*scene_.mMeshes[node.mMeshes[i]], file_from_node);
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) {
-      // The importer of .raw files loses groups so; half a mesh is none.
+      // The importer of .raw files loses groups this way. An incomplete mesh is rejected.
       if (node.mChildren[i] == nullptr)
-        throw ParseFailure("a mesh that assimp reads whole", "one of which it loses a part");
+        throw ParseFailure("a mesh that assimp reads completely",
+                           "one with parts that assimp drops");
       append(*node.mChildren[i], file_from_node, depth + 1);
     }
   }
 
   void append(const aiMesh& mesh, const aiMatrix4x4& file_from_mesh) {
-    // Few bytes may show one mesh many times over.
+    // A few bytes may refer to one mesh many times.
     if (mesh_.vertices.size() + mesh.mNumVertices > max_vertices_)
       throw ParseFailure(fmt::format("at most {} vertices", max_vertices_), "more");
     if (mesh_.triangles.size() + mesh.mNumFaces > max_triangles_)
@@ -108,12 +110,12 @@ class Collector {
     const bool mirrored = file_from_mesh.Determinant() < 0;
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
-      if (face.mNumIndices != 3) continue;  // lines and points, which triangulation leaves
+      if (face.mNumIndices != 3) continue;  // skip lines and points, which triangulation keeps
       Eigen::Vector3i triangle;
       for (int k = 0; k < 3; ++k) {
-        // Here, where it is known whose vertices these are: the next mesh's would be in range, too.
+        // Checked per mesh, because after merging an index beyond this mesh could be valid.
         if (face.mIndices[k] >= mesh.mNumVertices)
-          throw ParseFailure(fmt::format("indices of {} vertices", mesh.mNumVertices),
+          throw ParseFailure(fmt::format("vertex indices below {}", mesh.mNumVertices),
                              fmt::format("{}", face.mIndices[k]));
         triangle[k] = first + static_cast<int>(face.mIndices[k]);
       }
@@ -139,8 +141,8 @@ Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max
                        fmt::format("'{}'", extension));
   auto files = std::make_unique<AssimpFiles>(file, max_bytes);
   const std::string name = files->name();
-  importer.SetIOHandler(files.release());  // which the importer owns from here on
-  // URDF viewers take a Collada file's axes as they are; assimp would turn z up into y up.
+  importer.SetIOHandler(files.release());  // the importer owns it from here on
+  // URDF viewers use a Collada file's axes as they are; assimp would rotate z up to y up.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
@@ -164,13 +166,12 @@ char ignored_up_axis(const RegularFile& file) {
 
 namespace {
 
-/// A file in memory.
 class Stream : public Assimp::IOStream {
  public:
   explicit Stream(std::shared_ptr<const std::vector<uint8_t>> content)
       : content_(std::move(content)) {}
 
-  /// As fread: whole elements only.
+  /// As fread(): whole elements only.
   size_t Read(void* out, size_t size, size_t count) override {
     if (size == 0 || count == 0) return 0;
     const size_t whole = std::min(count, (content_->size() - at_) / size);
@@ -180,7 +181,7 @@ class Stream : public Assimp::IOStream {
     return whole;
   }
   size_t Write(const void*, size_t, size_t) override { return 0; }
-  /// As fseek, but not beyond the end. An offset is a negative number where it goes back.
+  /// As fseek(), but not beyond the end. `offset` is negative, converted, for backward moves.
   aiReturn Seek(size_t offset, aiOrigin origin) override {
     const size_t from = origin == aiOrigin_SET   ? 0
                         : origin == aiOrigin_CUR ? at_

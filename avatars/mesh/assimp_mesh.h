@@ -1,6 +1,6 @@
-// Triangles out of a file by assimp.
-// One rule: for child processes only (base/files/sandboxed_parser.h): assimp crashes, hangs and
-// reads beyond its arrays on files that are damaged in the right place.
+// triangles_by_assimp() reads triangles from a file with assimp.
+// Invariant: called in child processes only (base/files/sandboxed_parser.h). On damaged files
+// assimp may crash, hang or read beyond its arrays.
 #pragma once
 
 #include "avatars/mesh/mesh.h"
@@ -8,14 +8,14 @@
 
 namespace throng {
 
-/// The corners of all triangles, in the file's frame, as they come: repeated, unused, not finite.
-/// Node transforms are applied, polygons split; lines and points are left out. `max_bytes` is for
-/// the file and those it names. Throws ParseFailure, and whatever assimp throws.
+/// Returns the corners of all triangles in the file's frame, unprocessed: maybe repeated, unused or
+/// not finite. Node transforms are applied, polygons split; lines and points are dropped.
+/// `max_bytes` limits the file plus those it names. Throws ParseFailure and any exception of
+/// assimp.
 Mesh triangles_by_assimp(const RegularFile& file, uint64_t max_bytes, size_t max_vertices,
                          size_t max_triangles);
 
-/// 'X' or 'Y' where a Collada file states that up axis, of which triangles_by_assimp() takes no
-/// notice; otherwise 0.
+/// Returns 'X' or 'Y' for an up axis that a Collada file states and that is ignored; otherwise 0.
 char ignored_up_axis(const RegularFile& file);
 
 }  // namespace throng

@@ -8,7 +8,7 @@ namespace throng {
 
 bool is_closed(const Mesh& mesh) {
   if (mesh.triangles.empty()) return false;
-  // Directed edges, sorted: closed means that each stands there once and so does its reverse.
+  // Directed edges, sorted: in a closed mesh each edge and its reverse occur exactly once.
   std::vector<uint64_t> edges;
   edges.reserve(mesh.triangles.size() * 3);
   const auto key = [](int from, int to) {
@@ -31,7 +31,7 @@ bool is_closed(const Mesh& mesh) {
 
 double signed_volume_m3(const Mesh& mesh) {
   if (mesh.triangles.empty()) return 0;
-  // Tetrahedra from the first vertex: the sum is the same from any apex, and small from a near one.
+  // Tetrahedra from the first vertex: the sum is independent of the apex, and accurate near it.
   const Eigen::Vector3d apex = mesh.vertices[0].cast<double>();
   const auto corner = [&](int i) -> Eigen::Vector3d {
     return mesh.vertices[static_cast<size_t>(i)].cast<double>() - apex;

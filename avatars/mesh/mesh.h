@@ -1,5 +1,5 @@
-// A triangle mesh, or a point cloud when it has no triangles.
-// One rule: every index is in range and every coordinate finite; readers guarantee it.
+// Mesh is a triangle mesh, or a point cloud if it has no triangles.
+// Invariant: every index is in range and every coordinate finite; readers guarantee it.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,10 +15,10 @@ struct Mesh {
   bool is_point_cloud() const { return triangles.empty(); }
 };
 
-/// Every edge is shared by exactly two triangles that run through it in opposite directions.
+/// Whether every edge is shared by exactly two triangles, in opposite directions.
 bool is_closed(const Mesh& mesh);
 
-/// Signed volume in m3; positive when a closed mesh is oriented outwards.
+/// Returns the signed volume in m3; positive for a closed mesh oriented outwards.
 double signed_volume_m3(const Mesh& mesh);
 
 }  // namespace throng

@@ -17,11 +17,10 @@ namespace {
 
 constexpr size_t kMaxVertices = 20'000'000;
 constexpr size_t kMaxTriangles = 40'000'000;
-/// Beyond 10 km a float no longer tells millimetres apart.
+/// Beyond 10 km a float does not resolve millimetres.
 constexpr float kMaxCoordinate_m = 1e4f;
 
-/// Joins vertices at equal positions (formats like STL repeat them for each triangle) and drops
-/// those without a triangle, and triangles that became lines.
+/// Merges vertices at equal positions; drops unused vertices, and triangles that become lines.
 Mesh welded(const Mesh& soup) {
   std::vector<int> order;
   for (const Eigen::Vector3i& triangle : soup.triangles)
@@ -58,7 +57,7 @@ Mesh welded(const Mesh& soup) {
   return mesh;
 }
 
-/// The child's answer: this, then the vertices, then the triangles.
+/// Header of the child's reply; then come the vertices and the triangles.
 struct Counts {
   uint64_t vertices = 0;
   uint64_t triangles = 0;
@@ -94,16 +93,18 @@ std::vector<uint8_t> packed(const Mesh& mesh, char up_axis) {
 }
 
 Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name, char& up_axis) {
-  const auto refuse = [&] {
-    throw InputError(name, "a mesh", "one of which assimp makes nonsense");
+  const auto reject = [&] {
+    throw InputError(
+        name, "a mesh",
+        "data that assimp imports inconsistently; export it again, for example as .stl");
   };
   Counts counts;
-  if (bytes.size() < sizeof counts) refuse();
+  if (bytes.size() < sizeof counts) reject();
   const uint8_t* from = bytes.data();
   take(from, 1, &counts);
   if (counts.vertices > kMaxVertices || counts.triangles > kMaxTriangles ||
       counts.bytes() != bytes.size() || counts.up_axis > 'Y')
-    refuse();
+    reject();
   up_axis = static_cast<char>(counts.up_axis);
   Mesh mesh;
   mesh.vertices.resize(counts.vertices);
@@ -113,13 +114,13 @@ Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name, char& 
   return mesh;
 }
 
-/// What came out of a process that a file may have led astray is judged as a file would be.
+/// Checks the child's output like a file: a malicious file may control that process.
 Mesh checked(Mesh soup, const std::string& name) {
   const auto count = static_cast<int>(soup.vertices.size());
   for (const Eigen::Vector3i& triangle : soup.triangles) {
     for (const int corner : triangle) {
       if (corner < 0 || corner >= count)
-        throw InputError(name, fmt::format("indices of {} vertices", count),
+        throw InputError(name, fmt::format("vertex indices below {}", count),
                          fmt::format("{}", corner));
       const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(corner)];
       if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
@@ -157,7 +158,7 @@ Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits,
   if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
   if (notes != nullptr && (up_axis == 'X' || up_axis == 'Y'))
     notes->push_back(
-        fmt::format("mesh '{}' states {}_UP, which is ignored as URDF viewers do: z of its "
+        fmt::format("mesh '{}' states {}_UP, which is ignored as in URDF viewers: z of its "
                     "coordinates is z of its frame",
                     escaped(file.filename().string()), up_axis));
   return mesh;

@@ -1,6 +1,6 @@
-// Mesh files of any format: .tri by our own reader, the rest by assimp in a process of its own.
-// One rule: what comes back is finite, welded and in range, in the file's own frame and unit
-// (metres unless the format states another).
+// read_mesh() reads mesh files: .tri directly, other formats with assimp in a separate process.
+// Invariant: the mesh is finite, welded and in range, in the file's frame and unit (metres unless
+// the format states another).
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,9 @@
 
 namespace throng {
 
-/// Applies the file's node transforms, splits polygons into triangles and joins equal vertices;
-/// drops colours, normals, lines. `limits` are those of assimp's process. What the file states and
-/// is not honoured is added to `notes`, a line each. Throws InputError naming the file, whatever
-/// its bytes are.
+/// Applies node transforms, splits polygons and merges equal vertices; drops colours, normals and
+/// lines. `limits`: of assimp's process. `notes`: one line per ignored statement. Throws
+/// InputError.
 Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits = {},
                std::vector<std::string>* notes = nullptr);
 

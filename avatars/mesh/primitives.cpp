@@ -13,11 +13,11 @@
 namespace throng {
 namespace {
 
-/// Makes up for rounding to float, so that "encloses" holds to the last bit.
+/// Compensates rounding to float: the mesh encloses the solid to the last bit.
 constexpr double kRoundingMargin = 1 + 1e-6;
 
-/// A prism or more, of 24 sides around what a profile encloses that turns about z: (distance from
-/// z, height) of its corners from below, flat at both ends.
+/// Returns a solid of revolution about z with 24 sides, circumscribed around a profile. The profile
+/// lists (distance from z, height) of its corners from below; both ends are flat.
 Mesh turned_mesh(const std::vector<Eigen::Vector2d>& profile_m) {
   constexpr int kSides = 24;
   const double inwards = sin_cos(std::numbers::pi / kSides).cos;
@@ -36,7 +36,7 @@ Mesh turned_mesh(const std::vector<Eigen::Vector2d>& profile_m) {
       mesh.triangles.emplace_back(ring + i, ring + next, ring + kSides + next);
       mesh.triangles.emplace_back(ring + i, ring + kSides + next, ring + kSides + i);
     }
-    if (i == 0 || next == 0) continue;  // caps: fans around corner 0
+    if (i == 0 || next == 0) continue;
     mesh.triangles.emplace_back(0, next, i);
     mesh.triangles.emplace_back(last, last + i, last + next);
   }
@@ -65,7 +65,7 @@ Mesh cylinder_mesh(double radius_m, double length_m) {
 }
 
 Mesh capsule_mesh(double radius_m, double length_m) {
-  // Tangents of a quarter of a circle: its edges lie between those at 0 and at 90 degrees.
+  // Tangents of a quarter circle: its edges lie between those at 0 and at 90 degrees.
   constexpr int kRings = 5;
   constexpr double kStep_rad = 0.5 * std::numbers::pi / kRings;
   const double corner_m = radius_m / sin_cos(0.5 * kStep_rad).cos;
@@ -108,7 +108,7 @@ Mesh sphere_mesh(double radius_m) {
     faces = std::move(finer);
   }
   for (Eigen::Vector3d& point : points) point.normalize();
-  double inner = 1;  // how near to the centre the faces of the unit mesh come
+  double inner = 1;  // minimum distance of the unit mesh's faces from the centre
   for (const Eigen::Vector3i& f : faces) {
     const auto& [a, b, c] =
         std::tie(points[static_cast<size_t>(f[0])], points[static_cast<size_t>(f[1])],

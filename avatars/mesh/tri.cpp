@@ -18,21 +18,19 @@
 namespace throng {
 namespace {
 
-/// A body scan of five million points is about 250 MB of text; beyond that a part is no part.
+/// A body scan of five million points is about 250 MB of text; larger files are no body part.
 constexpr uintmax_t kMaxTriBytes = uintmax_t{512} << 20;
-/// A shortest vertex line is "0 0 0\n", a shortest triangle line "0 1 2\n": memory is reserved for
-/// no more lines than the file has room for, whatever its counts say.
+/// Length in bytes of the shortest lines, such as "0 1 2"; limits the memory reserved for a file.
 constexpr size_t kMinLineBytes = 6;
-/// The earth is 6.4e6 m in radius: larger coordinates are a lost decimal point, and their products
-/// would leave the range of a float.
+/// The earth's radius is 6.4e6 m; products of larger coordinates exceed the range of a float.
 constexpr float kMaxTriCoordinate_m = 1e7F;
-std::string things(size_t count, const char* what) {
+std::string plural(size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
-/// The words of a line; more than we ever need are counted, not kept.
+/// Words of a line; those beyond the fourth are counted, but not stored.
 struct Words {
   std::array<std::string_view, 4> word;
   size_t count = 0;
@@ -54,7 +52,7 @@ Words split(std::string_view line) {
   return words;
 }
 
-/// from_chars takes no plus sign, though "+1.5" is common.
+/// from_chars() rejects a plus sign, although "+1.5" is common.
 std::string_view without_plus(std::string_view word) {
   return word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+' ? word.substr(1)
                                                                                : word;
@@ -75,7 +73,7 @@ std::optional<float> coordinate(std::string_view word) {
   const auto [end, error] = std::from_chars(word.data(), last, value);
   if (end != last) return std::nullopt;
   if (error == std::errc::result_out_of_range) {
-    // Too large or too near zero for a float? Only the second is harmless.
+    // Near zero is harmless, too large is not.
     double wide = 0;
     if (std::from_chars(word.data(), last, wide).ec != std::errc() || std::abs(wide) > 1)
       return std::nullopt;
@@ -85,13 +83,12 @@ std::optional<float> coordinate(std::string_view word) {
   return value;
 }
 
-/// Lines that say something, one after another: comments and blank lines are passed over.
+/// Iterates over lines with content; skips comments and blank lines.
 class Lines {
  public:
   Lines(std::string_view text, const std::string& file, TriDialect& dialect)
       : text_(text), file_(file), dialect_(dialect) {}
 
-  /// False at the end of the file.
   bool next() {
     while (at_ < text_.size()) {
       const size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
@@ -116,13 +113,13 @@ class Lines {
     --words_.count;
   }
   size_t bytes_left() const { return text_.size() - at_; }
-  /// Lines that the rest can hold; the last may lack its line end.
+  /// Maximum number of lines in the rest; the last may lack its line end.
   size_t line_capacity() const { return (bytes_left() + 1) / kMinLineBytes; }
 
   [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
     throw InputError(at_line(file_, number_), expected, found);
   }
-  /// At the end of the file: the line after the last, as a text editor numbers it.
+  /// Reports the end of the file at the line after the last, as text editors number it.
   [[noreturn]] void fail_at_end(const std::string& expected) const {
     throw InputError(at_line(file_, std::max(number_, 1)), expected, "the end of the file");
   }
@@ -144,15 +141,13 @@ class Lines {
   int number_ = 0;
 };
 
-/// A count that the rest of the file has room for.
 size_t count_of(const Lines& lines, std::string_view word, const char* what, long long min_count) {
   const auto count = whole_number(word);
   const std::string expected = fmt::format("the number of {}", what);
   if (!count) lines.fail(expected, in_quotes(word));
   if (*count < min_count)
     lines.fail(fmt::format("{} to be at least {}", expected, min_count), std::to_string(*count));
-  // More lines than bytes is a wrong number; a few lines too many is a short file, reported at its
-  // end.
+  // More lines than bytes is a wrong count; slightly too many is a truncated file, reported later.
   if (static_cast<unsigned long long>(*count) > lines.bytes_left())
     lines.fail(fmt::format("{} to fit into the file ({} bytes left)", expected, lines.bytes_left()),
                std::to_string(*count));
@@ -165,7 +160,7 @@ void read_vertices(Lines& lines, size_t count, Mesh& mesh) {
     if (!lines.next())
       lines.fail_at_end(fmt::format("3 coordinates (vertex {} of {})", i + 1, count));
     const Words& words = lines.words();
-    if (words.count != 3) lines.fail("3 coordinates", things(words.count, "word"));
+    if (words.count != 3) lines.fail("3 coordinates", plural(words.count, "word"));
     Eigen::Vector3f vertex;
     for (size_t k = 0; k < 3; ++k) {
       const auto value = coordinate(words.word[k]);
@@ -214,8 +209,8 @@ bool is_keyword(std::string_view word) {
          std::tolower(static_cast<unsigned char>(word[2])) == 'i';
 }
 
-/// A NUL byte means that this is no text; the line says how far it looked like one.
-void refuse_binary(std::string_view text, const std::string& file_name) {
+/// Throws if the text contains a NUL byte; reports its line.
+void reject_binary(std::string_view text, const std::string& file_name) {
   const size_t nul = text.find('\0');
   if (nul == std::string_view::npos) return;
   int line = 1;
@@ -231,7 +226,7 @@ TriFile parse_tri(std::string_view text, const std::string& file_name) {
     file.dialect.byte_order_mark = true;
     text.remove_prefix(3);
   }
-  refuse_binary(text, file_name);
+  reject_binary(text, file_name);
   Lines lines(text, file_name, file.dialect);
   if (!lines.next()) lines.fail_at_end("the number of vertices");
   if (is_keyword(lines.words().word[0])) {
@@ -242,7 +237,7 @@ TriFile parse_tri(std::string_view text, const std::string& file_name) {
   const Words counts = lines.words();
   if (counts.count > 2)
     lines.fail("the number of vertices, alone or with the number of triangles",
-               things(counts.count, "word"));
+               plural(counts.count, "word"));
   file.dialect.counts_on_one_line = counts.count == 2;
   const size_t vertex_count = count_of(lines, counts.word[0], "vertices", 1);
   size_t triangle_count = 0;
@@ -251,7 +246,7 @@ TriFile parse_tri(std::string_view text, const std::string& file_name) {
   if (counts.count == 1 && lines.next()) {
     if (lines.words().count != 1)
       lines.fail("the number of triangles, or the end of the file",
-                 things(lines.words().count, "word"));
+                 plural(lines.words().count, "word"));
     triangle_count = count_of(lines, lines.words().word[0], "triangles", 0);
   }
   read_triangles(lines, triangle_count, file);
@@ -270,7 +265,7 @@ namespace {
 
 template <typename Number, typename... Format>
 void append(std::string& out, Number value, char after, Format... format) {
-  char digits[64];  // the longest fixed float is -3.4e38 written out: 40 characters; 1e-45: 55
+  char digits[64];  // longest fixed floats: -3.4e38 has 40 characters, 1e-45 has 55
   const auto end = std::to_chars(digits, digits + sizeof digits, value, format...).ptr;
   out.append(digits, end);
   out.push_back(after);
@@ -282,8 +277,7 @@ std::string format_tri(const Mesh& mesh) {
   std::string out;
   out.reserve(mesh.vertices.size() * 30 + mesh.triangles.size() * 16 + 16);
   append(out, mesh.vertices.size(), '\n');
-  // Adding zero turns -0 into 0. The shortest digits that read back as the same float: exact, and
-  // the same from any compiler.
+  // Adding zero turns -0 into 0. The shortest exact digits are equal for all compilers.
   for (const Eigen::Vector3f& v : mesh.vertices)
     for (int i = 0; i < 3; ++i)
       append(out, v[i] + 0.0F, i < 2 ? ' ' : '\n', std::chars_format::fixed);

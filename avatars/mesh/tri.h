@@ -1,5 +1,5 @@
-// The .tri format: a body part as vertex and triangle lists in a text file.
-// One rule: reads every dialect that is out there, writes only one, never returns half a mesh.
+// The .tri format stores a body part as vertex and triangle lists in a text file.
+// Invariant: all known dialects are read, one is written, and an incomplete mesh is never returned.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace throng {
 
-/// Which of the forms a .tri file was written in; `throng info` prints it.
+/// Dialect of a .tri file; printed by `throng info`.
 struct TriDialect {
   bool keyword = false;  ///< starts with TRI
   bool counts_on_one_line = false;
@@ -25,11 +25,11 @@ struct TriFile {
   TriDialect dialect;
 };
 
-/// Throws InputError "file:line: expected ..., found ...".
+/// Both throw InputError "file:line: expected ..., found ...".
 TriFile read_tri(const std::filesystem::path& file);
 TriFile parse_tri(std::string_view text, const std::string& file_name);
 
-/// Counts-then-lists, 0-based, no comments: the form Throng writes. Same mesh, same bytes.
+/// Returns the written dialect: counts before lists, 0-based, no comments. Same mesh, same bytes.
 std::string format_tri(const Mesh& mesh);
 
 }  // namespace throng

@@ -10,8 +10,8 @@
 #include "avatars/model/model.h"
 #include "base/errors.h"
 
-// The data of an installed package: cmake/data_place.cpp.in, compiled into programs of other
-// projects. The library itself names no place, so that it can be moved.
+// Directory of an installed package, compiled into programs (cmake/data_place.cpp.in). The library
+// contains no path; hence it can be moved.
 extern "C" __attribute__((weak)) const char throng_data_place[];
 
 namespace throng {
@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every data directory has the bundled models at the same place.
 const fs::path kModels = fs::path("avatars") / "models";
 
 bool holds_data(const fs::path& directory) {
@@ -27,7 +26,7 @@ bool holds_data(const fs::path& directory) {
   return fs::is_directory(directory / kModels, ignored);
 }
 
-/// The program, or the shared library or Python module, that this code was linked into.
+/// Returns the program, shared library or Python module that contains this code.
 fs::path own_file() {
   static const char here = 0;
   Dl_info info;
@@ -37,21 +36,19 @@ fs::path own_file() {
     const char* name = static_cast<const link_map*>(map)->l_name;
     if (name != nullptr && *name != '\0') return fs::canonical(name, failed);
   }
-  return fs::read_symlink("/proc/self/exe", failed);  // a program has no name there
+  return fs::read_symlink("/proc/self/exe", failed);  // dladdr() does not name programs
 }
 
-/// Where to look, the most certain first.
+/// Returns the directories to search, the most specific first.
 std::vector<fs::path> candidates() {
   const fs::path data = fs::path("share") / "throng";
   std::vector<fs::path> found;
-  // bin/throng, lib/python3/dist-packages/throng/*.so: some folder above both has share beside it.
-  // A build folder links to the sources.
+  // A folder above bin/throng and *.so files contains share; a build folder links to the sources.
   const fs::path file = own_file();
   for (fs::path above = file.parent_path(); above.has_relative_path(); above = above.parent_path())
     found.push_back(above / data);
   if (throng_data_place != nullptr) found.emplace_back(throng_data_place);
-  // As the desktop's base directories: what Debian's packages install is found without any
-  // settings.
+  // XDG base directories: finds Debian packages without settings.
   const char* shares = std::getenv("XDG_DATA_DIRS");
   std::istringstream list(shares != nullptr && *shares != '\0' ? shares
                                                                : "/usr/local/share:/usr/share");
@@ -69,17 +66,17 @@ fs::path data_directory() {
   if (const char* chosen = std::getenv("THRONG_DATA")) {
     if (holds_data(chosen)) return chosen;
     throw EnvironmentError(
-        fmt::format("THRONG_DATA is '{}', but there is no {} in it", chosen, kModels.string()));
+        fmt::format("THRONG_DATA is '{}', which does not contain {}", chosen, kModels.string()));
   }
   const std::vector<fs::path> places = candidates();
   for (const fs::path& place : places)
     if (holds_data(place)) return fs::canonical(place);
   std::string searched;
   for (const fs::path& place : places) searched += fmt::format("\n  {}", place.string());
-  throw EnvironmentError(
-      fmt::format("the bundled models are in none of the folders below; set THRONG_DATA to the one "
-                  "that holds {}{}",
-                  kModels.string(), searched));
+  throw EnvironmentError(fmt::format(
+      "the bundled models are in none of the folders below; set THRONG_DATA to the folder "
+      "that contains {}{}",
+      kModels.string(), searched));
 }
 
 fs::path generated_file(const fs::path& name) {

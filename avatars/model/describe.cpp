@@ -21,7 +21,7 @@ std::string_view surface_of(const Mesh& mesh) {
   return signed_volume_m3(mesh) > 0 ? "closed" : "closed, inside out";
 }
 
-/// "axis z" for a coordinate axis, the numbers otherwise.
+/// Returns "axis z" for a coordinate axis, the numbers otherwise.
 std::string axis_of(const Joint& joint) {
   for (int k = 0; k < 3; ++k)
     for (const double sign : {1.0, -1.0})
@@ -87,7 +87,6 @@ void describe_parts(const Model& model, std::string& out) {
   out += fmt::format("{:<{}}  {:>8}  {:>9}\n", "all", width, vertices, triangles);
 }
 
-/// What a scene makes of it.
 void describe_size(const Model& model, std::string& out) {
   if (model.start_box_m.isEmpty()) return;
   const Eigen::Vector3f size = model.start_box_m.sizes();
@@ -100,7 +99,7 @@ void describe_size(const Model& model, std::string& out) {
         model.height_m);
   else
     out += fmt::format(
-        "height: {:.3f} m; a robot: no human legs, keeps its size unless a scene says height_m, "
+        "height: {:.3f} m; a robot: no human legs, keeps its size unless a scene sets height_m, "
         "and "
         "stands on its lowest point, its root '{}' {:.3f} m above the ground\n",
         model.height_m, model.robot.links.front().name, model.root_height_m());
@@ -124,8 +123,7 @@ std::string describe_model(const Model& model) {
   describe_tree(model, out);
   out += "\n";
   describe_parts(model, out);
-  out += model.robot.notes.empty() ? "\nnothing in the file was left unused\n"
-                                   : "\nnot used or not understood:\n";
+  out += model.robot.notes.empty() ? "\nignored content: none\n" : "\nignored content:\n";
   for (const std::string& note : model.robot.notes) out += "  " + note + "\n";
   for (const std::string& assumption : model.assumptions)
     out += fmt::format("note: {}\n", assumption);
@@ -137,7 +135,7 @@ std::string describe_urdf(const std::filesystem::path& file, bool& complete) {
   std::string out = describe_model(*load_readable_model(file, unreadable));
   complete = unreadable.empty();
   if (complete) return out;
-  out += "\nshapes that cannot be read; a scene refuses this model until they can:\n";
+  out += "\nunreadable shapes; scenes reject this model until they are repaired:\n";
   for (const std::string& line : unreadable) out += "  " + line + "\n";
   return out;
 }

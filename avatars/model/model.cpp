@@ -76,12 +76,12 @@ void append(const Shape& shape, const Geometry& geometry, Part& part) {
   part.source += (part.source.empty() ? "" : " + ") + shape.source;
 }
 
-/// What stands for a link: its collision geometry, or the visual one where there is none.
+/// Returns the geometry used for a link: collision geometry, or visual geometry if there is none.
 const std::vector<Geometry>& geometry_of(const Link& link) {
   return link.collision.empty() ? link.visual : link.collision;
 }
 
-/// Also refuses what is no number any more once it is scaled.
+/// Rejects vertices that are too large or not finite, also after scaling.
 void check_coordinates(std::span<const Eigen::Vector3f> vertices, const std::string& source,
                        const Link& link, const std::string& where) {
   for (const Eigen::Vector3f& vertex : vertices)
@@ -90,9 +90,8 @@ void check_coordinates(std::span<const Eigen::Vector3f> vertices, const std::str
           where,
           fmt::format("every vertex of '{}' within {:g} m of link '{}'", source, kMaxDescribed,
                       link.name),
-          fmt::format(
-              "one at ({:g}, {:g}, {:g}) m; is the mesh in other units than its scale says?",
-              vertex.x(), vertex.y(), vertex.z()));
+          fmt::format("one at ({:g}, {:g}, {:g}) m; check the unit of the mesh and its scale",
+                      vertex.x(), vertex.y(), vertex.z()));
 }
 
 Part part_of(const Link& link, int index, const std::string& where,
@@ -123,7 +122,7 @@ void add_notes(Model& model) {
   });
   if (replaced > 0)
     robot.notes.push_back(
-        fmt::format("<visual> of {} links: not used, their <collision> geometry is", replaced));
+        fmt::format("<visual> of {} links: not used in favour of <collision>", replaced));
   constexpr float kSunk_m = 0.05f;
   if (model.is_person && model.start_box_m.min().z() < -kSunk_m)
     robot.notes.push_back(fmt::format(
@@ -132,7 +131,6 @@ void add_notes(Model& model) {
         robot.links.front().name, -model.start_box_m.min().z()));
 }
 
-/// See Model::start_box_m.
 Eigen::AlignedBox3f start_box_of(const FlatModel& kinematics, const std::vector<Part>& parts) {
   Eigen::AlignedBox3f box;
   if (parts.empty()) return box;
@@ -167,8 +165,7 @@ uint64_t hash_of(const std::string& urdf, const std::vector<Part>& parts) {
   return hash.value();
 }
 
-/// The parts that can be read; what cannot goes to `unreadable`, or is thrown where that is null.
-/// What is ignored in a mesh goes to `assumptions`.
+/// Reads all parts. Unreadable ones are added to `unreadable`, or thrown if that is null.
 std::vector<Part> parts_of(const Robot& robot, const std::string& where,
                            std::vector<std::string>* unreadable,
                            std::vector<std::string>& assumptions) {
@@ -183,7 +180,7 @@ std::vector<Part> parts_of(const Robot& robot, const std::string& where,
       unreadable->push_back(fmt::format("link '{}': {}", robot.links[i].name, error.what()));
     }
   }
-  for (std::string& note : notes)  // a mesh may be several links'
+  for (std::string& note : notes)  // several links may share a mesh
     if (std::find(assumptions.begin(), assumptions.end(), note) == assumptions.end())
       assumptions.push_back(std::move(note));
   if (parts.empty() && !unreadable)
@@ -206,7 +203,7 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
   FlatModel kinematics(robot, links);
   const uint64_t hash = hash_of(text, parts);
   Eigen::AlignedBox3f box = start_box_of(kinematics, parts);
-  // Wheels are polygons, and angles in a URDF have seven digits: a millimetre a metre is no step.
+  // Wheels are polygons, and angles in a URDF have seven digits: 1 mm per metre counts as zero.
   constexpr float kNoStep = 1e-3f;
   if (std::abs(box.min().z()) < kNoStep * box.sizes().z()) box.min().z() = 0;
   Model model{robot.name, std::move(robot), std::move(parts), std::move(kinematics), 0, hash};
@@ -241,7 +238,6 @@ float reach_of(const Model& model) {
       extent = std::max(extent, vertex.cast<double>().norm());
     reach = std::max(reach, static_cast<double>(model.kinematics.reach_m()[i]) + extent);
   }
-  // Sums of floats, and rotations that are not quite: a thousandth is far beyond both.
   return static_cast<float>(reach * 1.001);
 }
 

@@ -1,5 +1,6 @@
-// A model: a URDF and the meshes of its links, ready to be posed, culled and published.
-// One rule: immutable and shared by all avatars of that model; part frames are link frames.
+// Model is a body model: a URDF and the meshes of its links, ready for posing, culling and
+// publishing.
+// Invariant: immutable and shared by all avatars of that model; part frames are link frames.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,7 +17,7 @@ namespace throng {
 /// A body part: a link with geometry, its shapes merged into one mesh in the link's frame.
 struct Part {
   std::string name;    ///< the link's name
-  std::string source;  ///< "head.tri", "box", ...: what the shape came from, never an absolute path
+  std::string source;  ///< origin of the shape, such as "head.tri" or "box"; never an absolute path
   int link = -1;       ///< index into Model::robot.links
   Mesh mesh;
 };
@@ -26,27 +27,26 @@ struct Model {
   Robot robot;
   std::vector<Part> parts;  ///< in link order; links without geometry carry no part
   FlatModel kinematics;     ///< output i is the pose of parts[i]
-  /// In start_box_m: of a person the top above the root, which lies on the ground; of a robot from
-  /// its lowest point to its highest.
+  /// Height within start_box_m. Person: from the root, which lies on the ground, to the top. Robot:
+  /// from its lowest point to its highest.
   float height_m = 0;
   uint64_t content_hash =
-      0;  ///< of the URDF text and every mesh: names the model in a run's identity
+      0;  ///< hash of the URDF text and all meshes; identifies the model in a run id
 
-  /// A person: has the joints of human legs, so that a gait moves them. Anything else is a robot.
+  /// Whether the model has the joints of human legs, which a gait can move. All others are robots.
   bool is_person = false;
-  /// Around all parts with every joint at zero, or as near as its limits let it (root's frame).
+  /// Box around all parts in the root frame, with every joint at zero, clamped to its limits.
   Eigen::AlignedBox3f start_box_m{};
-  /// What its files leave open or state in vain, and how they are read, a line each: runs show
-  /// these.
+  /// Gaps and ignored statements in the model's files, one per line, with their interpretation.
   std::vector<std::string> assumptions{};
 
   int part_count() const { return static_cast<int>(parts.size()); }
-  /// How high the root is over the ground it stands on, at scale 1: a person's lies on it, a robot
-  /// stands on the lowest point of its start_box_m.
+  /// Returns the height of the root above the ground at scale 1. A person's root lies on it; a
+  /// robot stands on the lowest point of start_box_m.
   float root_height_m() const {
     return is_person || start_box_m.isEmpty() ? 0 : 0 - start_box_m.min().z();
   }
-  /// Of the circle around the root's z axis that holds start_box_m.
+  /// Returns the radius of the circle around the root's z axis that contains start_box_m.
   float footprint_radius_m() const {
     return start_box_m.isEmpty() ? 0
                                  : start_box_m.min()
@@ -57,29 +57,26 @@ struct Model {
   }
 };
 
-/// Radius of the sphere about the root's origin that holds every part in every posture within the
-/// joints' limits (metres, unscaled).
+/// Radius of the sphere about the root's origin that contains every posture (metres, unscaled).
 float reach_of(const Model& model);
 
-/// Reads a URDF and every mesh it names. Collision geometry is preferred, visual is used where a
-/// link has no collision geometry. Throws InputError.
+/// Reads a URDF and its meshes. Visual geometry is used where there is no collision geometry.
+/// Throws InputError.
 std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file);
 
-/// The same for looking at a model whose meshes are not all at hand: links whose shapes cannot be
-/// read carry no part, and `unreadable` gets a line for each. Throws InputError for a bad URDF.
+/// Same for a model with missing meshes: links with unreadable shapes have no part, and
+/// `unreadable` gets a line for each. Throws InputError for a bad URDF.
 std::shared_ptr<const Model> load_readable_model(const std::filesystem::path& urdf_file,
                                                  std::vector<std::string>& unreadable);
 
-/// Where the bundled models and scenes lie: $THRONG_DATA, else share/throng in a folder above the
-/// program or module, else in the package that it was built with, else throng in one of
-/// $XDG_DATA_DIRS. Throws EnvironmentError if they are nowhere.
+/// Returns the directory of the bundled models and scenes. Search order: $THRONG_DATA; share/throng
+/// in a folder above the program or module; the package it was built with; throng in
+/// $XDG_DATA_DIRS. Throws EnvironmentError if none exists.
 std::filesystem::path data_directory();
 
-/// A file that was made when Throng was built: NAME in lib/throng beside the share/throng of a data
-/// directory. Empty if there is none.
+/// Returns lib/throng/NAME next to share/throng, a file generated at build time; empty if missing.
 std::filesystem::path generated_file(const std::filesystem::path& name);
 
-/// The bundled adult: avatars/models/adult/adult.urdf.
 std::filesystem::path adult_urdf();
 
 }  // namespace throng

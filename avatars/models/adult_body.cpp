@@ -16,20 +16,19 @@ Eigen::Vector3d on_grid(const Eigen::Vector3d& p) { return rounded(p).cast<doubl
 }  // namespace
 
 const AdultJoints& adult_joints() {
-  // Fractions of stature, Drillis & Contini in Winter, Biomechanics and Motor Control of Human
+  // Fractions of stature by Drillis & Contini, in Winter, Biomechanics and Motor Control of Human
   // Movement: ankle height .039, shank .246, thigh .245, upper arm .188, forearm .152.
   static const AdultJoints joints = [] {
     constexpr double h = kAdultHeight_m;
     AdultJoints j;
-    // Hip joint centres lie .097 h apart; the legs converge slightly towards the feet.
+    // Hip joint centres are .097 h apart; the legs converge slightly towards the feet.
     j.ankle = on_grid({0, 0.075, 0.039 * h});
     j.knee = on_grid({0, 0.080, (0.039 + 0.246) * h});
     j.hip = on_grid({0, 0.085, (0.039 + 0.246 + 0.245) * h});
     j.pelvis = {0, 0, j.hip.z()};
     j.thorax = on_grid({0, 0, 0.600 * h});
     j.head = on_grid({0, 0, 0.852 * h});
-    // Acromion height .818 h. The arms hang a little outwards (the carrying angle), which keeps
-    // them clear of chest, hips and thighs.
+    // Acromion height .818 h. The arms hang slightly outwards, clear of chest, hips and thighs.
     j.shoulder = on_grid({-0.012, 0.192, 0.816 * h});
     j.elbow = on_grid(j.shoulder + Eigen::Vector3d(-0.03, 0.100, -1).normalized() * (0.188 * h));
     j.wrist = on_grid(j.elbow + Eigen::Vector3d(0.08, 0.070, -1).normalized() * (0.152 * h));

@@ -1,6 +1,6 @@
 // The bundled adult: 15 body parts lofted from anthropometric tables, and the URDF that joins them.
-// One rule: everything is drawn standing upright in the root frame (x forward, y left, z up, soles
-// at z = 0) and then moved into its joint's frame; right parts are mirror images of left ones.
+// Invariant: parts are drawn standing upright in the root frame, then moved into their joint's
+// frame. The root frame is x forward, y left, z up, soles at z = 0. Right parts mirror left ones.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ inline constexpr double kAdultHeight_m = 1.75;
 /// Body mass, kg: the mean stature at a body mass index of 24.
 inline constexpr double kAdultMass_kg = 73.5;
 
-/// Joint centres of the standing adult in the root frame, left side; metres.
+/// Joint centres of the standing adult in the root frame, left side, in metres.
 struct AdultJoints {
   Eigen::Vector3d pelvis, thorax, head, shoulder, elbow, wrist, hip, knee, ankle;
 };
@@ -25,14 +25,12 @@ const AdultJoints& adult_joints();
 
 struct AdultPart {
   std::string file;        ///< "head.tri": a name of Table 1 of Suaib et al. 2013
-  Mesh mesh;               ///< in the frame of the joint that carries it
-  Eigen::Vector3d origin;  ///< of that frame, standing, in the root frame
+  Mesh mesh;               ///< in the frame of its joint
+  Eigen::Vector3d origin;  ///< origin of that frame when standing, in the root frame
 };
 
-/// All 15, in the order of Table 1.
 std::vector<AdultPart> adult_parts();
 
-/// The text of adult.urdf.
 std::string adult_urdf_text();
 
 /// Writes adult.urdf and the 15 .tri files. Throws EnvironmentError.

@@ -1,5 +1,5 @@
-// The hand: a flat tube for the palm, from whose far end four fingers grow and from whose side the
-// thumb does. Left hand, hanging: the thumb lies in front, along the index finger, and the palm
+// hand_shape() draws the hand: a flat tube for the palm, four fingers at its far end and the thumb
+// at its side. Left hand, hanging: the thumb is in front, along the index finger, and the palm
 // faces the thigh (-y).
 #include <Eigen/Geometry>
 #include <array>
@@ -11,17 +11,16 @@
 namespace throng {
 namespace {
 
-// The palm's rings have 20 points: 9 columns on the back, one at the little finger's side, 9
-// columns on the inside, one at the thumb's side. The end face is a grid of 9 columns and 3 rows;
-// each finger stands on the rim of 2 x 2 of its cells, each thumb ring continues the rim of 2 x 2
-// cells of the palm's side. 11 x 20 + 45 x 8 + 3 webs + 5 tips + 2 at the wrist - 1 under the thumb
-// = 589.
+// The palm's rings have 20 points: 9 columns on the back, 1 at the little finger's side, 9 on the
+// inside, 1 at the thumb's side. The end face is a grid of 9 columns and 3 rows. Each finger stands
+// on the rim of 2 x 2 of its cells, the thumb on the palm's side likewise. Vertices: 11 x 20 + 45 x
+// 8 + 3 webs + 5 tips + 2 at the wrist - 1 under the thumb = 589.
 constexpr int kColumns = 9;
 constexpr int kPalmRings = 11;
 constexpr int kPalmSegments = 20;
 constexpr int kLittleSide = 9;
 constexpr int kThumbSide = 19;
-constexpr int kThumbRing = 4;  ///< middle row of the cells that the thumb stands on
+constexpr int kThumbRing = 4;  ///< middle row of the cells under the thumb
 constexpr int kDigitRings = 9;
 constexpr int kDigitSegments = 8;
 
@@ -48,22 +47,21 @@ constexpr std::array<PalmRow, kPalmRings> kPalm = {{
 struct Digit {
   double length, radius, curl_rad;
 };
-/// Index to little finger of a relaxed hand: each bends a little more than the one before, at the
-/// knuckle and along its length.
+/// Index to little finger of a relaxed hand: each is bent slightly more than the one before.
 constexpr std::array<Digit, 4> kFingers = {
     {{0.074, 0.0093, 0.92}, {0.083, 0.0095, 0.94}, {0.076, 0.0093, 0.97}, {0.060, 0.0087, 1.00}}};
 constexpr std::array<double, 4> kKnuckles_rad = {0.34, 0.36, 0.38, 0.40};
-/// Breadth of a finger over its thickness: less than two millimetres stay between two fingers.
+/// Ratio of a finger's breadth to its thickness: leaves less than 2 mm between fingers.
 constexpr double kFingerBreadth = 1.07;
 constexpr Digit kThumb = {0.060, 0.0108, 0.55};
 
-/// Thickness of a digit along it: knuckles, a waist between them, a rounded tip.
+/// Thickness along a digit: knuckles, a waist between them, a rounded tip.
 constexpr std::array<double, kDigitRings> kDigitGirth = {0.98, 0.97, 0.94, 0.97, 0.92,
                                                          0.88, 0.88, 0.78, 0.52};
 constexpr std::array<double, kDigitRings> kDigitAlong = {0.06, 0.18, 0.32, 0.46, 0.60,
                                                          0.74, 0.86, 0.94, 0.985};
 
-/// Where a digit goes: from `base` along `start`, turning by `curl_rad` in all towards `bend`.
+/// Axis of a digit: from `base` along `start`, turning by `curl_rad` in total towards `bend`.
 struct DigitPath {
   Eigen::Vector3d base, start, bend;  ///< the two directions are orthogonal
   double breadth = 1;                 ///< of the digit over its thickness
@@ -71,7 +69,7 @@ struct DigitPath {
 
 void append_digit(Mesh& mesh, const std::array<int, kDigitSegments>& rim, const Digit& digit,
                   const DigitPath& path) {
-  // The rim's points go round as the octagon below does: corner, edge, corner, ...
+  // The rim's points are ordered like the octagon: corner, edge, corner, ...
   static constexpr std::array<std::array<double, 2>, kDigitSegments> kOctagon = {{{-0.76, 0.76},
                                                                                   {0, 1},
                                                                                   {0.76, 0.76},
@@ -156,7 +154,7 @@ Mesh hand_shape() {
     }
   }
 
-  // The wrist: a ridge of two points, since the ring is twice as wide as thick.
+  // The wrist ends in a ridge of two points, because the ring is twice as wide as thick.
   const int front = static_cast<int>(mesh.vertices.size());
   const int rear = front + 1;
   mesh.vertices.push_back(rounded({0.012, 0, 0.012}));
@@ -174,7 +172,6 @@ Mesh hand_shape() {
     if (ridge(s) != ridge(next)) mesh.triangles.emplace_back(at(0, next), ridge(s), ridge(next));
   }
 
-  // Webs between the fingers: the middle row of the end face.
   constexpr int kEnd = kPalmRings - 1;
   std::array<int, kColumns> middle{};
   middle[0] = at(kEnd, kThumbSide);
@@ -203,7 +200,6 @@ Mesh hand_shape() {
                   palmwards * bent.x() - down * bent.y(), kFingerBreadth});
   }
 
-  // The thumb leaves the palm's side downwards and bends towards the index finger.
   const int r = kThumbRing;
   const std::array<int, kDigitSegments> rim = {
       at(r - 1, inside(0)), at(r - 1, kThumbSide), at(r - 1, back(0)),   at(r, back(0)),
@@ -215,7 +211,6 @@ Mesh hand_shape() {
       palm_point(kPalm[kThumbRing], kThumbSide) + Eigen::Vector3d(-0.001, -0.003, -0.009);
   append_digit(mesh, rim, kThumb, {base, start, bend});
   orient_outwards(mesh);
-  // Drawn around the wrist.
   const Eigen::Vector3d& wrist = adult_joints().wrist;
   for (Eigen::Vector3f& v : mesh.vertices) v = rounded(v.cast<double>() + wrist);
   return mesh;

@@ -1,4 +1,4 @@
-// Legs, feet and arms, left side.
+// Shapes of legs, feet and arms, left side.
 #include <array>
 
 #include "avatars/models/adult_body.h"
@@ -7,7 +7,7 @@
 namespace throng {
 namespace {
 
-/// Half axes of a limb at a height; the centre runs straight from joint to joint.
+/// Half axes of a limb at a height; the centre line is straight from joint to joint.
 struct Girth {
   double height, front, back, outer, inner;
 };
@@ -86,8 +86,7 @@ Mesh foot_shape() {
       {0.182, 0.043, 0.046, 0.028, 0},
       {0.202, 0.018, 0.040, 0.022, 0.003},
   }};
-  // Half an outline from the top over the side to the middle of the sole: share of the half width,
-  // share of the height. Flat below: a person stands on it.
+  // Half an outline, top to sole, in shares of half width and height. Flat to stand on.
   static constexpr std::array<std::array<double, 2>, 7> kOutline = {
       {{0, 1}, {0.50, 0.90}, {0.86, 0.62}, {1, 0.34}, {0.96, 0.10}, {0.60, 0}, {0, 0}}};
   const AdultJoints& j = adult_joints();
@@ -109,7 +108,7 @@ Mesh foot_shape() {
 }
 
 Mesh upper_arm_shape() {
-  // Biceps 358 mm around when flexed (ANSUR II, men); it hangs relaxed here.
+  // Biceps 358 mm around when flexed (ANSUR II, men); drawn relaxed.
   const AdultJoints& j = adult_joints();
   Loft loft;
   loft.table = along(j.shoulder, j.elbow,

@@ -1,4 +1,4 @@
-// Head, torso and pelvis: the parts on the midline.
+// Shapes of head, torso and pelvis: the parts on the midline.
 #include <array>
 
 #include "avatars/models/adult_body.h"
@@ -11,8 +11,7 @@ Section on_midline(double height, double x, double front, double back, double ha
   return {height, x, 0, front, back, half, half, square};
 }
 
-/// How far the face stands out from its section, millimetres: a row a ring of the head from the
-/// bottom, columns from the midline outwards (both sides alike).
+/// Relief of the face in millimetres. Rows: rings from the bottom; columns: from the midline.
 constexpr int kReliefColumns = 5;
 constexpr std::array<std::array<double, kReliefColumns>, 18> kRelief = {{
     {},                  // neck
@@ -30,7 +29,7 @@ constexpr std::array<std::array<double, kReliefColumns>, 18> kRelief = {{
     {4, 5, 4, 3, 1},     // brow
 }};
 
-/// Ears: rings 9 to 12, where the crowded segments reach the side of the head.
+/// Ears: rings 9 to 12, where the dense segments reach the side of the head.
 constexpr int kEarSegment = 10;
 constexpr std::array<double, 4> kEar_mm = {5, 12, 15, 12};
 constexpr int kEarRing = 9;
@@ -82,8 +81,8 @@ Mesh head_shape() {
 }
 
 Mesh torso_shape() {
-  // Chest 289 x 254 mm (ANSUR II, men). The waist, 326 x 238 mm there, is rounder here, and below
-  // it the trunk is drawn in: it turns on the pelvis, and no twist shows its lower end.
+  // Chest 289 x 254 mm (ANSUR II, men). The waist is rounder than the measured 326 x 238 mm. Below
+  // it the trunk narrows to hide its lower end at any rotation on the pelvis.
   const std::vector<Section> table = {
       on_midline(1.000, 0.000, 0.096, 0.096, 0.104, 0),
       on_midline(1.0187, 0.000, 0.114, 0.111, 0.134, 0),
@@ -109,9 +108,8 @@ Mesh torso_shape() {
 }
 
 Mesh pelvis_shape() {
-  // Hip breadth 346 mm, buttock depth 246 mm (ANSUR II, men). Table 1 leaves it 74 vertices, most
-  // of them where it goes into the torso. There it narrows to a circle, so that no twist turns a
-  // corner of it outwards.
+  // Hip breadth 346 mm, buttock depth 246 mm (ANSUR II, men). Table 1 gives it 74 vertices, mostly
+  // where it enters the torso. There it narrows to a circle: no rotation turns a corner outwards.
   struct PelvisRing {
     Section section;
     int segments;

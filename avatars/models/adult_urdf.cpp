@@ -1,4 +1,4 @@
-// adult.urdf: the links and joints of the bundled adult.
+// adult_urdf_text() writes adult.urdf: the links and joints of the bundled adult.
 #include <fmt/format.h>
 
 #include "avatars/models/adult_body.h"
@@ -33,7 +33,7 @@ class Urdf {
  public:
   void helper(const std::string& name) { text_ += fmt::format("  <link name=\"{}\"/>\n", name); }
 
-  /// A link with its mesh; inertia of the ellipsoid that fills the mesh's box.
+  /// Adds a link with its mesh; inertia of the ellipsoid inscribed in the mesh's box.
   void body(const AdultPart& part) {
     const std::string name = part.file.substr(0, part.file.find('.'));
     Eigen::Vector3d low = part.mesh.vertices[0].cast<double>();
@@ -62,7 +62,7 @@ class Urdf {
   void joint(const std::string& name, const char* type, const std::string& parent,
              const std::string& child, const Eigen::Vector3d& origin, const char* axis,
              const Range& range) {
-    // Effort and velocity: what a strong adult reaches; Throng plays postures and uses neither.
+    // Effort and velocity of a strong adult; Throng ignores both.
     text_ += fmt::format(
         "  <joint name=\"{}\" type=\"{}\">\n"
         "    <parent link=\"{}\"/>\n"
@@ -82,7 +82,7 @@ class Urdf {
   std::string text_;
 };
 
-/// One arm and one leg; positive angles mean the same on both sides.
+/// Adds one arm and one leg; positive angles mean the same on both sides.
 void add_side(Urdf& urdf, bool left) {
   const AdultJoints& j = adult_joints();
   const std::string side = left ? "left" : "right";

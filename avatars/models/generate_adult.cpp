@@ -1,4 +1,4 @@
-// Writes adult.urdf and its 15 .tri files into a folder: throng_generate_adult avatars/models/adult
+// throng_generate_adult FOLDER: writes adult.urdf and its 15 .tri files.
 #include <exception>
 
 #include "avatars/models/adult_body.h"

@@ -9,7 +9,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kGrid_m = 1e-5;
 
-/// A horizontal end face or the fan around a pole.
 void close_end(Mesh& mesh, int ring_start, int segments, int pole, bool first) {
   const auto add = [&](int a, int b, int c) {
     if (first)
@@ -21,8 +20,7 @@ void close_end(Mesh& mesh, int ring_start, int segments, int pole, bool first) {
     for (int k = 0; k < segments; ++k) add(ring_start + k, ring_start + (k + 1) % segments, pole);
     return;
   }
-  // Without a pole: strips from side to side, which keeps the triangles from all meeting in one
-  // corner.
+  // Without a pole: strips from side to side, to keep the triangles from meeting in one corner.
   for (int low = 0, high = segments - 1; low + 1 < high;) {
     add(ring_start + low, ring_start + low + 1, ring_start + high);
     ++low;
@@ -33,7 +31,6 @@ void close_end(Mesh& mesh, int ring_start, int segments, int pole, bool first) {
   }
 }
 
-/// The band between two rings.
 void add_strip(Mesh& mesh, int low_start, int low_size, int high_start, int high_size) {
   const auto low = [&](int k) { return low_start + k % low_size; };
   const auto high = [&](int k) { return high_start + k % high_size; };
@@ -44,7 +41,7 @@ void add_strip(Mesh& mesh, int low_start, int low_size, int high_start, int high
     }
     return;
   }
-  // Round both rings at once, next along the one whose next edge has its middle earlier.
+  // Walks around both rings, advancing on the one whose next edge has its middle earlier.
   for (int l = 0, h = 0; l < low_size || h < high_size;) {
     if ((2 * l + 1) * high_size < (2 * h + 1) * low_size) {
       mesh.triangles.emplace_back(low(l), low(l + 1), high(h));
@@ -90,7 +87,7 @@ Section scaled(Section s, double factor) {
 
 Eigen::Vector2d on_circle(double turns) {
   assert(turns >= -0.5 && turns <= 0.5);
-  // Taylor series of the half angle, which stays below pi/2, then doubled. Odd and even exactly.
+  // Taylor series of the half angle, below pi/2, then doubled: exactly symmetric.
   const double a = kPi * turns;
   double sine = 0;
   double cosine = 0;
@@ -121,7 +118,7 @@ Section section_at(std::span<const Section> table, double height) {
 Ring ring_of(const Section& section, int segments, double crowding) {
   Ring ring;
   for (int k = 0; k < segments; ++k) {
-    // The far half counted backwards, so that the two halves mirror each other to the bit.
+    // Counting the far half backwards makes the two halves mirror images to the bit.
     const double turns = (2 * k > segments ? k - segments : k) / static_cast<double>(segments);
     const double drawn = turns - crowding * on_circle(turns).y() / (2 * kPi);
     const Eigen::Vector2d unit = on_circle(2 * k == segments ? 0.5 : drawn);
@@ -160,7 +157,7 @@ std::vector<Ring> rings_of(const Loft& loft) {
 
 Mesh tube(std::span<const Ring> rings, const Poles& poles) {
   Mesh mesh;
-  std::vector<int> starts;  // of the rings among the vertices
+  std::vector<int> starts;  // index of each ring's first vertex
   for (const Ring& ring : rings) {
     starts.push_back(static_cast<int>(mesh.vertices.size()));
     for (const Eigen::Vector3d& point : ring) mesh.vertices.push_back(rounded(point));

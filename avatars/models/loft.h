@@ -1,6 +1,6 @@
-// Lofting: closed surfaces swept through cross-sections, the way a ship's hull is drawn.
-// One rule: the same coordinates to the bit from any compiler, so only + - * / and sqrt, and every
-// coordinate rounded to 10 micrometres.
+// Lofting builds closed surfaces through cross-sections.
+// Invariant: coordinates are equal to the bit for all compilers: only + - * / and sqrt are used,
+// and every coordinate is rounded to 10 micrometres.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,7 @@
 
 namespace throng {
 
-/// One horizontal cross-section of a body part that stands upright: four quarter ellipses around a
-/// centre. Metres.
+/// One horizontal cross-section, in metres: four quarter ellipses around a centre.
 struct Section {
   double height;                    ///< z of the section
   double x, y;                      ///< its centre
@@ -20,53 +19,49 @@ struct Section {
   double square;  ///< 0: elliptic quarters; 1: nearly rectangular ones (|x|^4 + |y|^4 = 1)
 };
 
-/// The section at a height between the rows of a table (heights strictly monotone): each column a
-/// monotone cubic (Fritsch & Butland 1984), so that no bulge appears between the rows.
+/// Returns the section at a height between the rows of a table (heights strictly monotone). Each
+/// column is a monotone cubic (Fritsch & Butland 1984), which adds no bulge between rows.
 Section section_at(std::span<const Section> table, double height);
 
 using Ring = std::vector<Eigen::Vector3d>;
 
-/// Points of a section from +x over +y. `crowding` in [0, 1) draws them towards the front.
+/// Points of a section from +x over +y. `crowding` in [0, 1) moves them towards the front.
 Ring ring_of(const Section& section, int segments, double crowding = 0);
 
-/// A loft along a table of sections with rounded ends.
 struct Loft {
   std::vector<Section> table;
   int rings = 0;
   int segments = 0;
-  int first_cap_rings = 3;  ///< of `rings`, in the rounded end before the first row
+  int first_cap_rings = 3;  ///< number of `rings` in the rounded end before the first row
   int last_cap_rings = 3;
-  double first_cap_m = 0;  ///< how far the rounded end reaches beyond the first row
+  double first_cap_m = 0;  ///< length of the rounded end before the first row
   double last_cap_m = 0;
 };
 std::vector<Ring> rings_of(const Loft& loft);
 
-/// What closes the two ends of a tube of rings: a pole each, or, where absent, the flat end face.
+/// End points of a tube of rings: a pole per end, or null for a flat end face.
 struct Poles {
   const Eigen::Vector3d* first = nullptr;
   const Eigen::Vector3d* last = nullptr;
 };
 
-/// The closed, outward-oriented surface through rings. Vertices: rings in order, then
-/// the first pole, then the last. Rounded to 10 micrometres.
+/// Returns the closed, outward-oriented surface through rings. Vertices: rings in order, then the
+/// first pole, then the last. Rounded to 10 micrometres.
 Mesh tube(std::span<const Ring> rings, const Poles& poles);
 
-/// The tube of a loft with a pole at the far end of each rounded end.
 Mesh lofted(const Loft& loft);
 
-/// Turns the mesh inside out if its volume is negative.
 void orient_outwards(Mesh& mesh);
 
-/// The mirror image in the body's midplane, y to -y, still oriented outwards.
+/// Returns the mirror image in the body's midplane, y to -y, still oriented outwards.
 Mesh mirrored(const Mesh& mesh);
 
-/// The mesh seen from a frame whose origin lies at `origin`.
 Mesh relative_to(const Mesh& mesh, const Eigen::Vector3d& origin);
 
-/// The nearest multiple of 10 micrometres, never -0.
+/// Returns the nearest multiple of 10 micrometres, never -0.
 Eigen::Vector3f rounded(const Eigen::Vector3d& point);
 
-/// The unit circle at `turns` of a full turn in [-1/2, 1/2]; (cos, sin), odd and even exactly.
+/// Returns (cos, sin) of `turns` in [-1/2, 1/2] of a full turn; exactly symmetric.
 Eigen::Vector2d on_circle(double turns);
 
 }  // namespace throng

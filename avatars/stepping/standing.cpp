@@ -11,16 +11,16 @@
 namespace throng {
 namespace {
 
-// Nothing happens in the first second; then it comes, and goes again, within these.
+// Standing motion starts after kSettling_s, fades in over kComing_s and out over kGoing_s.
 constexpr float kSettling_s = 1;
 constexpr float kComing_s = kMaxStandingTime_s - kSettling_s;
 constexpr float kGoing_s = 0.5f;
 
-// A person shifts weight once in each of its own periods of so long, in its middle.
+// A person shifts weight once per period, near its middle. Each person has its own period.
 constexpr float kMinPeriod_s = 22, kMaxPeriod_s = 36;
 constexpr float kEarliest = 0.2f, kLatest = 0.8f;
 constexpr float kMinShift_s = 1.2f, kMaxShift_s = 2.2f;
-// On one foot, on the other, or now and then between them.
+// Weight is on one foot or the other, and at times between them.
 constexpr float kMinSide_m = 0.02f, kMaxSide_m = 0.04f, kBetween_m = 0.008f;
 constexpr float kBetweenShare = 0.25f;
 
@@ -29,13 +29,12 @@ constexpr float kWave_hz[kWaves] = {0.17f, 0.43f};
 constexpr float kWave_m[kWaves] = {0.0022f, 0.001f};
 
 constexpr float kMinBreath_hz = 12.0f / 60, kMaxBreath_hz = 18.0f / 60;
-constexpr float kBreathesIn = 0.4f;  // of a breath
+constexpr float kBreathesIn = 0.4f;  // share of a breath
 
-/// Four numbers in [0, 1).
 struct Draws {
   float at[4];
 };
-/// SplitMix64 from where a person's own bits say.
+/// SplitMix64, seeded with a person's bits.
 Draws draws(uint64_t own_bits, uint64_t number) {
   const uint64_t bits = mixed(own_bits + number * 0x9e3779b97f4a7c15ull);
   Draws out;
@@ -47,18 +46,17 @@ Draws draws(uint64_t own_bits, uint64_t number) {
 float between(float low, float high, float share) { return low + share * (high - low); }
 
 float smooth(float u) { return u * u * (3 - 2 * u); }
-/// Without a jerk at its ends.
 float smoother(float u) {
   u = std::clamp(u, 0.0f, 1.0f);
   return u * u * u * (10 + u * (6 * u - 15));
 }
 
-/// Of a number from 0.
+/// Returns the fractional part of a number of at least 0.
 float fraction(double x) {
   return static_cast<float>(x - static_cast<double>(static_cast<int64_t>(x)));
 }
 
-/// Where the weight is from the shift of a period on. Without branches: nobody could predict them.
+/// Returns the place of the weight after a period's shift; branch-free, as it is unpredictable.
 float place_m(const Draws& period, uint64_t number, uint64_t side) {
   const auto left = static_cast<float>(1 - 2 * static_cast<int>((number + side) & 1));
   const auto stands_between = static_cast<float>(period.at[1] < kBetweenShare);

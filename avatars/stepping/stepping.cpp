@@ -36,7 +36,7 @@ SignedAxis signed_axis(const Eigen::Vector3d& direction) {
   return {static_cast<int>(index), direction[index] > 0 ? 1.0f : -1.0f};
 }
 
-// The tangent of a lean whose sine this is, as reach_for() has it.
+// Returns the tangent of a lean from its sine, as in reach_for().
 double lean_of(double sine) { return sine * (1 + 0.5 * sine * sine); }
 
 }  // namespace
@@ -82,9 +82,9 @@ void Stepping::set_bounds(float centre_z_m, float radius_m, float upright_radius
   t.sphere_z_m = centre_z_m;
   t.sphere_m = radius_m;
   t.upright_m = upright_radius_m;
-  // Whatever is allowed lies in the upright cylinder, but for the slack of what is known of it.
-  constexpr float kSpare = 1.2f;
-  t.corner_m = -kSpare * t.upright_m;
+  // All permitted bodies fit into the upright cylinder, except for the bounds' slack.
+  constexpr float kSlack = 1.2f;
+  t.corner_m = -kSlack * t.upright_m;
   t.grain_m = -2 * t.corner_m / static_cast<float>(SteppingTables::kGrains);
   t.per_grain = 1 / t.grain_m;
 }
@@ -139,7 +139,7 @@ void Stepping::read_leg(const Walker& walker, const PosableModel& model, size_t 
   leg.ankle_side_m = grained(shape.ankle_side_m);
   leg.square_sum_m2 = grained(shape.thigh_m.squaredNorm() + shape.shank_m.squaredNorm());
   leg.per_twice_product = grained(0.5 / (shape.thigh_m.norm() * shape.shank_m.norm()));
-  // As turned() of gait_cycle.cpp turns.
+  // Same rotation as turned() of gait_cycle.cpp.
   const double straight =
       arc_tan2(shape.shank_m.y() * shape.thigh_m.x() - shape.shank_m.x() * shape.thigh_m.y(),
                shape.shank_m.dot(shape.thigh_m));
@@ -195,7 +195,7 @@ void Stepping::add_node(const Walker& walker, const WalkerPose& pose, float* to)
     const WalkerPose::Foot& foot = pose.feet[side];
     const LegParameters& leg = tables_->legs[side];
     const Eigen::Vector3d up = walker.leg(side).up_along_leg(foot.hip_m, foot.target);
-    // A leaning foot stands on the sole's edge: that part of the height depends on the leg's lean.
+    // A leaning foot stands on the sole's edge: part of the height depends on the lean.
     const double height =
         (foot.target.ankle_m - foot.ground_m).z() / up.z() -
         static_cast<double>(leg.sole_half_width_m) * lean_of(length_of(up.x(), up.y()));
@@ -217,7 +217,7 @@ void Stepping::add_track(const Walker& walker, const std::vector<WalkerPose>& cy
   const double stride_m =
       stride_per_sqrt_speed(walker.style()) * sqrt_speed * walker.leg_length_m();
   const double stance = stance_fraction(sqrt_speed * sqrt_speed, walker.style());
-  // Without what the foot has rolled along its heading.
+  // Excludes the foot's roll along its heading.
   const auto side_m = [&](const WalkerPose::Foot& foot, size_t side) {
     return foot.ground_m.y() -
            walker.leg(side).roll_m(foot.target.pitch_rad) * sin_cos(foot.target.heading_rad).sin;
@@ -245,8 +245,7 @@ uint64_t Stepping::walk(WalkBatch& batch, SimdTarget target) const {
   return lost;
 }
 
-/// Takes from the shift of the feet that the legs do not reach what they do not; from both feet's
-/// where that does not help. One person in some hundred needs it.
+/// Reduces shifts of feet beyond the legs' reach. About one person in a hundred needs it.
 bool Stepping::settle(WalkBatch& batch, size_t lane) const {
   const std::array<float, WalkBatch::kFeetNumbers> whole = batch.feet_of(lane);
   std::array<float, WalkBatch::kFeetNumbers> reached{};
@@ -258,7 +257,7 @@ bool Stepping::settle(WalkBatch& batch, size_t lane) const {
   };
   int sides = static_cast<int>(batch.out_of_reach[lane]);
   if (!reaches(sides, 0) && (sides == 3 || !reaches(sides = 3, 0))) return false;
-  constexpr int kHalvings = 6;  // of 0.4 m, some millimetres
+  constexpr int kHalvings = 6;  // 0.4 m to some millimetres
   float low = 0, high = 1;
   for (int i = 0; i < kHalvings; ++i) {
     const float share = 0.5f * (low + high);
@@ -316,7 +315,7 @@ RootBox Stepping::box_of(const WalkBounds& packed_bounds, float scale) const {
     box.min_m[axis] = at(both / SteppingTables::kGrains);
     box.max_m[axis] = at(both % SteppingTables::kGrains);
   }
-  // Upright bodies are kept apart by what is seen from above.
+  // Upright bodies are separated by their outline seen from above.
   box.min_m[2] = scale * (t.sphere_z_m - t.sphere_m);
   box.max_m[2] = scale * (t.sphere_z_m + t.sphere_m);
   return box;

@@ -1,7 +1,6 @@
-// Stepping: where the feet of walking bodies are, and the legs that put them there.
-// One rule: a foot in stance stays where it is on the ground, whatever the root does, and the legs
-// follow; what a body's joints or its bounds do not allow is taken off the foot's place, so that
-// the posture has no jumps and the bounds always hold.
+// Stepping places the feet of walking bodies and solves their legs.
+// Invariant: a foot in stance stays fixed on the ground, regardless of the root. If joints or
+// bounds prevent it, the foot is moved instead: postures have no jumps, and the bounds always hold.
 #pragma once
 
 #include <array>
@@ -24,100 +23,96 @@ struct StandingJoints;
 struct SteppingTables;
 struct WalkerPose;
 
-/// Limits of a landing point, shared by stepping and by those who predict it.
+/// Limits of a landing point, shared with its prediction.
 struct LandingLimits {
-  /// A landing point is predicted this far ahead at most.
+  /// Maximum prediction time of a landing point.
   static constexpr float kMaxAhead_s = 0.9f;
-  /// Going sideways, the trailing foot lands this far towards the leading one at most.
+  /// When walking sideways, limit of the trailing foot's landing point towards the leading foot.
   static constexpr float kMaxClosing_m = 0.03f;
 };
 
-/// Where a walking body is in its gait, and its legs: all that posing reads, a cache line.
+/// Gait position and legs of a walking body: all data that posing reads, one cache line.
 struct alignas(64) WalkPosture {
-  /// Of the right leg the angles of the hip's three axes, the knee and the ankle, then of the left
-  /// one; then as named.
+  /// Joint positions of the right leg (hip's axes, knee, ankle), of the left, then as named below.
   float numbers[16];
   enum : size_t {
-    kDrop = 10,  ///< the pelvis is so much lower than the gait has it, metres at scale 1
-    kNode,       ///< of the gait's table, the one before in phase and speed
-    kU,          ///< shares of the next phase and the next speed
+    kDrop = 10,  ///< pelvis below its height in the gait, metres at scale 1
+    kNode,       ///< node of the gait's table before it in phase and speed
+    kU,          ///< fractions towards the next phase and the next speed
     kV,
-    kShift,  ///< of the pelvis to the left, metres at scale 1, and breath: see QuietStanding
+    kShift,  ///< pelvis to the left, metres at scale 1; and breath: see QuietStanding
     kBreath,
   };
 };
 
-/// Where a gait has the feet at a speed, root frame, metres at scale 1.
+/// Feet of a gait at one speed; root frame, scale 1.
 struct FootTrack {
   float stance;  ///< share of the cycle that a foot is on the ground
   float shift_m;
   std::array<float, 2> side_m;  ///< right, left
   float stride_m;
-  /// Of a foot in stance, by its own phase.
+  /// Returns x of a foot in stance, by the foot's own phase.
   float x_at(float own_phase) const { return stride_m * (0.5f * stance - own_phase) + shift_m; }
 };
 
-/// How far a swinging foot has come from behind the body to before it, by share of the swing.
+/// Advance of a swinging foot from behind the body to before it, over the swing.
 struct SwingCurve {
-  std::array<float, 4> bulge;  ///< the powers of what it is ahead of a straight line
+  std::array<float, 4> bulge;  ///< polynomial coefficients of the lead over a straight line
   float at(float u) const {
     return u + u * (1 - u) * (bulge[0] + u * (bulge[1] + u * (bulge[2] + u * bulge[3])));
   }
 };
 
-/// The room that a body takes, seen from above; see Stepping::box_of().
+/// Bounds of a body seen from above; see Stepping::box_of().
 struct WalkBounds {
-  float x = 0, y = 0;  ///< low and high in grains
+  float x = 0, y = 0;  ///< low and high in grains, packed
 };
 
-/// Some avatars of one model on their way from one frame to the next, structure of arrays. Its
-/// maker fills what goes in.
+/// Avatars of one model in one step, as a structure of arrays. The caller fills the inputs.
 struct WalkBatch {
   static constexpr size_t kCapacity = 64;
   static constexpr size_t kMaxLanes = 32;
-  /// Of the right foot, then of the left, how far it is from where the gait has it, in the root
-  /// frame at scale 1: x and y (metres), turn (radians).
+  /// Offset of the right, then the left foot from the gait: x, y (metres), turn (radians); root
+  /// frame, scale 1.
   static constexpr size_t kFeetNumbers = 6;
-  /// What keeps joints from jerking. Of a foot in the air how fast each of its numbers goes to what
-  /// it lands with, a swing; then as named.
+  /// Rates that keep joints from jerking: of the feet in the air, per swing; then as named.
   enum : size_t {
-    kCadence = kFeetNumbers,  ///< a second; below 0: as many as the way asks for
-    kPelvisDrop,       ///< the pelvis, metres at scale 1; below 0: it stands where the legs have it
-    kPelvisDropSpeed,  ///< how fast, m/s
+    kCadence = kFeetNumbers,  ///< cycles per second; below 0: derived from the distance walked
+    kPelvisDrop,       ///< pelvis drop, metres at scale 1; below 0: take the legs' value at once
+    kPelvisDropSpeed,  ///< speed of the pelvis drop, m/s
     kGaitRateCount
   };
   using Numbers = float[kCapacity];
 
   size_t count;
-  /// Come out where their owner wants them, who has room for a multiple of 32.
+  /// Output, owned by the caller, with capacity for a multiple of 32.
   WalkPosture* postures;
   float step_s;
-  // How the root moved: in the world, and its turn before and after (w and z of a quaternion).
+  // Root motion: displacement in the world, yaw before and after (w and z of a quaternion).
   alignas(64) Numbers displacement_x_m, displacement_y_m;
   alignas(64) Numbers w_before, z_before, w_after, z_after;
-  alignas(64) Numbers ahead_mps;  ///< its speed, forward
+  alignas(64) Numbers ahead_mps;  ///< forward speed of the root
   alignas(64) Numbers scales;
-  alignas(64) Numbers present;       ///< 0: nothing changes, 1: walks
-  alignas(64) Numbers stride_scale;  ///< so much longer than the gait's own strides theirs are
-  /// So far from where it would is the right foot to land (x, y), and the left; root frame,
-  /// scale 1.
+  alignas(64) Numbers present;       ///< 0: unchanged, 1: walks
+  alignas(64) Numbers stride_scale;  ///< actual stride over the gait's stride
+  /// Shift of the next landing of the right foot (x, y) and the left; root frame, scale 1.
   alignas(64) Numbers landing[4];
-  /// What QuietStanding adds; it comes out as far as the gait's speed and the legs leave room.
+  /// Addition by QuietStanding; returned as limited by the gait's speed and the legs.
   alignas(64) Numbers shift_m = {};
   alignas(64) Numbers breath = {};
 
   std::array<const Gait*, kCapacity> gaits;
 
-  // Brought along.
-  alignas(64) Numbers gait_mps;  ///< what the gait goes by; kNotEntered at first
+  // State from step to step.
+  alignas(64) Numbers gait_mps;  ///< speed of the gait; kNotEntered at first
   alignas(64) Numbers phases;
   alignas(64) Numbers feet[kFeetNumbers];
   alignas(64) Numbers gait_rates[kGaitRateCount];
 
-  // Comes out, as the postures do.
-  alignas(64) Numbers bounds_x, bounds_y;  ///< of a WalkBounds
-  alignas(64) Numbers lift_m[2];           ///< of a foot that steps where the gait hardly lifts it
-  /// Feet that the legs cannot reach as it is: 1 the right, 2 the left, 3 both.
+  // Outputs, in addition to `postures`.
+  alignas(64) Numbers bounds_x, bounds_y;  ///< a WalkBounds
+  alignas(64) Numbers lift_m[2];           ///< lift of a foot beyond the gait's
+  /// Feet that the legs cannot reach: 1 right, 2 left, 3 both.
   alignas(64) Numbers out_of_reach;
 
   std::array<float, kFeetNumbers> feet_of(size_t lane) const {
@@ -128,52 +123,49 @@ struct WalkBatch {
   void set_feet(size_t lane, const std::array<float, kFeetNumbers>& numbers) {
     for (size_t i = 0; i < kFeetNumbers; ++i) feet[i][lane] = numbers[i];
   }
-  std::array<const float*, kCapacity> tables;  ///< of the gaits; filled by Gait::walk()
-  /// What legs need to know of the step: sides and toes of the track, place in the tables.
+  std::array<const float*, kCapacity> tables;  ///< tables of the gaits; filled by Gait::walk()
+  /// Inputs of the legs: lateral place and toe angle of the track, place in the tables.
   alignas(64) Numbers track[4], place[4];
-  alignas(64) Numbers next_pelvis_drop[2];  ///< kPelvisDrop and kPelvisDropSpeed, when it is done
-  /// Lanes beyond `count`, up to a full register, do as the last one does.
+  alignas(64) Numbers next_pelvis_drop[2];  ///< kPelvisDrop and kPelvisDropSpeed after the step
+  /// Fills lanes beyond `count`, up to a full register, with copies of the last.
   void fill_up();
 };
 
-/// A gait speed that says: this avatar has not come in yet.
+/// Gait speed of an avatar that has not entered yet.
 inline constexpr float kNotEntered = -1;
 
 class Stepping {
  public:
-  /// One cycle a speed, the nodes of the gait's table; `rest_boxes` of the table's cells hold what
-  /// does not hang from the hips.
+  /// `cycles`: one per speed of the gait's table. `rest_boxes`: per cell, all but the legs.
   Stepping(const Walker& walker, const PosableModel& model,
            std::span<const std::vector<WalkerPose>> cycles, float cells_per_sqrt_speed,
            float min_stride, std::span<const RootBox> rest_boxes, const StandingJoints& standing);
-  /// To be read from an archive.
   Stepping();
   ~Stepping();
   Stepping(const Stepping& other);
   void archive(Archive& a);
 
-  /// The pelvis sinks no farther for a foot that is too far away.
+  /// Returns the maximum pelvis drop for a foot that is too far away.
   static double max_drop_m(const Walker& walker);
 
   /// See Gait::share_bounds().
   void set_bounds(float centre_z_m, float radius_m, float upright_radius_m);
-  /// What is looked up by speed and phase, for WalkBatch::tables.
+  /// Returns the lookup table by speed and phase, for WalkBatch::tables.
   const float* table() const;
 
-  /// Walks everybody of the chunk on by a step. A person who walks ahead advances in the cycle by
-  /// the way walked; who turns on the spot, goes sideways or has just stopped steps until the feet
-  /// are comfortable. A person who has just come in, or is more than a metre away all at once,
-  /// stands as the gait has it. Returns the lanes that have no legs even so: they have to take the
-  /// gait's.
+  /// Advances all avatars by one step. Ahead, the cycle follows the distance walked. On the spot,
+  /// sideways or after a stop, a person steps until the feet are comfortable. After entering, or a
+  /// jump of more than a metre, it stands as in the gait. Returns the lanes whose legs fail
+  /// nevertheless: they must take the gait's.
   uint64_t walk(WalkBatch& batch, SimdTarget target) const;
 
   FootTrack track_at(float speed_mps, float scale) const;
 
-  /// Puts the legs into a posture row that the gait gave.
+  /// Writes the legs into a posture row of the gait.
   void put(const WalkPosture& posture, float* row) const;
-  /// The other way round, for legs and room as the gait has them.
+  /// Inverse of put(), for legs and bounds of the gait.
   void take(const float* row, WalkPosture& posture) const;
-  /// Boxes hold every part, unless joints are moved otherwise.
+  /// Boxes contain all parts, unless joints are moved otherwise.
   RootBox box_of(const WalkBounds& packed_bounds, float scale) const;
   WalkBounds walk_bounds_of(const RootBox& box, float scale) const;
 

@@ -1,68 +1,64 @@
-// The feet of a step, a person a lane: where they are when the root has moved on, and when they
-// lift. Included after stepping_legs-inl.h, inside the namespace of the lanes F.
+// Feet in one step, one person per lane. Included after stepping_legs-inl.h, inside the namespace
+// of the lanes F.
 
-// A step is due when a planted foot has come so far from where the gait would have it: the toes
-// turn by 17 degrees, or the leg goes askew by a foot's width. At half of it, it is not.
+// A step is due when a planted foot is off by a 17 degree turn or a foot's width.
 inline constexpr float kComfort_rad = 0.3f;
-inline constexpr float kComfortShare = 0.12f;  // of the leg
+inline constexpr float kComfortShare = 0.12f;  // of the leg length
 inline constexpr float kBeforeLift_s = 0.25f;
-// Cycles a second of such steps: at least, at most, and of one that is begun and has to end.
+// Cycles per second of such steps: minimum, maximum, and of a step that has begun and must end.
 inline constexpr float kMinSteppingRate_hz = 1.2f;
 inline constexpr float kMaxSteppingRate_hz = 1.6f;
 inline constexpr float kFinishingRate_hz = 0.9f;
-// A step that is hardly due is made more slowly, but not put off for long.
-inline constexpr float kMinUrgency = 0.3f, kUrgencyGain = 15;
-// Slower than this, steps end sooner than the way asks for: nobody stands on one leg.
+// A step that is hardly due is slower, but not delayed for long.
+inline constexpr float kMinStepUrgency = 0.3f, kStepUrgencyGain = 15;
+// Below this speed steps end earlier than the distance walked implies: no one stands on one leg.
 inline constexpr float kSlow_mps = 0.2f;
-// At this speed the next step comes soon enough.
 inline constexpr float kBrisk_mps = 0.8f;
-// A foot turns against the body no farther: the hip's limit of 40 degrees, less what toes that
-// point outwards take. When it lands the pelvis takes some, too.
+// Maximum turn of a foot against the body: the hip's limit of 40 degrees, less the outward angle of
+// the toes. At landing the pelvis takes a part.
 inline constexpr float kMaxTurn_rad = 0.58f;
 inline constexpr float kMaxLandingTurnOut_rad = 0.42f;
-// A body turns so far over a foot in stance; who turns faster steps more often.
+// Maximum body turn over a foot in stance; faster turns need more frequent steps.
 inline constexpr float kMaxStanceTurn_rad = 0.87f;
-// A foot that the hip forces to turn does so about its contact, which goes so far ahead in a cycle.
+// A foot at the hip's limit turns about its contact, which advances by this much in a cycle.
 inline constexpr float kContactTravel_m = 0.25f;
-// No foot is farther from where the gait has it, of the leg. It lands a little nearer, so that
-// nothing is cut off then; what the way alone makes of it leaves room for giving way.
+// Maximum offset of a foot, in leg lengths. Landing points are nearer, to avoid clipping and to
+// leave a reserve for body avoidance.
 inline constexpr float kMaxShiftShare = 0.4f;
 inline constexpr float kMaxLandingShare = 0.38f, kMaxTargetShare = 0.3f;
-// How high a foot is lifted on the spot, of the way it goes and at most; less in a quick step: the
-// knee of a straight leg bends by 33 degrees for 4 cm.
+// Lift on the spot, relative to the step and at most; for 4 cm a straight knee bends by 33 degrees.
 inline constexpr float kLiftShare = 0.4f;
 inline constexpr float kMaxLift_m = 0.04f;
-inline constexpr float kLift_mps = 0.16f;  // of the time in the air
-// A gait follows a change of speed so late that the legs' swing dies away with the steps.
+inline constexpr float kLift_mps = 0.16f;  // per second in the air
+// Time constant of the gait speed: the swing of the legs fades with the steps.
 inline constexpr float kEasing_s = 0.25f;
-inline constexpr float kMinEasing_mps2 = 0.2f;  // so that it comes to rest
-// The time in which the phase makes up for a foot that is left behind as the body slows down.
+inline constexpr float kMinEasing_mps2 = 0.2f;  // reaches the target in finite time
+// Time in which the phase catches up with a foot left behind by a slowing body.
 inline constexpr float kCatchUp_s = 0.12f;
 inline constexpr float kMaxCatchUp_hz = 0.35f;
-// Steps get quicker or slower by no more, cycles a second each second: hips and knees go along.
+// Maximum change of cadence, in cycles per second per second: hips and knees follow it.
 inline constexpr float kCadenceChange_hz_ps = 14;
-// And nobody makes more, however fast something moves a body whose strides are still short.
+// Maximum cadence, even if a body with short strides is moved fast.
 inline constexpr float kMaxCadence_hz = 1.9f;
-// A foot in the air goes to where it is to land no faster and no harder, and is at rest when it
-// lands: what it cannot reach any more it does not reach. A leg of 0.9 m speeds up by 2500
-// degrees/s2 then, a hip turns by 206 degrees/s and 3400 degrees/s2: two thirds and a third of what
-// `realism joints` allows, for the gait has its share.
+// Limits on speed and acceleration of a foot in the air, which is at rest when it lands. They take
+// precedence over the landing place. For a leg of 0.9 m they mean 2500 degrees/s2, for a hip 206
+// degrees/s and 3400 degrees/s2. That is two thirds and a third of the limits of `realism joints`;
+// the gait needs the rest.
 inline constexpr float kFoot_mps2 = 40, kFootTurn_radps = 3.6f, kFootTurn_radps2 = 60;
-// It goes aside by 165 degrees/s, less while it turns, for that moves the knee aside, too.
+// Sideways limit: 165 degrees/s; less while turning, which also moves the knee sideways.
 inline constexpr float kFootAside_mps = 2.6f, kAsidePerTurn_m = 0.28f;
-// Nobody walks so far in a step.
 inline constexpr float kJump_m = 1;
 
 THRONG_LANES F smooth(F u) { return u * u * (3.0f - 2.0f * u); }
 THRONG_LANES F length(F x, F y) { return sqrt_of(x * x + y * y); }
-/// In [0, 1), for phases that have gone on by less than a cycle.
+/// Wraps phases that have advanced by less than a cycle to [0, 1).
 THRONG_LANES F wrapped(F phase) {
   const F rest = phase - floor_of(phase);
   return select(rest < 1.0f, rest, 0.0f);
 }
 THRONG_LANES F own_phase(F phase, size_t side) { return side == 0 ? phase : wrapped(phase + 0.5f); }
 
-/// How a root moved, in its own axes before, metres of the world.
+/// Motion of a root in its previous axes, in metres of the world.
 struct Motion {
   F forward, left;
   F turn, turn_sin, turn_cos;
@@ -71,7 +67,6 @@ struct Motion {
 };
 
 THRONG_LANES Motion motion_of(const WalkBatch& c, size_t i) {
-  // Upright: turned about z alone.
   const F w = load(c.w_before + i), z = load(c.z_before + i);
   const F w_after = load(c.w_after + i), z_after = load(c.z_after + i);
   const F cos = w * w - z * z, sin = 2.0f * (w * z);
@@ -94,7 +89,7 @@ THRONG_LANES Motion motion_of(const WalkBatch& c, size_t i) {
   return m;
 }
 
-/// The speed to walk at by the gait: it follows the root's own speed ahead, but not at once.
+/// Returns the gait speed, which follows the root's forward speed with a delay.
 THRONG_LANES F eased(F gait_mps, F speed_mps, float step_s) {
   const F change = max_of(speed_mps, 0.0f) - gait_mps;
   const F size = abs_of(change);
@@ -102,7 +97,6 @@ THRONG_LANES F eased(F gait_mps, F speed_mps, float step_s) {
   return select(change > 0.0f, gait_mps + by, gait_mps - by);
 }
 
-/// Cycles a second.
 THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F phase,
                        const Track& track, const Feet& feet) {
   const float per_s = 1 / m.step_s, per_comfort_m = 1 / (kComfortShare * t.leg_length_m);
@@ -115,11 +109,10 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
     const M is_swinging = own >= track.stance;
     finishing = select(is_swinging, finishing_rate, finishing);
     const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
-    // More and more as stance goes on, so that the rate does not jump.
+    // Grows over stance to keep the rate continuous.
     const F late = clamped(3.0f * own - 0.6f * track.stance, 0.0f, track.stance);
     behind = max_of(behind, select(is_swinging, 0.0f, 0.0f - x * late * inverse_of(track.stance)));
-    // What it comes to before the foot can be lifted. One that has landed turned into the curve is
-    // where it should be.
+    // Offset by the time the foot can be lifted. A foot landed turned into the curve is in place.
     const F turn_now = abs_of(turned - kBeforeLift_s * per_s * m.turn) * (1 / kComfort_rad);
     const M lags = (!is_swinging) & (turned * m.turn <= 0.0f),
             trails = (!is_swinging) & (x * m.forward + y * m.left <= 0.0f);
@@ -127,13 +120,14 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
     offset_square = max_of(offset_square, select(trails, x * x + y * y, 0.0f));
   }
   const F need = max_of(turn_need, sqrt_of(offset_square) * per_comfort_m);
-  // In stance a foot gets from one end of its comfort to the other.
+  // In stance a foot moves through its whole comfort range.
   const F aside = abs_of(m.left) + max_of(0.0f - m.forward, 0.0f);
   const F travel = max_of(abs_of(m.turn) * (1 / kComfort_rad), aside * m.per_scale * per_comfort_m);
   const F stepping =
       clamped(0.5f * track.stance * travel * per_s, kMinSteppingRate_hz, kMaxSteppingRate_hz);
   const F due = 2.0f * need - 1.0f;
-  const F urgency = clamped(max_of(due, min_of(kUrgencyGain * due, kMinUrgency)), 0.0f, 1.0f);
+  const F urgency =
+      clamped(max_of(due, min_of(kStepUrgencyGain * due, kMinStepUrgency)), 0.0f, 1.0f);
   const F slow = max_of(1.0f - speed * (1 / kBrisk_mps), 0.0f);
   const F catching_up = select(
       speed > 0.0f, min_of(behind * m.scale * per_stride * (1 / kCatchUp_s), kMaxCatchUp_hz), 0.0f);
@@ -144,8 +138,7 @@ THRONG_LANES F rate_of(const SteppingTables& t, const Motion& m, F stride_m, F p
                 slow * stepping * urgency);
 }
 
-/// How far a foot should be turned when it lands if the body turns by twice `turn` over it: as far
-/// to one side as to the other, unless that is too far for the other.
+/// Turn at landing for a body that turns by 2 `turn` over the foot; symmetric within the limits.
 THRONG_LANES F turn_at_landing(F turn, size_t side) {
   constexpr float kUsed_rad = 0.95f * kMaxTurn_rad;
   const float left = side == 0 ? kUsed_rad : kMaxLandingTurnOut_rad,
@@ -155,8 +148,7 @@ THRONG_LANES F turn_at_landing(F turn, size_t side) {
                  -right, left);
 }
 
-/// Where a foot that lands now should: so that the body passes over it in the middle of stance as
-/// the gait has it, if the root goes on as it does.
+/// Landing points that the body passes in the middle of stance, if the root's motion continues.
 struct Landing {
   F x[2], y[2], turn[2];
 };
@@ -184,7 +176,6 @@ THRONG_LANES Landing landing_of(const Motion& m, F rate, const Track& track) {
   return to;
 }
 
-/// To a length of at most that.
 THRONG_LANES void shorten(float max_m, F& x, F& y) {
   const F square = x * x + y * y;
   if (!any(square > max_m * max_m)) return;
@@ -193,7 +184,7 @@ THRONG_LANES void shorten(float max_m, F& x, F& y) {
   y = y * share;
 }
 
-/// Legs and bounds end somewhere: beyond that a foot is dragged along.
+/// Limits the foot to legs and bounds: beyond them it is dragged along.
 THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_y, F contact_m,
                                 F& x, F& y, F& turn) {
   const F allowed = clamped(turn, -kMaxTurn_rad, kMaxTurn_rad), forced = allowed - turn;
@@ -203,7 +194,7 @@ THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_
   shorten(kMaxShiftShare * t.leg_length_m, x, y);
   const F at_x = natural_x + x, at_y = natural_y + y;
   const F away = at_x * at_x + at_y * at_y;
-  // Of a foot that has rolled on to its toes this point is behind it.
+  // For a foot that has rolled on to its toes this point is behind it.
   const float farthest_m = 1.2f * t.upright_m;
   const M beyond = away > farthest_m * farthest_m;
   if (!any(beyond)) return;
@@ -212,32 +203,29 @@ THRONG_LANES void keep_in_reach(const SteppingTables& t, F natural_x, F natural_
   y = select(beyond, share * at_y - natural_y, y);
 }
 
-/// How feet in the air go to where they land, by number as WalkBatch::gait_rates has it.
+/// Rates of feet in the air towards their landing, indexed as WalkBatch::gait_rates.
 struct GaitRates {
   F swing[WalkBatch::kFeetNumbers];
   F cadence;
 };
 
-/// A swing that has begun.
 struct Swinging {
-  F left;    ///< of it, before this step
-  F left_s;  ///< that takes so long
-  F share;   ///< of that, in this step
+  F left;    ///< fraction of the swing that remains before this step
+  F left_s;  ///< its duration
+  F share;   ///< share of it in this step
   float step_s;
 };
 
-/// One of the numbers of a swinging foot, which is to come to rest at `goal` when it lands. With
-/// one goal all along it takes a cubic's way: see smooth().
+/// Advances a number of a swinging foot to rest at `goal`. For a constant goal a cubic: smooth().
 THRONG_LANES void swing_to(const Swinging& s, F goal, F max_speed_ps, float max_acceleration_ps2,
                            F& number, F& speed) {
-  // All in terms of the time that is left.
   const F start_rate = speed * s.left, u = s.share;
   const F max_acceleration = max_acceleration_ps2 * (s.left_s * s.left_s);
   const F pull = clamped(6.0f * (goal - number) - 4.0f * start_rate, 0.0f - max_acceleration,
                          max_acceleration);
   const F end_rate = start_rate + pull;
   const F target = start_rate + u * (pull - u * end_rate);
-  // As fast as it can still come to rest.
+  // Maximum speed from which it can still come to rest.
   const F until_s = s.left_s * (1.0f - u) + s.step_s;
   const F max_speed = min_of(max_speed_ps, max_acceleration_ps2 * until_s) * s.left_s;
   const F new_rate = clamped(target, 0.0f - max_speed, max_speed);
@@ -247,7 +235,7 @@ THRONG_LANES void swing_to(const Swinging& s, F goal, F max_speed_ps, float max_
   speed = new_rate * inverse_of(max_of(s.left, 1e-6f));
 }
 
-/// What the foot's three numbers and their speeds come to; of one that stands the speeds are gone.
+/// Advances the three numbers of a foot and their speeds; a standing foot has speed 0.
 THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F (&numbers)[3],
                              F* speeds) {
   constexpr float kUnlimitedSpeed_mps = 100;
@@ -259,16 +247,15 @@ THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F
   for (size_t n = 0; n < 3; ++n) speeds[n] = select(stands, 0.0f, speeds[n]);
 }
 
-/// At the share v of a step of which 1 / per_left is left before `off` is gone: a longer step is
-/// higher.
+/// Lift at the share v of a step, of which 1 / per_left remains before `off` is zero.
 THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F swing_s, F v) {
-  constexpr float kArm_m = 0.2f;  // half a foot turns by so much, nearly
+  constexpr float kArm_m = 0.2f;  // lever arm: half a foot, nearly
   const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);
   const F arch = 4.0f * v * (1.0f - v);
   return min_of(kLiftShare * step_m, min_of(kLift_mps * swing_s, kMaxLift_m)) * arch * arch;
 }
 
-/// Moves the feet on with the root and returns the next phase.
+/// Moves the feet with the root and returns the next phase.
 THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& before,
                          const Track& after, F stride_scale, const F (&landing)[4], F phase,
                          Feet& feet, GaitRates& gait_rates) {
@@ -295,7 +282,7 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     const F own = own_phase(phase, side), own_next = own_phase(next, side);
     const F natural_x = after.x_at(own_next), natural_y = after.side[side];
     const F x = feet.x[side], y = feet.y[side], turned = feet.turn[side];
-    // In stance the ground moves back under the body, and the foot with it.
+    // In stance the ground and the foot move back under the body.
     const F old_x = before.x_at(own) + x - forward, old_y = before.side[side] + y - left;
     const M stood = own < before.stance;
     F stance_x = select(stood, m.turn_cos * old_x + m.turn_sin * old_y - natural_x, x);
@@ -303,7 +290,6 @@ THRONG_LANES F step_feet(const SteppingTables& t, const Motion& m, const Track& 
     F stance_turn = select(stood, turned - m.turn, turned);
     keep_in_reach(t, natural_x, natural_y, kContactTravel_m * own_next, stance_x, stance_y,
                   stance_turn);
-    // In swing it goes to its landing place.
     const F u = (max_of(own, after.stance) - after.stance) * per_swing;
     const F v = (own_next - after.stance) * per_swing;
     const F left_before = 1.0f - smooth(min_of(u, 1.0f));
@@ -346,7 +332,6 @@ THRONG_LANES void store_feet(const Feet& feet, WalkBatch& c, size_t i) {
   }
 }
 
-/// What this speed leaves room for.
 THRONG_LANES void limit_standing(const SteppingTables& t, F share, WalkBatch& c, size_t i) {
   const F max_m = t.max_shift_m * share;
   store(clamped(load(c.shift_m + i), 0.0f - max_m, max_m), c.shift_m + i);
@@ -394,7 +379,7 @@ THRONG_LANES void load_step(const WalkBatch& c, size_t i, Track& track, Place& a
   at = {load(c.place[0] + i), load(c.place[1] + i), load(c.place[2] + i), load(c.place[3] + i)};
 }
 
-/// The feet of the lanes from i on. Asks for what their legs will look up.
+/// Computes the feet of the lanes from i on. Prefetches the tables for their legs.
 THRONG_LANES void walk_feet(const SteppingTables& t, WalkBatch& c, size_t i) {
   const M present = load(c.present + i) > 0.0f;
   const F gait_before = load(c.gait_mps + i), ahead = load(c.ahead_mps + i);
@@ -404,8 +389,8 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkBatch& c, size_t i) {
                   (motion.forward * motion.forward + motion.left * motion.left > kJump_m * kJump_m);
   const F before = max_of(gait_before, 0.0f);
   const F after = select(fresh, max_of(ahead, 0.0f), eased(before, ahead, c.step_s));
-  const Feet was = load_feet(c, i);
-  Feet feet = was;
+  const Feet feet_before = load_feet(c, i);
+  Feet feet = feet_before;
   const F gait_now = select(present, after, gait_before);
   const F sqrt_speed = sqrt_speed_of(t, gait_now, motion.per_scale);
   const Speeds speeds = speeds_around(t, c.tables.data() + i, sqrt_speed);
@@ -421,10 +406,9 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkBatch& c, size_t i) {
     return select(present, select(fresh, when_fresh, value), when_away);
   };
   for (size_t side = 0; side < 2; ++side) {
-    feet.x[side] = settled(feet.x[side], 0.0f, was.x[side]);
-    feet.y[side] = settled(feet.y[side], 0.0f, was.y[side]);
-    feet.turn[side] = settled(feet.turn[side], 0.0f, was.turn[side]);
-    // Of who is not there nobody sees it.
+    feet.x[side] = settled(feet.x[side], 0.0f, feet_before.x[side]);
+    feet.y[side] = settled(feet.y[side], 0.0f, feet_before.y[side]);
+    feet.turn[side] = settled(feet.turn[side], 0.0f, feet_before.turn[side]);
     feet.lift[side] = settled(feet.lift[side], 0.0f, 0.0f);
   }
   store_feet(feet, c, i);
@@ -451,7 +435,6 @@ THRONG_LANES void walk_feet(const SteppingTables& t, WalkBatch& c, size_t i) {
   }
 }
 
-/// And their legs, when walk_feet() is done.
 THRONG_LANES void walk_legs(const SteppingTables& t, WalkBatch& c, size_t i) {
   const Feet feet = load_feet(c, i);
   Track track;

@@ -1,12 +1,11 @@
-// Legs bent so that the feet are where stepping has put them, a person a lane: two links in closed
-// form, and the box that holds what comes out.
-// Included by stepping_scalar.cpp and stepping_simd.cpp, inside the namespace of their lanes F.
+// Legs, one person per lane: closed-form inverse kinematics of two links for given feet, and the
+// resulting box. Included by stepping_scalar.cpp and stepping_simd.cpp, inside the namespace of
+// their lanes F.
 
 struct Feet {
   F x[2], y[2], turn[2], lift[2];
 };
 
-/// See QuietStanding.
 struct Standing {
   F shift, breath;
 };
@@ -14,7 +13,7 @@ struct Standing {
 THRONG_LANES F inverse_sqrt_of(F a) { return 1.0f / sqrt_of(a); }
 THRONG_LANES F clamped(F x, F low, F high) { return min_of(max_of(x, low), high); }
 
-/// The direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
+/// Returns the direction with this sine, clamped to [-1, 1], and a cosine of at least 0.
 THRONG_LANES Direction direction_of_sine(F sine) {
   const F s = clamped(sine, -1.0f, 1.0f);
   return {s, sqrt_of(max_of(1.0f - s * s, 0.0f))};
@@ -41,7 +40,7 @@ THRONG_LANES Point operator*(const Turn& t, const std::array<float, 3>& p) {
 THRONG_LANES Point operator*(const Turn& t, const SignedAxis& axis) {
   return F(axis.sign) * (axis.index == 0 ? t.x : axis.index == 1 ? t.y : t.z);
 }
-/// A turn about the zero posture's y axis before `frame`.
+/// Applies a turn about the zero posture's y axis before `frame`.
 THRONG_LANES Turn turned_y(const Turn& frame, F sin, F cos) {
   return {cos * frame.x - sin * frame.z, frame.y, sin * frame.x + cos * frame.z};
 }
@@ -56,16 +55,15 @@ THRONG_LANES Turn turn_of(F x, F y, F z) {
           {xz + wy, yz - wx, 1.0f - (xx + yy)}};
 }
 
-/// A leg before it is bent.
 struct LegReach {
   Point hip;
-  Turn frame;   ///< forward, the knee's axis, and up in the plane that the leg bends in
-  Point ankle;  ///< from the hip
+  Turn frame;   ///< forward, the knee's axis, and up in the plane in which the leg bends
+  Point ankle;  ///< relative to the hip
   F along, up;  ///< the ankle in that plane
 };
 
-/// The foot leans with its leg, about the point where it stands: hip, knee and foot share a plane,
-/// and that the foot's middle lies as far beside the hip as the leg is made leaves one tilt.
+/// The foot leans with its leg about the point where it stands: hip, knee and foot share a plane.
+/// The fixed lateral offset of the foot's middle from the hip determines the tilt.
 THRONG_LANES void reach_for(const LegParameters& leg, const Point& ground, F height, F forward_x,
                             F forward_y, LegReach& r) {
   const Point d = ground - r.hip;
@@ -78,7 +76,7 @@ THRONG_LANES void reach_for(const LegParameters& leg, const Point& ground, F hei
   r.frame.x = {forward_x, forward_y, 0.0f};
   r.frame.y = {0.0f - tilt_cos * forward_y, tilt_cos * forward_x, tilt_sin};
   r.frame.z = {tilt_sin * forward_y, 0.0f - tilt_sin * forward_x, tilt_cos};
-  // On the sole's edge; sin (1 + sin^2 / 2) is the tangent, nearly.
+  // On the sole's edge; sin (1 + sin^2 / 2) approximates the tangent.
   const F lean = abs_of(tilt_sin) * (1.0f + 0.5f * (tilt_sin * tilt_sin));
   const F over = height + leg.sole_half_width_m * lean;
   r.ankle = d + over * r.frame.z;
@@ -86,52 +84,49 @@ THRONG_LANES void reach_for(const LegParameters& leg, const Point& ground, F hei
   r.up = dot(d, r.frame.z) + over;
 }
 
-/// How far a hip has to sink until its leg is long enough.
+/// Returns the drop of a hip at which its leg is long enough.
 THRONG_LANES F drop_for(const LegParameters& leg, const LegReach& r) {
   const F aside = r.ankle.x * r.ankle.x + r.ankle.y * r.ankle.y;
   return 0.0f - r.ankle.z - sqrt_of(max_of(leg.max_reach2_m2 - aside, 0.0f));
 }
 
-// The pelvis begins to sink before a leg is too short, by so much, so that it does not jerk; less
-// where a foot is hardly away from where the gait has it, for the gait alone asks for nothing.
+// Lead with which the pelvis sinks before a leg is too short; smaller near the gait's own place.
 inline constexpr float kDropLead_m = 0.04f;
-// And no faster: below what it does in plain walking (`realism joints`). A foot that lands
-// meanwhile comes down a little later.
+// Limits below the pelvis's rates in plain walking (`realism joints`).
 inline constexpr float kMaxDropSpeed_mps = 0.12f, kMaxDropAcceleration_mps2 = 1.5f;
 
-/// The larger of two, rounded off where they differ by less than `round`.
+/// Maximum of two numbers, rounded off where they differ by less than `round`.
 THRONG_LANES F smooth_max(F a, F b, F round) {
   const F overlap = max_of(round - abs_of(a - b), 0.0f);
   return max_of(a, b) + overlap * overlap * 0.25f / max_of(round, 1e-6f);
 }
 
-/// How far a foot is from where the gait has it, roughly: a turn counts as at the toes.
+/// Returns the approximate offset of a foot from its place in the gait: a turn counts at the toes.
 THRONG_LANES F displacement_of(const Feet& feet, size_t side, const Standing& standing) {
   constexpr float kToes_m = 0.2f;
   return abs_of(feet.x[side]) + abs_of(feet.y[side]) + abs_of(feet.lift[side]) +
          abs_of(feet.turn[side]) * kToes_m + abs_of(standing.shift);
 }
 
-/// The pelvis that sinks, metres and m/s.
 struct PelvisDrop {
   F drop, speed_mps;
 };
 THRONG_LANES PelvisDrop follow_drop(const PelvisDrop& before, F target, float step_s) {
   const F left = target - before.drop, size = abs_of(left);
-  // As fast as it can still stop there.
+  // The highest speed from which it can still stop at the target.
   const F max_speed =
       min_of(min_of(size * (1 / step_s), sqrt_of(1.4f * kMaxDropAcceleration_mps2 * size)),
              kMaxDropSpeed_mps);
   const F change = select(left < 0.0f, 0.0f - max_speed, max_speed) - before.speed_mps;
   const F speed_mps = before.speed_mps + clamped(change, -kMaxDropAcceleration_mps2 * step_s,
                                                  kMaxDropAcceleration_mps2 * step_s);
-  // It comes to rest, and whoever has just come in is there.
+  // Comes to rest, or is there at once for an avatar that has just entered.
   const M is_there = (before.drop < 0.0f) | ((size < 1e-5f) & (abs_of(before.speed_mps) < 1e-2f));
   return {select(is_there, target, max_of(before.drop + step_s * speed_mps, 0.0f)),
           select(is_there, 0.0f, speed_mps)};
 }
 
-/// A foot as the gait has it: where it touches the ground, the ankle's height over that, its pitch.
+/// A foot of the gait: its contact with the ground, the ankle's height above it, its pitch.
 struct Stand {
   Point ground;
   F height, pitch;
@@ -154,12 +149,12 @@ THRONG_LANES Rolled rolled(const LegParameters& leg, F pitch) {
   return {roll[0] + share * roll[2], roll[1] + share * roll[3]};
 }
 
-// A foot behind the body rolls on over its toes by so much before the pelvis has to sink.
+// A foot behind the body rolls over its toes by up to this angle before the pelvis sinks.
 inline constexpr float kMaxHeelRaise_rad = 0.4f;
-// Some centimetres of reach for each radian; the secant that follows makes it exact, nearly.
+// Initial slope of reach; the secant step that follows is nearly exact.
 inline constexpr float kRaisePerMetre_rad = 6;
 
-/// Pitches a foot down by so much, without sliding.
+/// Pitches a foot down by this angle, without sliding.
 THRONG_LANES Stand tipped(const LegParameters& leg, F forward_x, F forward_y, const Stand& stand,
                           const Rolled& before, F by) {
   const Rolled after = rolled(leg, stand.pitch - by);
@@ -169,11 +164,11 @@ THRONG_LANES Stand tipped(const LegParameters& leg, F forward_x, F forward_y, co
           stand.pitch - by};
 }
 
-// A heel strikes ahead of the body. Nearer to it than this a foot comes down flatter, and behind it
-// flat: there toes in the air would only be in the way of a heel that has to rise.
+// A heel strikes ahead of the body. Nearer than this the foot lands flatter, and behind the body
+// flat: raised toes would obstruct a heel that has to rise.
 inline constexpr float kFlatter_m = 0.08f;
 
-/// Lowers the toes of a foot that is `moved_m` ahead of where the gait has it.
+/// Lowers the toes of a foot that is `moved_m` ahead of its place in the gait.
 THRONG_LANES void lower_toes(const LegParameters& leg, F forward_x, F forward_y, F moved_m,
                              Stand& stand, LegReach& r) {
   const F unmoved = clamped(r.along - moved_m, 1e-3f, kFlatter_m);
@@ -186,7 +181,7 @@ THRONG_LANES void lower_toes(const LegParameters& leg, F forward_x, F forward_y,
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }
 
-/// Raises the heel of a foot that is too far behind until the leg is long enough.
+/// Raises the heel of a foot far behind the body until the leg is long enough.
 THRONG_LANES void raise_heel(const LegParameters& leg, F forward_x, F forward_y, Stand& stand,
                              LegReach& r) {
   const auto too_long = [&leg](const LegReach& reach) {
@@ -207,7 +202,6 @@ THRONG_LANES void raise_heel(const LegParameters& leg, F forward_x, F forward_y,
   reach_for(leg, stand.ground, stand.height, forward_x, forward_y, r);
 }
 
-/// Seen from above.
 struct Bounds {
   F low_x, low_y, high_x, high_y;
   void extend(const Point& middle, F half_x, F half_y) {
@@ -219,12 +213,11 @@ struct Bounds {
   void extend(const Point& middle, F radius) { extend(middle, radius, radius); }
 };
 
-// Single precision, arcs good to 2e-6, and nodes blended as positions here and as angles in the
-// table, which turn by less than 0.02 between two of them: a tenth of this was measured.
+// Ten times the measured error: single precision, arcs good to 2e-6, and nodes blended as positions
+// instead of angles.
 inline constexpr float kLegRoundingMargin_m = 1e-3f;
 
-/// Whether sphere and cylinder hold a ball. They are convex: with the balls at its ends they hold a
-/// limb.
+/// Whether sphere and cylinder contain a ball; both are convex: two balls bound a limb.
 THRONG_LANES M holds(const SteppingTables& t, const Point& p, float radius) {
   const F across = p.x * p.x + p.y * p.y, up = p.z - t.sphere_z_m;
   const float upright = t.upright_m - radius - kLegRoundingMargin_m,
@@ -232,7 +225,7 @@ THRONG_LANES M holds(const SteppingTables& t, const Point& p, float radius) {
   return (across <= upright * upright) & (across + up * up <= ball * ball);
 }
 
-/// Whether they hold a foot: of a box the corner that is farthest along each of its axes.
+/// Returns whether they contain a foot, by the box corner farthest along each of their axes.
 THRONG_LANES M holds_foot(const SteppingTables& t, const LegParameters& leg, const Point& p,
                           const Turn& foot) {
   const std::array<float, 3>& half = leg.foot_half_m;
@@ -250,12 +243,12 @@ THRONG_LANES M holds_foot(const SteppingTables& t, const LegParameters& leg, con
   return (across <= upright * upright) & (away <= ball * ball);
 }
 
-/// Bends a leg to reach its ankle; angles of the hip's axes, knee and ankle go to `angles`. Where
-/// the knee's limits stop it the ankle is as near as they let it; where the ankle's do, the foot
-/// tilts. Returns whether joints and the room of all postures allow it.
+/// Bends a leg to reach its ankle; writes hip, knee and ankle angles to `angles`. At the knee's
+/// limits the ankle is as near as possible; at the ankle's, the foot tilts. Returns whether joints
+/// and the bounds of all postures allow it.
 THRONG_LANES M bend(const SteppingTables& t, const LegParameters& leg, const LegReach& r,
                     const Turn& pelvis, F pitch, F* angles, Bounds& bounds) {
-  // Law of cosines for links that need not be one line in the zero posture.
+  // Cosine rule for links that need not be in line in the zero posture.
   const F target = (r.along * r.along + r.up * r.up - leg.square_sum_m2) * leg.per_twice_product;
   const F bend_cos = clamped(target, leg.max_bend_cos, leg.min_bend_cos);
   const F bend_sin = sqrt_of(max_of(1.0f - bend_cos * bend_cos, 0.0f));
@@ -314,16 +307,14 @@ THRONG_LANES F sqrt_speed_of(const SteppingTables& t, F speed_mps, F per_scale) 
   return min_of(sqrt_of(max_of(speed_mps, 0.0f) * per_scale * t.per_leg_length), t.max_sqrt_speed);
 }
 
-/// The whole number below x, at most `last`.
 THRONG_LANES F whole_of(F x, int last) { return min_of(floor_of(x), static_cast<float>(last)); }
 
-/// Of both feet at one speed, at scale 1.
 struct Track {
   F stance, shift, side[2], stride, toes_out_sin, toes_out_cos, standing;
   F x_at(F own_phase) const { return stride * (0.5f * stance - own_phase) + shift; }
 };
 
-/// Between which speeds of the tables a lane lies.
+/// Rows of the tables around a lane's speed.
 struct Speeds {
   F row;
   F slow[8], fast[8];
@@ -347,17 +338,16 @@ THRONG_LANES Speeds speeds_around(const SteppingTables& t, const float* const* t
   return s;
 }
 
-/// Straight on where the speed is a little beyond those around.
+/// Extrapolates for speeds slightly outside the two rows.
 THRONG_LANES Track track_of(const SteppingTables& t, const Speeds& s, F sqrt_speed) {
   const F v = sqrt_speed * t.cells_per_sqrt_speed - s.row;
   const auto blend = [&](size_t i) { return s.slow[i] + v * (s.fast[i] - s.slow[i]); };
   return {blend(0), blend(1), {blend(2), blend(3)}, blend(4), blend(5), blend(6), blend(7)};
 }
 
-/// Between which nodes of the tables a lane's posture lies.
 struct Place {
-  F node, cell;  ///< counted
-  F u, v;        ///< shares of the next phase and the next speed
+  F node, cell;  ///< indices
+  F u, v;        ///< fractions towards the next phase and the next speed
 };
 
 THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F sqrt_speed) {
@@ -367,7 +357,7 @@ THRONG_LANES Place place_of(const SteppingTables& t, const Speeds& s, F phase, F
           sqrt_speed * t.cells_per_sqrt_speed - s.row};
 }
 
-/// Two numbers of grains in one: the low one of what is below, the high one of what is above.
+/// Packs two numbers of grains: the low one rounded down, the high one rounded up.
 THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
   constexpr auto kMax = static_cast<float>(SteppingTables::kGrains - 1);
   const F low = floor_of((low_m - kLegRoundingMargin_m - t.corner_m) * t.per_grain);
@@ -375,8 +365,8 @@ THRONG_LANES F grains_of(const SteppingTables& t, F low_m, F high_m) {
   return max_of(low, 0.0f) * static_cast<float>(SteppingTables::kGrains) + min_of(high, kMax);
 }
 
-/// What WalkPosture and WalkBounds hold. Returns, as WalkBatch has it, which
-/// feet joints or bounds do not allow.
+/// Computes WalkPosture and WalkBounds. Returns the feet that joints or bounds do not allow, as in
+/// WalkBatch::out_of_reach.
 THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, const Feet& feet,
                        const Standing& standing, const PelvisDrop& before, float step_s,
                        const Place& at, const Track& track, F (&posture)[16], F (&packed_bounds)[2],
@@ -402,7 +392,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
     forward_x[side] = cos * track.toes_out_cos - sin * toes_sin;
     forward_y[side] = sin * track.toes_out_cos + cos * toes_sin;
     reach[side].hip = middle + pelvis * leg.hip_m;
-    // A foot turns about where it landed, not about where it has rolled to.
+    // A foot turns about its landing point, not about its rolled contact.
     stands[side] = {
         {foot[0] + feet.x[side] + foot[3] * forward_x[side],
          track.side[side] + feet.y[side] + foot[3] * forward_y[side], foot[1] + feet.lift[side]},
@@ -426,7 +416,7 @@ THRONG_LANES F legs_of(const SteppingTables& t, const float* const* tables, cons
     }
   F rest[4];
   load_rows([&](size_t lane) { return tables[lane] + t.box(cells[lane]); }, rest);
-  // What does not hang from the hips moves along; a breath moves none of it farther than that.
+  // Parts that do not hang from the hips move along; a breath moves none of them farther than `by`.
   const F by = standing.breath * t.max_breath_m;
   Bounds bounds = {rest[0] - by, rest[1] + standing.shift - by, rest[2] + by,
                    rest[3] + standing.shift + by};

@@ -1,4 +1,4 @@
-// One person at a time: the reference for stepping_simd.cpp, and what is asked of single people.
+// Scalar reference for stepping_simd.cpp, and functions for single people.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace throng {
 namespace scalar_lanes {
 namespace {
 
-// Each shares what the ones before it can do.
+// Order matters: each header uses those before it.
 #include "base/simd/angles-inl.h"
 //
 #include "avatars/stepping/stepping_legs-inl.h"
@@ -48,7 +48,7 @@ bool reach_with(const SteppingTables& tables, WalkBatch& batch, size_t lane, int
           .v != 0)
     return false;
   for (size_t side = 0; side < 2; ++side)
-    feet.lift[side] = batch.lift_m[side][lane];  // as it was: another share may follow
+    feet.lift[side] = batch.lift_m[side][lane];  // restored, because another share may follow
   scalar_lanes::store_feet(feet, batch, lane);
   scalar_lanes::store_posture(posture, packed_bounds, batch, lane);
   scalar_lanes::store_pelvis_drop(now, batch, lane);

@@ -1,5 +1,4 @@
-// Two registers of people at a time: stepping_feet-inl.h and stepping_legs-inl.h over vector
-// registers.
+// SIMD version of stepping, over two registers of people.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +18,7 @@ namespace throng::HWY_NAMESPACE {
 namespace register_pairs {
 namespace {
 
-// Each shares what the ones before it can do.
+// Order matters: each header uses those before it.
 #include "base/simd/angles-inl.h"
 //
 #include "avatars/stepping/stepping_legs-inl.h"

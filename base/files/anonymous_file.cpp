@@ -31,7 +31,7 @@ AnonymousFile::AnonymousFile() {
   const std::string in = folder();
   descriptor_ = ::open(in.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor_ >= 0) return;
-  // A file system without such files: one that loses its name at once.
+  // For file systems without O_TMPFILE: the file loses its name at once.
   std::string name = in + "/throng-XXXXXX";
   descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor_ < 0) fail("make", errno);

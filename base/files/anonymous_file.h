@@ -1,5 +1,5 @@
-// A temporary file without a name, for what is larger than memory should be, and values that it
-// holds while they are put in order.
+// AnonymousFile is a temporary file without a name, for data too large for memory; ExternalSorter
+// sorts values through one.
 #pragma once
 
 #include <algorithm>
@@ -13,36 +13,36 @@
 
 namespace throng {
 
-/// It goes with the process, however that ends; pages that the system caches are its own.
+/// Ends with the process, however that ends. Cached pages belong to the system.
 class AnonymousFile {
  public:
-  /// In $TMPDIR, or /tmp. Throws EnvironmentError, as the others, naming the folder and the way
-  /// out.
+  /// Creates the file in $TMPDIR, or /tmp. All members throw EnvironmentError, naming the folder
+  /// and the remedy.
   AnonymousFile();
   ~AnonymousFile();
   AnonymousFile(const AnonymousFile&) = delete;
   AnonymousFile& operator=(const AnonymousFile&) = delete;
 
-  /// From several threads at once, for parts that do not overlap.
+  /// Safe from several threads if their ranges do not overlap.
   void write(int64_t offset, std::span<const std::byte> bytes);
-  /// The same; all of it has been written.
+  /// As write(). The range must have been written.
   void read(int64_t offset, std::span<std::byte> bytes) const;
 
  private:
   int descriptor_ = -1;
 };
 
-/// Values that are put in order although they are too many for memory, which holds one run of them,
-/// however many there are; the others lie sorted in the file and are merged as they are visited.
+/// Sorts values that are too many for memory. Memory holds one run; the other runs lie sorted in
+/// the file and are merged when visited.
 template <typename T, typename Less>
 class ExternalSorter {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// Values in memory until they are written: a run.
+  /// Number of values in memory before they are written (a run).
   static constexpr size_t kRun = 1 << 15;
 
-  /// Throws EnvironmentError, as for_each().
+  /// Throws EnvironmentError.
   void add(const T& value) {
     tail_.push_back(value);
     if (tail_.size() < kRun) return;
@@ -55,7 +55,7 @@ class ExternalSorter {
 
   size_t size() const { return runs_ * kRun + tail_.size(); }
 
-  /// Calls visit(value) for all, in ascending order.
+  /// Calls visit(value) for all values in ascending order. Throws EnvironmentError.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     std::vector<T> tail = tail_;
@@ -70,7 +70,7 @@ class ExternalSorter {
       readers[run].left_to = (run + 1) * kRun;
       if (refill(readers[run])) next.push(&readers[run]);
     }
-    Reader last;  // what was never written
+    Reader last;  // the values that are still in memory
     last.buffer = std::move(tail);
     if (!last.buffer.empty()) next.push(&last);
     while (!next.empty()) {
@@ -83,16 +83,16 @@ class ExternalSorter {
   }
 
  private:
-  /// Goes through a run, a piece at a time.
+  /// Reads a run in pieces.
   struct Reader {
     std::vector<T> buffer;
     size_t at = 0;
-    size_t left_from = 0, left_to = 0;  ///< in the file, not read yet
+    size_t left_from = 0, left_to = 0;  ///< range of the file that is not read yet
     const T& value() const { return buffer[at]; }
   };
 
   bool refill(Reader& reader) const {
-    // All readers together have room for two runs.
+    // All readers together buffer two runs.
     const size_t room = std::max<size_t>(16, 2 * kRun / std::max<size_t>(1, runs_));
     const size_t count = std::min(room, reader.left_to - reader.left_from);
     if (count == 0) return false;

@@ -16,7 +16,7 @@ void Archive::word(uint64_t& bits, size_t bytes) {
   for (size_t i = 0; i < bytes; ++i) bits |= uint64_t{input_[next_++]} << (8 * i);
 }
 
-/// An element takes a byte at least: a length that cannot be is refused before it is allocated.
+/// An element takes at least a byte; rejects impossible lengths before allocating.
 void Archive::expect_available(uint64_t elements) const {
   if (elements > input_.size() - next_)
     refuse(fmt::format("{} more elements", elements), "the end");

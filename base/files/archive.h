@@ -1,6 +1,6 @@
-// State as bytes and back, for checkpoints.
-// One rule: a struct names its fields once, in archive(), and both directions go through it; what
-// is read is never believed: a short, long or mismatching archive is an InputError.
+// Archive writes state to bytes and reads it back, for checkpoints.
+// Invariant: a struct lists its fields once, in archive(), for both directions. Reading validates:
+// a short, long or mismatching archive is an InputError.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -26,9 +26,9 @@ concept Archived = requires(T& value, Archive& archive) {
 
 class Archive {
  public:
-  /// Collects what it is given.
+  /// Writes fields.
   Archive() = default;
-  /// Fills what it is given, in the order in which it was collected. `name` is for errors.
+  /// Reads fields, in the order in which they were written. `name` is for errors.
   Archive(std::span<const uint8_t> bytes, std::string name)
       : is_reading_(true), input_(bytes), name_(std::move(name)) {}
 
@@ -36,17 +36,17 @@ class Archive {
   const std::vector<uint8_t>& bytes() const { return output_; }
   /// Throws InputError unless everything was read.
   void expect_end() const;
-  /// Throws InputError: what was read cannot be.
+  /// Throws InputError for an impossible value.
   [[noreturn]] void refuse(const std::string& expected, const std::string& found) const;
 
-  /// Fields one after another. A vector must have the length that it had when it was collected: who
-  /// resumes has built the same world.
+  /// Archives the fields in order. A vector must already have its archived length: resuming builds
+  /// the same run first.
   template <typename... Fields>
   void operator()(Fields&... fields) {
     (field(fields), ...);
   }
 
-  /// A vector that takes the archive's length, at most `most` elements.
+  /// Resizes the vector to the archived length, at most `most` elements.
   template <typename T>
   void resized(std::vector<T>& values, size_t max_count) {
     uint64_t count = values.size();
@@ -102,10 +102,10 @@ class Archive {
     for (T& value : values) field(value);
   }
 
-  /// Little-endian, whatever the machine.
+  /// Little-endian on every machine.
   template <typename T>
   void number(T& value) {
-    static_assert(std::is_arithmetic_v<T>, "give the type an archive() of its own");
+    static_assert(std::is_arithmetic_v<T>, "give the type its own archive()");
     if constexpr (std::is_floating_point_v<T>) {
       using Bits = std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>;
       auto bits = std::bit_cast<Bits>(value);

@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As many as the kernel follows.
+/// The kernel's own limit.
 constexpr int kMaxSymlinks = 40;
 
-/// What every program creates files with; the umask takes away from it.
+/// Default mode of created files, before the umask.
 constexpr mode_t kMode = 0666;
 
 }  // namespace
@@ -35,7 +35,7 @@ AtomicFile::AtomicFile(const fs::path& file, const AtomicFileOptions& options)
   if (descriptor_ < 0) {
     open_in_place();
   } else if (is_there) {
-    // Everybody who may read the old one may read the new one.
+    // The new file keeps the permissions of the old one.
     [[maybe_unused]] const int changed = ::fchmod(descriptor_, old.st_mode & 07777);
   }
 }
@@ -59,7 +59,7 @@ void AtomicFile::write(std::string_view text) {
 }
 
 void AtomicFile::finish() {
-  // On the disk before it has the name. A pipe has no disk.
+  // On the disk before it has the name. EINVAL, EROFS: a pipe has no disk.
   if (options_.to_disk && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
     fail(errno);
   if (is_anonymous_) publish();
@@ -84,11 +84,11 @@ fs::path AtomicFile::temporary_name() const {
 
 void AtomicFile::open_temporary() {
   const fs::path folder = real_.has_parent_path() ? real_.parent_path() : fs::path(".");
-  // Without a name, so that a killed run leaves nothing behind.
+  // Without a name; a killed run leaves nothing behind.
   descriptor_ = ::open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, kMode);
   is_anonymous_ = descriptor_ >= 0;
   if (is_anonymous_) return;
-  const fs::path name = temporary_name();  // of a file system that has no files without names
+  const fs::path name = temporary_name();  // for file systems without O_TMPFILE
   descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
   if (descriptor_ >= 0) temporary_path_ = name;
 }
@@ -111,7 +111,7 @@ fs::path resolve_links(fs::path path) {
   for (int i = 0; i < kMaxSymlinks && fs::is_symlink(fs::symlink_status(path, error)); ++i) {
     const fs::path target = fs::read_symlink(path, error);
     if (error) return path;
-    // What /proc calls a link may lead to a pipe, which has no path.
+    // A link in /proc may lead to a pipe, which has no path.
     if (fs::exists(path, error) && !fs::exists(path.parent_path() / target, error)) return path;
     path = path.parent_path() / target;  // an absolute target replaces the folder
   }

@@ -1,7 +1,8 @@
-// Writing a whole file, at once or piece by piece, and files of a folder that grow with a run.
-// One rule: a whole file of that name is what it was or what was asked for, never a part of it. The
-// new one is written without a name, or beside the old one, and then takes its name. Pipes and
-// devices, and files that have a second name or whose folder takes no files, are written in place.
+// AtomicFile writes whole files, at once or piece by piece; OutputFile writes growing files of an
+// output folder.
+// Invariant: a file written atomically has its old or its new content, never a part. The new one is
+// written without a name or next to the old one, then renamed. Pipes, devices, hard-linked files
+// and files in read-only folders are written in place.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +17,14 @@ namespace throng {
 
 struct AtomicFileOptions {
   std::string_view what{};  ///< completes "cannot write", as in "the checkpoint"
-  bool to_disk = false;     ///< not even a power cut leaves half a file; costs some milliseconds
+  bool to_disk = false;     ///< survives a power cut; costs some milliseconds
 };
 
-/// A file that is written piece by piece and takes its name by finish(); without that an older one
-/// stays, unless it is written in place. All throw EnvironmentError naming the file.
+/// A file written piece by piece that takes its name in finish(). Without finish() the older file
+/// stays, unless it is written in place. All members throw EnvironmentError naming the file.
 class AtomicFile {
  public:
-  /// What `options` refers to outlives the file.
+  /// References in `options` must outlive the file.
   explicit AtomicFile(const std::filesystem::path& file, const AtomicFileOptions& options = {});
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -35,9 +36,9 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(int error) const;
-  /// A name that nobody else has: another run may write the same file at this moment.
+  /// A unique name: another run may write the same file at this moment.
   std::filesystem::path temporary_name() const;
-  /// Leaves descriptor_ at -1 where the folder takes no files; the old one may still be writable.
+  /// Leaves descriptor_ at -1 if the folder takes no files; the old file may still be writable.
   void open_temporary();
   void publish();
   void open_in_place();
@@ -46,28 +47,28 @@ class AtomicFile {
   AtomicFileOptions options_;
   int descriptor_ = -1;
   bool is_anonymous_ = false;
-  std::filesystem::path temporary_path_;  ///< until it has the right name
+  std::filesystem::path temporary_path_;  ///< until finish() renames it
 };
 
-/// Throws EnvironmentError naming the file; an older one, unless it is written in place, is then as
-/// it was.
+/// Throws EnvironmentError naming the file. The older file is then unchanged, unless it is written
+/// in place.
 void write_file_atomically(const std::filesystem::path& file, std::span<const uint8_t> bytes,
                            const AtomicFileOptions& options = {});
 void write_file_atomically(const std::filesystem::path& file, std::string_view text,
                            const AtomicFileOptions& options = {});
 
-/// Where opening the path for writing ends up: symbolic links are followed, also one whose target
-/// is not there yet.
+/// Returns the path that opening for writing reaches. Follows symbolic links, dangling ones
+/// included.
 std::filesystem::path resolve_links(std::filesystem::path path);
 
-/// What cannot be written of a folder that `option` names; `error`: of errno.
+/// Error for a file that cannot be written in the folder of `option`; `error` is an errno.
 EnvironmentError write_error(const std::filesystem::path& file, int error, std::string_view option);
 
-/// A text file of a folder that an option names, which grows as it is written. All throw
-/// EnvironmentError, see write_error().
+/// A growing text file in a folder that an option names. Members throw EnvironmentError, see
+/// write_error().
 class OutputFile {
  public:
-  /// Begins the file anew. `option`: "--contacts"; must outlive this.
+  /// Creates or empties the file. `option`: "--contacts"; must outlive this.
   OutputFile(std::filesystem::path file, std::string_view option);
 
   void write(std::string_view text);

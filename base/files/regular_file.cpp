@@ -14,7 +14,6 @@
 namespace throng {
 namespace {
 
-/// What is open here and closed there.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -46,8 +45,8 @@ std::string in_words(uint64_t bytes) {
   return bytes >> 20 > 0 ? fmt::format("{} MiB", bytes >> 20) : fmt::format("{} bytes", bytes);
 }
 
-/// The file behind a descriptor that only names it (O_PATH): opening by name again could meet
-/// another one. A machine without /proc has to do so; then O_NONBLOCK keeps a pipe from waiting.
+/// Opens the file behind an O_PATH descriptor; opening by name could meet another file. Without
+/// /proc it opens by name, with O_NONBLOCK, because a pipe would block.
 int open_named(int named, const std::filesystem::path& path) {
   constexpr int kFlags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
   const int opened = ::open(fmt::format("/proc/self/fd/{}", named).c_str(), kFlags);
@@ -75,7 +74,7 @@ RegularFile::RegularFile(const std::filesystem::path& path, std::string_view exp
   if (size_ > max_bytes)
     throw InputError(path.string(), fmt::format("{} of at most {}", expected, in_words(max_bytes)),
                      in_words(size_));
-  // Whoever has closed standard input must not find a file of ours in its place.
+  // Keep 0 to 2 free: standard input may be closed, and this file must not take its place.
   if (opened.number() > STDERR_FILENO) {
     descriptor_ = opened.release();
   } else {

@@ -1,7 +1,6 @@
-// A file that somebody named, opened only if it is one that ends.
-// One rule: what is no regular file (a pipe, a device, a folder) is never opened, not even for a
-// moment, and what was judged is what is read: there is no time between look and use in which
-// another file could take the name.
+// RegularFile opens an input file named by the user if it is a regular file.
+// Invariant: pipes, devices and folders are never opened. The file that was checked is the file
+// that is read; no other file can take its name in between.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +16,21 @@ namespace throng {
 class RegularFile {
  public:
   /// Throws InputError "PATH: expected EXPECTED, found a named pipe" (a device, nothing, more than
-  /// `max_bytes`, something that may not be read).
+  /// `max_bytes`, no permission).
   RegularFile(const std::filesystem::path& path, std::string_view expected, uint64_t max_bytes);
   ~RegularFile();
   RegularFile(const RegularFile&) = delete;
   RegularFile& operator=(const RegularFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Open for reading, above standard error's, closed on exec.
+  /// Open for reading, above 2, closed on exec.
   int descriptor() const { return descriptor_; }
-  /// As it was when it was opened.
+  /// Size in bytes when it was opened.
   uint64_t size() const { return size_; }
-  /// All of it. Throws InputError if it cannot be read or has become shorter; what was added since
-  /// is left out.
+  /// Returns the bytes that were there at opening. Throws InputError if the file cannot be read or
+  /// has become shorter.
   std::vector<uint8_t> bytes() const;
-  void read(std::span<std::byte> out) const;  ///< the first bytes, as many as asked for
+  void read(std::span<std::byte> out) const;  ///< the first out.size() bytes
 
  private:
   std::filesystem::path path_;

@@ -28,10 +28,10 @@
 namespace throng {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
-// From <sanitizer/common_interface_defs.h>; there without a sanitizer, it is null.
-// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is theirs
+// From <sanitizer/common_interface_defs.h>; null without a sanitizer.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): foreign name
 extern "C" __attribute__((weak)) void __sanitizer_set_report_path(const char* path);
-// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the name is theirs
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): foreign name
 extern "C" __attribute__((weak)) void __sanitizer_set_death_callback(void (*callback)());
 #endif
 
@@ -39,8 +39,8 @@ namespace {
 
 using sandbox::ReplyHeader;
 
-/// Under these sanitizers a process maps terabytes of shadow memory: no limit of the operating
-/// system can tell them from the parser's own.
+/// These sanitizers map terabytes of shadow memory, which limits of the operating system cannot
+/// distinguish from the parser's own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kHasShadowMemory = true;
 #elif defined(__has_feature)
@@ -53,10 +53,9 @@ constexpr bool kHasShadowMemory = false;
 constexpr bool kHasShadowMemory = false;
 #endif
 
-/// Longer texts are cut: an error is a line.
+/// Longer texts are cut: an error is one line.
 constexpr uint64_t kMaxTextBytes = 1000;
 
-/// Of what the file at hand may cost.
 struct Budget {
   int cpu_s = 0;
   double wall_s = 0;
@@ -64,13 +63,13 @@ struct Budget {
   uint64_t result_bytes = 0;
 };
 
-/// What it returns is sent, too.
+/// Its return value is sent as the last reply.
 using Parse = std::function<std::vector<uint8_t>(const RegularFile&, const SendPiece&)>;
 
-// The child's side: it shuts itself in, parses, answers. Nothing of the parent is touched; the only
-// way out is _exit.
+// The child's side: it isolates itself, parses and replies. It touches nothing of the parent and
+// leaves only by _exit.
 
-/// The bytes that a process has mapped, or holds in memory; 0 where /proc does not tell.
+/// Bytes that a process has mapped or resident; 0 without /proc.
 enum class Memory { kMapped, kResident };
 uint64_t memory_of(pid_t process, Memory kind) {
   char path[32];
@@ -87,13 +86,13 @@ uint64_t memory_of(pid_t process, Memory kind) {
   return (kind == Memory::kMapped ? mapped : resident) * page_bytes;
 }
 
-/// What stops a program is for the parent to hear, and ends the child with it; everything else does
-/// what it does in a program that does not handle it.
+/// The child ignores signals that stop a program, which the parent handles. All others get their
+/// default action.
 void reset_signals() {
   for (int number = 1; number < NSIG; ++number) {
     const bool is_for_parent =
         number == SIGINT || number == SIGQUIT || number == SIGHUP || number == SIGTERM;
-    // SIGXFSZ: a file of no bytes is an error to whoever writes it, not a death.
+    // With SIGXFSZ ignored, writing to a file is an error instead of a crash.
     ::signal(number, is_for_parent || number == SIGXFSZ ? SIG_IGN : SIG_DFL);
   }
   sigset_t none;
@@ -105,7 +104,7 @@ void close_between(int first, int last) {
   if (first <= last) ::close_range(static_cast<unsigned>(first), static_cast<unsigned>(last), 0);
 }
 
-/// Everything but the two: files, sockets and pipes of the parent are not the parser's to write to.
+/// Closes all descriptors but two: the parser must not write to the parent's files or sockets.
 void keep_only(int one, int other) {
   const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number)
@@ -134,8 +133,7 @@ void enter_sandbox(const Budget& budget) {
   if (mapped > 0) lower(RLIMIT_AS, mapped + budget.memory_bytes, mapped + budget.memory_bytes);
 }
 
-/// A sanitizer that finds fault with the library says so to nobody, a fuzzer keeps no input for it:
-/// the parent hears of a crash.
+/// Sanitizers print no report and fuzzers save no input in the child: the parent reports the crash.
 void silence_sanitizers() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(__clang__)
   if (__sanitizer_set_report_path) __sanitizer_set_report_path("stderr");
@@ -167,17 +165,16 @@ void send(int pipe, ReplyHeader::Kind kind, std::span<const uint8_t> bytes) {
   send(pipe, std::as_bytes(bytes));
 }
 
-/// Runs the parser in the process that was just forked.
 [[noreturn]] void send_reply(const RegularFile& file, int pipe, pid_t parent, const Budget& budget,
                              const Parse& parse) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(1);  // it died before it could take us along
+  if (::getppid() != parent) ::_exit(1);  // the parent died before PDEATHSIG was set
   reset_signals();
   keep_only(file.descriptor(), pipe);
   silence_sanitizers();
   enter_sandbox(budget);
-  // Registered last and so called first: what the parent left to be done at its end is not ours,
-  // not even if the library ends the process.
+  // Registered last, so called first: handlers of the parent must not run, even if the library
+  // exits.
   std::atexit([] { ::_exit(1); });
   try {
     const SendPiece send_piece = [&](std::span<const uint8_t> piece) {
@@ -200,7 +197,7 @@ void send(int pipe, ReplyHeader::Kind kind, std::span<const uint8_t> bytes) {
   ::_exit(0);
 }
 
-// The parent's side: it waits, and believes nothing.
+// The parent's side: it waits and validates.
 
 using Clock = std::chrono::steady_clock;
 
@@ -220,10 +217,10 @@ Budget budget_for(uint64_t file_bytes, const SandboxLimits& limits) {
                                      file.string(), what, std::strerror(errno)));
 }
 
-/// What is announced is only believed so far; beyond that, memory grows with what comes.
+/// Reserves at most this much for an announced size; beyond, memory grows with received data.
 constexpr uint64_t kMaxReserved = 64 << 20;
 
-/// A pipe whose ends are not 0, 1 or 2, which the child lays on /dev/null.
+/// A pipe whose ends are above 2, because the child opens 0 to 2 on /dev/null.
 class Pipe {
  public:
   explicit Pipe(const std::filesystem::path& file) {
@@ -237,7 +234,7 @@ class Pipe {
       close();
       fail(file, "pipe");
     }
-    // Large meshes come back in fewer turns; a kernel that gives less is fine.
+    // Fewer turns for large meshes; failing is harmless.
     ::fcntl(ends_[1], F_SETPIPE_SZ, 1 << 20);
   }
   ~Pipe() { close(); }
@@ -258,7 +255,7 @@ class Pipe {
   int ends_[2] = {-1, -1};
 };
 
-/// Killed and reaped at the latest when it goes out of scope.
+/// Kills and reaps the child at the latest when destroyed.
 class Child {
  public:
   explicit Child(pid_t id) : id_(id), ended_(static_cast<int>(::syscall(SYS_pidfd_open, id, 0))) {}
@@ -269,12 +266,13 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   pid_t id() const { return id_; }
-  /// To poll: readable once it has ended; negative on kernels before 5.3.
+  /// Descriptor that is readable once the child has ended; negative on kernels before 5.3.
   int ended() const { return ended_; }
-  /// Its wait status; 0 where somebody else in this process reaps all children (SIGCHLD ignored).
+  /// Ends the child and returns its wait status; 0 if the process reaps all children (SIGCHLD
+  /// ignored).
   int end() {
     if (id_ < 0) return status_;
-    ::kill(id_, SIGKILL);  // changes nothing for one that has ended
+    ::kill(id_, SIGKILL);  // no effect on an ended child
     while (::waitpid(id_, &status_, 0) < 0 && errno == EINTR) continue;
     id_ = -1;
     return status_;
@@ -288,12 +286,12 @@ class Child {
 
 enum class Outcome { kReplied, kEnded, kTooSlow, kTooMuchMemory, kTooMuchResult };
 
-/// What the child says, until it has said all, ended, or gone too far.
+/// Receives the child's reply until it is complete, the child has ended or exceeds a limit.
 class Listener {
  public:
   using Take = std::function<void(std::span<const uint8_t>)>;
 
-  /// `take`: for pieces; null if there must be none.
+  /// `take` receives pieces; null if pieces are not allowed.
   Listener(const Pipe& pipe, const Child& child, const Budget& budget, const Take* take)
       : pipe_(pipe),
         child_(child),
@@ -311,19 +309,19 @@ class Listener {
           std::chrono::ceil<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
       if (left <= 0) return Outcome::kTooSlow;
       pollfd watched[2] = {{pipe_.read_end(), POLLIN, 0}, {child_.ended(), POLLIN, 0}};
-      // A wait of a minute at most: the sum of milliseconds fits, and nothing hangs on it.
+      // At most a minute: keeps the milliseconds within int.
       const auto wait_ms = std::min<int64_t>(left, kHasShadowMemory ? 10 : 60'000);
       if (::poll(watched, 2, static_cast<int>(wait_ms)) < 0 && errno != EINTR)
         return Outcome::kEnded;
       if (is_too_large()) return Outcome::kTooMuchMemory;
-      // What has ended has said all that it ever will: one more look into the pipe, and done.
+      // An ended child sends nothing more: read the pipe once more, then stop.
       const bool has_ended = (watched[1].revents & POLLIN) != 0;
       if (const std::optional<Outcome> outcome = receive()) return *outcome;
       if (has_ended) return Outcome::kEnded;
     }
   }
 
-  /// Of a whole answer.
+  /// Header of a complete reply.
   ReplyHeader head() const {
     ReplyHeader out;
     std::memcpy(&out, received_.data(), sizeof out);
@@ -348,7 +346,7 @@ class Listener {
   std::optional<Outcome> receive() {
     while (true) {
       const size_t before = received_.size();
-      // Grows by what comes, not by what was announced.
+      // Grows with received data, not with the announced size.
       received_.resize(before + std::clamp<size_t>(before, 4096, 1 << 20));
       const ssize_t count =
           ::read(pipe_.read_end(), received_.data() + before, received_.size() - before);
@@ -360,7 +358,7 @@ class Listener {
       if (const std::optional<Outcome> outcome = take_pieces()) return outcome;
       if (received_.size() < sizeof(ReplyHeader)) continue;
       const ReplyHeader head = this->head();
-      if (head.kind == ReplyHeader::Kind::kPiece) continue;  // the rest of it is on its way
+      if (head.kind == ReplyHeader::Kind::kPiece) continue;  // incomplete
       const uint64_t max_size = head.kind == ReplyHeader::Kind::kBytes
                                     ? budget_.result_bytes - taken_bytes_
                                     : 2 * kMaxTextBytes;
@@ -374,8 +372,8 @@ class Listener {
     }
   }
 
-  /// Passes on the pieces that are whole; afterwards what was said begins with the head of another
-  /// answer, or with as much of one as there is.
+  /// Passes on complete pieces. Afterwards received_ begins with the header of another reply, or
+  /// part of one.
   std::optional<Outcome> take_pieces() {
     size_t at = 0;
     while (received_.size() - at >= sizeof(ReplyHeader)) {
@@ -414,7 +412,7 @@ std::string signal_name(int number) {
 /// "one that crashes assimp (SIGSEGV)".
 std::string describe_failure(Outcome outcome, int status, const std::string& library,
                              const Budget& budget) {
-  // SIGKILL is ours, in case that it closed its end of the pipe and did not end.
+  // SIGKILL came from Child::end(), for a child that closed its pipe without ending.
   const bool was_killed =
       outcome == Outcome::kEnded && WIFSIGNALED(status) && WTERMSIG(status) != SIGKILL;
   if (outcome == Outcome::kTooSlow)
@@ -423,10 +421,10 @@ std::string describe_failure(Outcome outcome, int status, const std::string& lib
     return fmt::format("one that keeps {} busy for more than {} s of processor time", library,
                        budget.cpu_s);
   if (outcome == Outcome::kTooMuchMemory)
-    return fmt::format("one for which {} wants more than {} MiB of memory", library,
+    return fmt::format("one for which {} needs more than {} MiB of memory", library,
                        budget.memory_bytes >> 20);
   if (outcome == Outcome::kTooMuchResult)
-    return fmt::format("one of which {} makes more than {} MiB", library,
+    return fmt::format("one from which {} makes more than {} MiB", library,
                        budget.result_bytes >> 20);
   if (was_killed)
     return fmt::format("one that crashes {} ({})", library, signal_name(WTERMSIG(status)));

@@ -1,19 +1,18 @@
-// The one door for every binary or mesh file that a foreign library parses for us: the parser runs
-// in a child process and only bytes come back.
-// One rule: whatever the library does with the file (crash, hang, eat memory, scribble over its
-// own), the caller gets bytes or an InputError in bounded time, and trusts neither.
+// parse_sandboxed() runs a foreign parser of a binary or mesh file in a child process; only bytes
+// come back.
+// Invariant: a crash, hang, memory exhaustion or memory corruption in the library ends as bytes or
+// an InputError in bounded time. Callers must validate the bytes.
 //
-// The child is forked and never executes another program: there is none to be found, installed or
-// matched in version, for a user of the library or from within an interpreter as little as for the
-// command. That is sound because the child
-// - runs the parser, sends what it made and ends by _exit: nothing is flushed twice, no destructor
-//   of the parent runs, also not where the library calls exit();
-// - has no descriptor but the file and the pipe; 0, 1 and 2 are /dev/null, so that a library's
-//   chatter does not leak; it can write no file and leaves no core;
-// - needs no lock that another thread of the parent could have held: glibc keeps malloc usable in
-//   the child, and as the parent never runs the parser, nobody holds a lock of it. Worker threads
-//   do not exist in the child: a parser must not use them;
-// - dies with its parent. Signals that stop a program are the parent's business.
+// The child is forked and executes no other program: no second program has to be found, installed
+// or matched in version. Forking is sound because the child
+// - runs the parser, sends the result and ends by _exit: nothing is flushed twice and no destructor
+//   of the parent runs, even if the library calls exit();
+// - has no descriptor but the file and the pipe; 0, 1 and 2 are /dev/null. It can write no file and
+//   leaves no core;
+// - needs no lock that another thread of the parent could hold. glibc keeps malloc usable, and the
+//   parent never runs the parser. Worker threads do not exist in the child: a parser must not use
+//   them;
+// - dies with its parent, and leaves signals that stop a program to the parent.
 #pragma once
 
 #include <cstdint>
@@ -28,31 +27,30 @@
 
 namespace throng {
 
-/// The parser and what it parses, for the words of an error.
+/// The parser and its format, for error messages.
 struct SandboxedParser {
   std::string library;   ///< "assimp"
   std::string expected;  ///< "a ply mesh"
   std::string remedy;    ///< "export it again, for example as .stl"
 };
 
-/// What a file may cost. A MiB of it adds half a second of processor time and a second by the
-/// clock: a large file of a slow text format is no attack.
+/// Limits for one file. Each MiB adds half a second of processor time and a second of wall time:
+/// a large file of a slow text format is legitimate.
 struct SandboxLimits {
   uint64_t max_file_bytes = 512u << 20;
-  /// Processor time, in whole seconds; what is sound and small takes milliseconds.
+  /// Processor time in whole seconds; valid small files take milliseconds.
   int cpu_s = 5;
-  /// By the clock, for a child that waits. Longer, since a busy machine must not change a result.
+  /// Wall time, for a child that waits. Longer: a busy machine must not change a result.
   double wall_s = 9;
-  /// On top of what the parent has. Not kept under the address and thread sanitizers by the
-  /// operating system, because their shadow memory is larger than any limit: there the parent
-  /// looks at it every few milliseconds.
+  /// Memory on top of the parent's. Under the address and thread sanitizers the parent polls it
+  /// every few milliseconds, because shadow memory exceeds any limit of the operating system.
   uint64_t max_memory_bytes = uint64_t{2} << 30;
-  /// What a byte of the file adds; none where it is read and forgotten piece by piece.
+  /// Memory per byte of the file; 0 if the file is read in pieces.
   uint64_t memory_per_file_byte = 16;
   uint64_t max_result_bytes = uint64_t{1} << 30;
 };
 
-/// Thrown by a parser within the child: becomes InputError(file, expected, found) in the parent.
+/// Thrown by a parser in the child: becomes InputError(file, expected, found) in the parent.
 struct ParseFailure : std::runtime_error {
   ParseFailure(std::string what_was_expected, std::string what_was_found)
       : std::runtime_error(what_was_found),
@@ -64,34 +62,34 @@ struct ParseFailure : std::runtime_error {
 
 namespace sandbox {
 
-/// How an answer begins; `size` bytes follow, for kRefused `expected` and then `found`. Any number
-/// of pieces may come before it.
+/// Header of a reply; `size` bytes follow, for kRefused `expected` and then `found`. Any number of
+/// pieces may precede the last reply.
 struct ReplyHeader {
   enum class Kind : uint32_t { kBytes = 1, kRefused, kThrew, kOutOfMemory, kPiece };
   static constexpr uint32_t kMagic = 0x54485241;
   uint32_t magic = kMagic;
   Kind kind = Kind::kBytes;
-  uint64_t expected_size = 0;  ///< of the first text, for kRefused
+  uint64_t expected_size = 0;  ///< size of the first text, for kRefused
   uint64_t size = 0;
 };
 
 }  // namespace sandbox
 
-/// Opens the file, runs `parse` over it in a child process and returns the bytes it produced. They
-/// come from a process whose memory the file may have scribbled over: check them like the file.
-/// Throws InputError naming the file if that is no regular file or too large, if `parse` throws, or
-/// if the child crashes or goes beyond a limit; EnvironmentError if there can be no child.
+/// Opens the file, runs `parse` on it in a child process and returns the bytes it produced. The
+/// file may have corrupted the child's memory: validate the bytes like the file.
+/// Throws InputError naming the file if it is not regular, too large, `parse` throws, or the child
+/// crashes or exceeds a limit; EnvironmentError if no child can be started.
 std::vector<uint8_t> parse_sandboxed(
     const std::filesystem::path& file, const SandboxedParser& parser, const SandboxLimits& limits,
     const std::function<std::vector<uint8_t>(const RegularFile&)>& parse);
 
-/// In the child: sends on a part of what it makes. At most kMaxPieceBytes at a time.
+/// Sends a part of the result from the child, at most kMaxPieceBytes at a time.
 using SendPiece = std::function<void(std::span<const uint8_t>)>;
 inline constexpr size_t kMaxPieceBytes = 1 << 20;
 
-/// The same for what is too large for memory: `take` is called in the parent with each piece that
-/// `parse` sends, in their order. What it throws ends the child and is passed on; the time that it
-/// takes is not the child's. All pieces together are within limits.max_result_bytes.
+/// As parse_sandboxed(), for results too large for memory. `take` is called in the parent with each
+/// piece that `parse` sends, in order. Exceptions of `take` end the child and are passed on; its
+/// time does not count. All pieces together are within limits.max_result_bytes.
 void parse_sandboxed_in_pieces(
     const RegularFile& file, const SandboxedParser& parser, const SandboxLimits& limits,
     const std::function<void(const RegularFile&, const SendPiece&)>& parse,

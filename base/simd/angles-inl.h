@@ -1,4 +1,4 @@
-// Angles, one a lane. Included inside the namespace of the lanes F, after base/portable_math.h.
+// Angles, one per lane. Included inside the namespace of the lanes F, after base/portable_math.h.
 
 THRONG_LANES F inverse_of(F a) { return 1.0f / a; }
 
@@ -12,7 +12,7 @@ THRONG_LANES void sin_cos_of(F angle, F& sin, F& cos) {
   cos = 1.0f + z * c;
 }
 
-/// The sine of so many turns.
+/// Sine of an angle in turns.
 THRONG_LANES F sin_of_turns(F turns) {
   constexpr float kTurn_rad = 6.28318531f;
   const F u = turns - floor_of(turns + 0.5f), size = abs_of(u);
@@ -21,13 +21,13 @@ THRONG_LANES F sin_of_turns(F turns) {
   return select(u < 0.0f, 0.0f - sine, sine);
 }
 
-/// A direction whose angle is asked for.
+/// A direction, for angles_of().
 struct Direction {
   F y, x;
 };
 
-/// float_arc_tan2() of some (x, y); none is longer than 1 or much shorter, so that one division
-/// does for all.
+/// float_arc_tan2() of several (x, y), of length at most 1 and not much shorter: one division
+/// serves all.
 template <size_t kCount>
 THRONG_LANES void angles_of(const Direction (&directions)[kCount], F (&angles)[kCount]) {
   using K = FloatArcTanConstants;
@@ -36,7 +36,7 @@ THRONG_LANES void angles_of(const Direction (&directions)[kCount], F (&angles)[k
     longer[i] = max_of(max_of(abs_of(directions[i].x), abs_of(directions[i].y)), 1e-5f);
     product[i] = i == 0 ? longer[0] : product[i - 1] * longer[i];
   }
-  F rest = inverse_of(product[kCount - 1]);  // of those not done yet
+  F rest = inverse_of(product[kCount - 1]);  // inverse product of the remaining ones
   for (size_t i = kCount; i-- > 0;) {
     const F inverse = i == 0 ? rest : rest * product[i - 1];
     rest = rest * longer[i];

@@ -1,6 +1,6 @@
-// The SIMD targets that fast paths are compiled for, and the choice among them at run time.
-// One rule: a source that Highway compiles once a target includes this first, so that all of them
-// know the same targets; what is chosen is what SimdTarget says, not what Highway finds best.
+// Dispatch chooses at run time among the SIMD targets that fast paths are compiled for.
+// Invariant: a source that Highway compiles once per target includes this first, so all know the
+// same targets. SimdTarget chooses, not Highway.
 #pragma once
 
 // SSSE3 alone is not worth its code size: every x86-64 since 2008 has SSE4.1.
@@ -9,7 +9,7 @@
 
 #include "base/simd.h"
 
-/// In #if, inside such a source: whether there are registers. The scalar reference is in plain C++.
+/// In #if, inside such a source: whether there are registers. The scalar reference is plain C++.
 #define THRONG_HAS_LANES (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 
 namespace throng {
@@ -23,7 +23,7 @@ T* chosen_for(SimdTarget target, T* reference, T* sse4, T* avx2, T* avx512) {
       return avx2;
     case SimdTarget::kAvx512:
       return avx512;
-    case SimdTarget::kBest:  // to be resolved() before
+    case SimdTarget::kBest:  // callers pass a resolved() target
     case SimdTarget::kScalar:
       break;
   }
@@ -48,8 +48,8 @@ T* chosen_for(SimdTarget target, T* reference, T* sse4, T* avx2, T* avx512) {
 #define THRONG_ON_AVX512(name, reference) reference
 #endif
 
-/// Points to the function or constant `name` of throng::HWY_NAMESPACE as it was compiled for
-/// `target`, which is one that this machine has and not kBest; to `reference` for kScalar.
+/// Points to the function or constant `name` of throng::HWY_NAMESPACE, compiled for `target`, which
+/// this machine has and which is not kBest; to `reference` for kScalar.
 #define THRONG_CHOOSE(target, name, reference)                                     \
   ::throng::chosen_for((target), &(reference), &(THRONG_ON_SSE4(name, reference)), \
                        &(THRONG_ON_AVX2(name, reference)), &(THRONG_ON_AVX512(name, reference)))

@@ -1,7 +1,6 @@
-// Registers of floats with Highway, compiled once a target, what all fast paths do with them, and
-// the lanes that a kernel which is written over lanes is compiled over: register_pairs,
-// eight_lanes. Included after <hwy/foreach_target.h>, by sources that include base/simd/dispatch.h
-// first.
+// Lanes: registers of floats with Highway and their common operations, compiled once per target.
+// Kernels written over lanes use register_pairs or eight_lanes. Included after
+// <hwy/foreach_target.h>, by sources that include base/simd/dispatch.h first.
 #if defined(THRONG_BASE_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_BASE_SIMD_LANES_INL_H_
 #undef THRONG_BASE_SIMD_LANES_INL_H_
@@ -31,7 +30,7 @@ using M = hn::Mask<Lanes>;
 inline constexpr size_t kLanes = hn::MaxLanes(Lanes());
 static_assert(kLanes % 4 == 0);
 
-/// first, first + 1, ... Highway's Iota writes the lanes to memory one by one and waits for them.
+/// first, first + 1, ... Highway's Iota stores the lanes one by one and stalls on the reload.
 HWY_INLINE U counting_from(uint32_t first) {
   HWY_ALIGN static constexpr uint32_t kCount[] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                   8, 9, 10, 11, 12, 13, 14, 15};
@@ -48,7 +47,7 @@ HWY_INLINE uint32_t bits_of(M mask) {
   return bits;
 }
 
-/// Byte order[mask] of the lanes of each mask: those in the mask first, in order, then lane 0.
+/// Byte order[mask] of the lanes of each mask: lanes in the mask first, in order, then lane 0.
 /// kBytes per lane: 1 for indices of lanes, 4 for indices of bytes.
 template <size_t kLaneCount, size_t kBytes>
 struct PackingOrders {
@@ -66,8 +65,8 @@ struct PackingOrders {
 };
 
 /// Moves the lanes of a mask to the front of registers, in order; the other lanes are unspecified.
-/// hn::Compress is for AVX-512 only: elsewhere g++ 12 copies the table of Highway 1.0.3 to the
-/// stack at every call, which costs more than the kernel around it.
+/// Replaces hn::Compress, which is fast on AVX-512 only. Elsewhere g++ 12 copies the table of
+/// Highway 1.0.3 to the stack at every call, which costs more than the kernel around it.
 class Packing {
  public:
 #if HWY_TARGET <= HWY_AVX3
@@ -121,7 +120,7 @@ HWY_INLINE void transpose4(const W (&in)[4], W (&out)[4]) {
   out[3] = hn::BitCast(d, hn::InterleaveUpper(wide, pair(high01), pair(high23)));
 }
 
-/// Four floats each of rows first, first + 4, ... side by side; row(lane) points to them.
+/// Loads four floats of each of the rows first, first + 4, ...; row(lane) points to them.
 template <class D, typename Row>
 HWY_INLINE hn::Vec<D> load_quads(D d, const Row& row, size_t first) {
   if constexpr (hn::MaxLanes(D()) == 4) {
@@ -143,7 +142,7 @@ HWY_INLINE void store_quads(D d, hn::Vec<D> v, const Row& row, size_t first) {
   }
 }
 
-/// Rows of four floats, one a lane: out[c] gets component c of every lane's row.
+/// Rows of four floats, one per lane: out[c] gets component c of every lane's row.
 template <typename Row, class W>
 HWY_INLINE void load_rows(const Row& row, W (&out)[4]) {
   W rows[4];
@@ -157,7 +156,7 @@ HWY_INLINE void store_rows(const V (&in)[4], const Row& row) {
   for (size_t i = 0; i < 4; ++i) store_quads(Lanes(), rows[i], row, i);
 }
 
-/// bilinear() of the floats from `from` on, as many as D has lanes.
+/// bilinear() of the floats from `from` on, one per lane of D.
 template <class D>
 HWY_INLINE void store_bilinear(D d, const float* from, size_t next, size_t step, float u, float v,
                                float* to) {
@@ -200,16 +199,16 @@ HWY_INLINE void float_sin_cos(V angle_rad, V& sin, V& cos) {
 HWY_AFTER_NAMESPACE();
 #endif  // THRONG_HAS_LANES
 
-/// What functions of a kernel that is written over lanes begin with.
+/// Prefix of the functions of a kernel written over lanes.
 #undef THRONG_LANES
 #define THRONG_LANES HWY_INLINE
 
-#if THRONG_HAS_LANES  // the reference is one_lane.h
+#if THRONG_HAS_LANES  // the reference is scalar_lanes.h
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE::register_pairs {
 
-/// Two registers at a time: such a kernel is one long chain of sums and products, each waiting for
-/// the one before, and two chains take hardly longer than one.
+/// Two registers at a time. A kernel is one long chain of dependent operations; two independent
+/// chains take hardly longer than one.
 inline constexpr size_t kLaneCount = 2 * kLanes;
 
 struct F {
@@ -255,7 +254,7 @@ HWY_INLINE void store_whole(F x, int32_t* to) {
   hn::StoreU(hn::ConvertTo(whole, x.b), whole, to + kLanes);
 }
 
-/// out[c]: component c of each lane's row of four; row(lane) points to it.
+/// out[c]: component c of each lane's row of four; row(lane) points to the row.
 template <typename Row>
 HWY_INLINE void load_rows(const Row& row, F (&out)[4]) {
   V a[4], b[4];
@@ -270,8 +269,8 @@ HWY_INLINE void store_rows(const F (&in)[4], const Row& row) {
   HWY_NAMESPACE::store_rows(b, [&row](size_t lane) HWY_ATTR { return row(kLanes + lane); });
 }
 
-/// Between rows of kFloats, a multiple of four: first(lane), the next by u, and both `step` farther
-/// on by v. Rows are blended as they lie, then transposed.
+/// Interpolates rows of kFloats (a multiple of four): first(lane), the next row by u, and both
+/// `step` farther on by v. Blends rows in place, then transposes.
 template <size_t kFloats, typename Row>
 HWY_INLINE void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFloats]) {
   alignas(64) float us[kLaneCount], vs[kLaneCount], rows[kLaneCount * kFloats];
@@ -298,7 +297,7 @@ HWY_INLINE void blend_rows(const Row& first, size_t step, F u, F v, F (&out)[kFl
 HWY_AFTER_NAMESPACE();
 #endif
 
-/// The namespace of eight lanes, for kernels with too few numbers to fill more.
+/// Namespace of eight lanes, for kernels with too few numbers to fill more.
 #undef THRONG_EIGHT_LANES
 #if HWY_MAX_BYTES == 16
 #define THRONG_EIGHT_LANES register_pairs
@@ -348,7 +347,7 @@ HWY_INLINE void store_whole(F x, int32_t* to) {
   hn::StoreU(hn::ConvertTo(whole, x.v), whole, to);
 }
 
-/// out[c]: component c of each lane's row of four; row(lane) points to it.
+/// out[c]: component c of each lane's row of four; row(lane) points to the row.
 template <typename Row>
 HWY_INLINE void load_rows(const Row& row, F (&out)[4]) {
   hn::Vec<Eight> lanes[4];

@@ -1,5 +1,5 @@
-// Bullet's dynamic AABB tree (btDbvt), used directly: its broad phase on top adds a pair cache.
-// Leaves are fattened as Bullet does itself (0.05 m), so that most of them stay where they are.
+// Bullet's dynamic AABB tree (btDbvt), used directly, because its broad phase adds a pair cache.
+// Leaves are enlarged by 0.05 m as in Bullet: most of them stay in place.
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <fmt/format.h>
 
@@ -35,7 +35,7 @@ class BulletEngine : public Engine {
       btDbvtVolume volume = volume_of(boxes_[i]);
       tree_.update(leaves_[i], volume, kMargin);
     }
-    // What btDbvtBroadphase does once a step to keep its tree balanced, a hundredth of the leaves.
+    // btDbvtBroadphase does this once per step to balance its tree, for a hundredth of the leaves.
     tree_.optimizeIncremental(1 + tree_.m_leaves / 100);
   }
 

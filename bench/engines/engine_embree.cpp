@@ -1,5 +1,6 @@
-// Embree 3: the boxes as one user geometry that is refitted, and rtcCollide of its scene with
-// itself. It reports both orders and a box with itself, from several threads: filtered here.
+// Embree 3: the boxes are one user geometry, which is refitted and collided with itself.
+// rtcCollide() calls back from several threads. Its reversed pairs and boxes that collide with
+// themselves are filtered here.
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
@@ -42,7 +43,7 @@ class EmbreeEngine : public Engine {
     rtcSetGeometryBoundsFunction(geometry_, bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry_, [](const RTCIntersectFunctionNArguments*) {});
     rtcSetGeometryOccludedFunction(geometry_, [](const RTCOccludedFunctionNArguments*) {});
-    // Only a scene of low build quality keeps a tree a geometry, which can be refitted.
+    // Only scenes of low build quality keep one tree per geometry, which can be refitted.
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_LOW);
     rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
@@ -87,7 +88,7 @@ class EmbreeEngine : public Engine {
     out.upper_z = box.max_m[2];
   }
 
-  /// Called with a batch of up to some tens of pairs.
+  /// Called with batches of up to some tens of pairs.
   static void collect(void* to, RTCCollision* found, unsigned count) {
     auto* self = static_cast<EmbreeEngine*>(to);
     const std::lock_guard<std::mutex> lock(self->mutex_);

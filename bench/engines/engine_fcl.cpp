@@ -1,6 +1,6 @@
-// FCL's dynamic AABB tree: all boxes are set, then the whole tree is refitted at once by update().
-// Compile this file as FCL was compiled: with -march=native its Eigen types change their alignment
-// and Debian's library returns rubbish.
+// FCL's dynamic AABB tree: all boxes are set, then update() refits the whole tree.
+// Compile this file without -march=native: it changes the alignment of FCL's Eigen types, and
+// Debian's library then returns wrong results.
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
 #include <fcl/config.h>
 #include <fcl/narrowphase/collision_object.h>
@@ -12,7 +12,7 @@
 namespace throng::bench {
 namespace {
 
-/// A shape that is nothing but its box.
+/// A shape that consists of its box only.
 class BoxGeometry : public fcl::CollisionGeometryd {
  public:
   void computeLocalAABB() override {}
@@ -75,7 +75,7 @@ class FclEngine : public Engine {
   }
 
   uint32_t parts_ = 1;
-  std::deque<fcl::CollisionObjectd> objects_;  // the manager keeps their addresses
+  std::deque<fcl::CollisionObjectd> objects_;  // the manager stores their addresses
   std::vector<BoxGeometry*> geometries_;       // owned by the objects
   fcl::DynamicAABBTreeCollisionManagerd manager_;
 };

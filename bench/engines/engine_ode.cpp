@@ -1,5 +1,5 @@
 // ODE's sweep and prune space (radix sort along one axis). Its hash space aborts at 20 000 avatars.
-// Geoms are of a class of our own whose box is simply read, so no shape has to be bounded.
+// A custom geom class returns the box directly: no shape has to be bounded.
 #include <ode/ode.h>
 #include <ode/version.h>
 
@@ -41,7 +41,7 @@ class OdeEngine : public Engine {
       boxes_[i] = frame.boxes[i];
       const float* low = boxes_[i].min_m;
       dGeomSetPosition(geoms_[i], static_cast<dReal>(low[0]), static_cast<dReal>(low[1]),
-                       static_cast<dReal>(low[2]));  // tells the space that it moved
+                       static_cast<dReal>(low[2]));  // reports the move to the space
     }
   }
 
@@ -60,7 +60,7 @@ class OdeEngine : public Engine {
                                  boxes_.data());
   }
 
-  /// ODE keeps classes for the life of the process and has room for four.
+  /// ODE keeps classes for the life of the process, four at most.
   static int box_class() {
     static const int number = [] {
       dGeomClass kind{};

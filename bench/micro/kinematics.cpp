@@ -1,5 +1,5 @@
-// Forward kinematics of all parts: ours, many avatars at once, against KDL's recursive tree solver
-// asked for every part. Ours on every target of this machine.
+// Forward kinematics of all parts: Throng's batches of avatars on every SIMD target of this
+// machine, and KDL's recursive tree solver for every part.
 #include <benchmark/benchmark.h>
 
 #include <kdl/treefksolverpos_recursive.hpp>
@@ -49,7 +49,7 @@ void kinematics_kdl_tree_solver(benchmark::State& state) {
   const Postures& p = postures();
   const KDL::Tree tree = to_kdl(p.model->robot);
   KDL::TreeFkSolverPos_recursive solver(tree);
-  // KDL numbers its joints itself; mimic joints do not occur in the adult.
+  // KDL has its own joint numbers; the adult has no mimic joints.
   std::vector<size_t> joint_of_column;
   for (const Joint& joint : p.model->robot.joints)
     if (joint.kind != Joint::Kind::kFixed)

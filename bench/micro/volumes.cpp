@@ -1,6 +1,6 @@
-// Construction, update and test of each volume over the parts of the adult; tests on lists of
-// candidates of which 0, 10 or 100 % overlap. Then or-DOP 26 over the real mix of candidates: our
-// kernels on every target, against projecting vertices and against GJK (libccd, which FCL uses).
+// Construction, update and test of each volume over the adult's parts, with lists of candidates of
+// which 0, 10 or 100 % overlap. Then or-DOP 26 on real candidates: Throng's kernels on every SIMD
+// target, projection of vertices, and GJK (libccd, which FCL uses).
 #include <benchmark/benchmark.h>
 #include <ccd/ccd.h>
 #include <linux/perf_event.h>
@@ -24,9 +24,8 @@
 namespace throng::bench {
 namespace {
 
-// The candidates of one frame of the bench crowd: parts of different people whose boxes overlap,
-// with all that the part tests need. The real mix in the real order, so that no branch is
-// learned from a short list.
+// Candidates of one frame of the bench crowd: parts of different people whose boxes overlap, with
+// the data of part tests. Mix and order are real: no branch is learned from a short list.
 
 class Candidates {
  public:
@@ -61,7 +60,7 @@ class Candidates {
   std::vector<uint32_t> order_, starts_;
 };
 
-/// The crowd of most micro-benchmarks, made once: 2000 people at 4 per m2, some 70 000 candidates.
+/// The crowd of most micro-benchmarks: 2000 people at 4 per m2, about 70 000 candidates.
 const Candidates& crowd_candidates();
 
 Candidates::Candidates(int avatars, double per_m2) {
@@ -111,7 +110,7 @@ void Candidates::sort_into_buckets() {
       candidates_.size(), parts * parts, starts_.data(),
       [this](size_t i) { return candidates_[i].bucket(); },
       [this](size_t i, uint32_t position) { order_[position] = static_cast<uint32_t>(i); });
-  starts_.pop_back();  // what only sorting needs
+  starts_.pop_back();  // needed for sorting only
 }
 
 const Candidates& crowd_candidates() {
@@ -119,14 +118,14 @@ const Candidates& crowd_candidates() {
   return candidates;
 }
 
-// Instructions that a benchmark retires, where the machine lets us count them.
-// Where it does not (most virtual machines), nothing is reported instead of a guess.
+// Retired instructions of a benchmark. Most virtual machines cannot count them: then none are
+// reported.
 
-/// Counts this thread's user-space instructions while it lives (Linux perf events); sets the
-/// counter `instructions`, one item's, at the end.
+/// CountInstructions counts this thread's user-space instructions during its life (Linux perf
+/// events). At the end it sets the counter `instructions` to the number per item.
 class CountInstructions {
  public:
-  /// `items`: what one iteration of the state's loop does.
+  /// `items`: number of items per iteration of the state's loop.
   CountInstructions(benchmark::State& state, int64_t items);
   ~CountInstructions();
   CountInstructions(const CountInstructions&) = delete;
@@ -135,7 +134,7 @@ class CountInstructions {
  private:
   benchmark::State& state_;
   int64_t items_;
-  int counter_;  // a file descriptor, -1 without one
+  int counter_;  // a file descriptor; -1: not available
 };
 
 int open_counter() {
@@ -145,7 +144,7 @@ int open_counter() {
   attributes.config = PERF_COUNT_HW_INSTRUCTIONS;
   attributes.exclude_kernel = 1;
   attributes.exclude_hv = 1;
-  // This thread, any core, no group, no flags: counts from here on.
+  // This thread, any core, no group, no flags.
   return static_cast<int>(syscall(SYS_perf_event_open, &attributes, 0, -1, -1, 0));
 }
 
@@ -207,7 +206,7 @@ void update_from_vertices(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(poses.size()));
 }
 
-/// state.range(0): per cent of the pairs that overlap, spread evenly over the list.
+/// state.range(0): percentage of overlapping pairs, spread evenly over the list.
 template <typename V>
 void test(benchmark::State& state) {
   struct Pair {
@@ -229,7 +228,7 @@ void test(benchmark::State& state) {
   };
   for (const Candidate& candidate : c.list())
     sort_out(c.pairs()[candidate.pair], candidate.part_a, candidate.part_b);
-  // Boxes that overlap hardly miss with loose volumes; neighbours' other parts do.
+  // With loose volumes, overlapping boxes rarely miss; other parts of neighbours do.
   for (size_t i = 0; i < c.pairs().size() && misses.size() < 40'000; ++i)
     for (uint32_t part = 0; part < fitted.size(); ++part)
       sort_out(c.pairs()[i], part, (part * 7 + 3) % static_cast<uint32_t>(fitted.size()));
@@ -278,7 +277,7 @@ void add(const std::string& name) {
   return true;
 }();
 
-/// The corners of every part's or-DOP 26, each once.
+/// Returns the unique corners of every part's or-DOP 26.
 std::vector<std::vector<Eigen::Vector3f>> corners_of(const BodyType& type) {
   std::vector<std::vector<Eigen::Vector3f>> out;
   for (const Slabs& slabs : type.volumes().of<Ordop<26>>()) {
@@ -322,7 +321,7 @@ void ordop_26_kernel(benchmark::State& state, SimdTarget target) {
   report(state, static_cast<size_t>(std::count(overlaps.begin(), overlaps.end(), 1)));
 }
 
-/// The paper's or-DOP over the same candidates in the order in which they were found, one by one.
+/// The paper's or-DOP test, pair by pair, with the candidates in the order of their discovery.
 void ordop_26_pair(benchmark::State& state, SimdTarget target) {
   const Candidates& c = crowd_candidates();
   const auto& lanes = c.type().volumes().lanes<Ordop<26>>();
@@ -341,7 +340,7 @@ void ordop_26_pair(benchmark::State& state, SimdTarget target) {
   report(state, passed);
 }
 
-/// Separating axes with the corners of the other polytope projected one by one.
+/// Separating axes by projecting each corner of the other polytope.
 bool apart_by_corners(const Slabs& slabs, const std::vector<Eigen::Vector3f>& corners,
                       const Eigen::Matrix3f& from_other, const Eigen::Vector3f& offset) {
   for (int d = 0; d < 13; ++d) {

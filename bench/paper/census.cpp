@@ -3,10 +3,10 @@
 namespace throng::paper {
 namespace {
 
-/// The motion of one run: a pose for each object in each tested frame.
+/// The motion of one run: the pose of each object in each tested frame.
 struct Motion {
   size_t objects = 0;
-  size_t frames = 0;  ///< tested ones
+  size_t frames = 0;
   float margin_m = 0;
   std::vector<PartPose> poses;  ///< frame by frame
 };
@@ -44,7 +44,7 @@ Census run_method(const std::vector<Object>& objects, const Motion& motion,
         found.push_back(hit);
         collisions += hit;
       }
-    // After 100 of 500 frames means: the 99th tested one is in.
+    // "After 100 of 500 frames" includes the 99th tested frame.
     while (mark < kMarks && (frame + 2) * kMarks >= (motion.frames + 1) * (mark + 1))
       census.collisions[mark++] = collisions;
   }

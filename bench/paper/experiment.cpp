@@ -18,7 +18,7 @@ using bench::shuffle;
 using bench::ThreadClock;
 using bench::use;
 
-/// The exact test's tree is not the paper's, and takes longer than all its volumes together.
+/// The exact test's tree is not part of the paper, and building it takes longer than all volumes.
 constexpr int kTreeConstructions = 10;
 struct Inputs {
   struct Pose {
@@ -39,7 +39,7 @@ Inputs record_inputs(const std::vector<Object>& objects, int frames, uint64_t se
   Inputs inputs;
   inputs.margin_m = margin_m(objects, world);
   const uint32_t poses = count * static_cast<uint32_t>(frames - 1);
-  std::vector<uint32_t> place(poses);  // where a pose goes
+  std::vector<uint32_t> place(poses);  // shuffled position of each pose
   for (uint32_t i = 0; i < poses; ++i) place[i] = i;
   shuffle(place, seed);
   inputs.poses.resize(poses);
@@ -102,7 +102,7 @@ void measure_motion(const std::vector<Object>& objects, const Inputs& inputs, Me
                          static_cast<double>(tests);
 }
 
-/// Milliseconds of one run: motion, updates, tests.
+/// Measures the milliseconds of one run: motion, updates, tests.
 template <typename Method>
 double run_ms(const std::vector<Object>& objects, int frames, uint64_t seed) {
   const auto fitted = fit_all<Method>(objects);
@@ -144,10 +144,10 @@ std::array<MethodCosts, kMethods.size()> measure_costs(const std::vector<Object>
 
 namespace {
 
-constexpr int kPlaces = 100;  // a pair of attitudes
+constexpr int kPlaces = 100;  // per pair of attitudes
 constexpr size_t kBatches = 10;
 
-/// Uniform over all rotations (Shoemake 1992).
+/// Draws a uniformly distributed rotation (Shoemake 1992).
 Eigen::Quaterniond any_attitude(const RandomKey& key, uint32_t& index) {
   const double u = random_uniform(key, index++);
   const double p = 2 * std::numbers::pi * random_uniform(key, index++);
@@ -162,7 +162,6 @@ PartPose pose_of(const Eigen::Quaterniond& attitude) {
   return to_part_pose(pose);
 }
 
-/// The attitudes and places of one pair of objects.
 struct Trial {
   PartPose a, b;
   std::array<Eigen::Vector3f, kPlaces> b_at_m;
@@ -202,7 +201,7 @@ OverlapVolume measure(const std::vector<Object>& objects, int attitudes, uint64_
   size_t pair = 0;
   for (size_t a = 0; a < objects.size(); ++a) {
     for (size_t b = a + 1; b < objects.size(); ++b, ++pair) {
-      // The box around a turned box around a sphere's content reaches sqrt(3) times its radius.
+      // The box around a turned box around a sphere reaches up to sqrt(3) times its radius.
       const double reach_m = std::sqrt(3.0) * (objects[a].radius_m + objects[b].radius_m);
       const double cube_l = 8e3 * reach_m * reach_m * reach_m;
       const auto margin_m = rounding_margin_m(static_cast<float>(4 * reach_m));
@@ -254,17 +253,17 @@ double elongation(const Object& object) {
 
 namespace {
 
-/// The paper's three sizes, and on to where a grid leaves the rest behind.
+/// The paper's three sizes and larger ones, where a grid outperforms all other strategies.
 constexpr std::array<size_t, 9> kSizes = {15, 50, 150, 350, 500, 1000, 2000, 5000, 10000};
 /// The paper's first 100 frames.
 constexpr int kFrames = 100;
-constexpr int kFramesOfMany = 10;
-/// Above, few frames say it all.
+constexpr int kFramesAboveMany = 10;
+/// Above this number of objects, few frames suffice.
 constexpr size_t kMany = 1000;
 
-int frames_for(size_t objects) { return objects > kMany ? kFramesOfMany : kFrames; }
+int frames_for(size_t objects) { return objects > kMany ? kFramesAboveMany : kFrames; }
 
-double of(uint64_t count, const Cost& cost) {
+double cost_ms(uint64_t count, const Cost& cost) {
   return static_cast<double>(count) * cost.median_ns * 1e-6;
 }
 
@@ -302,10 +301,11 @@ StrategyCost cost_strategy(const PaperResult& result, Strategy strategy,
   cost.strategy = strategy;
   cost.result = measure_strategy(strategy, objects, count, frames_for(count), result.options.seed);
   const Work& work = cost.result.work;
-  cost.culling_ms =
-      of(work.sphere_updates, sphere.costs.update) + of(work.sphere_tests, sphere.costs.test) +
-      of(work.ordop_updates, ordop.costs.update) + of(work.ordop_tests, ordop.costs.test);
-  // Volumes are fitted once a kind of object, however many objects share it.
+  cost.culling_ms = cost_ms(work.sphere_updates, sphere.costs.update) +
+                    cost_ms(work.sphere_tests, sphere.costs.test) +
+                    cost_ms(work.ordop_updates, ordop.costs.update) +
+                    cost_ms(work.ordop_tests, ordop.costs.test);
+  // Volumes are fitted once per kind of object.
   if (strategy != Strategy::kControl && strategy != Strategy::kOrdop)
     cost.built_ms += sphere.costs.construction_all.median_ns * 1e-6;
   if (strategy != Strategy::kControl && strategy != Strategy::kSphere)
@@ -323,9 +323,9 @@ double VolumeResult::total_paper_count_ms(int length) const {
 }
 
 double VolumeResult::runs_ms(uint64_t updates, int length) const {
-  // Frame 0 is tested in no run, whatever its length.
+  // Frame 0 is never tested, whatever the length of the run.
   const double runs = (static_cast<double>(length) * frames - 1) / (frames - 1);
-  return runs * (of(updates, costs.update) + of(census.tests, costs.test)) +
+  return runs * (cost_ms(updates, costs.update) + cost_ms(census.tests, costs.test)) +
          costs.construction_all.median_ns * 1e-6;
 }
 
@@ -388,12 +388,12 @@ PaperResult run_experiments(const std::vector<Object>& objects, const PaperOptio
     result.volumes[v].long_collisions = long_run[v].collisions;
   finished(CompletedStage::kCollisions);
 
-  announce("Part I: how much room volumes leave");
+  announce("Part I: overlap volumes");
   const OverlapTable overlaps = measure_overlap(objects, options.attitudes, options.seed);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].overlap = overlaps[v];
   finished(CompletedStage::kOverlapVolumes);
 
-  announce("Part I: what building, updating and testing cost");
+  announce("Part I: costs of construction, update and test");
   const auto costs = measure_costs(objects, options.frames, options.seed, options.constructions);
   for (size_t v = 0; v < result.volumes.size(); ++v) result.volumes[v].costs = costs[v];
   result.primitive_ns = costs[kExactMethod].primitive_ns;
@@ -460,8 +460,8 @@ void judge_table_2(const PaperResult& result, std::span<const CensusTable> censu
   }
 }
 
-/// The headline of Part I, Table 3 with Fig. 9 and 10: T of the sphere is the least, that of the
-/// or-DOP the next; with what building costs once, and without.
+/// The headline of Part I, Table 3 with Fig. 9 and 10: the sphere has the lowest T, the or-DOP the
+/// second lowest; with and without the cost of construction.
 void judge_table_3(const PaperResult& result, std::vector<Claim>& claims) {
   for (const int length : {kRunLengths.front(), kRunLengths.back()})
     for (const bool is_built : {true, false}) {
@@ -492,7 +492,7 @@ void judge_table_3(const PaperResult& result, std::vector<Claim>& claims) {
     }
 }
 
-/// Fig. 13 from the fastest to the slowest.
+/// The strategies of Fig. 13, from the fastest to the slowest.
 constexpr std::array<Strategy, 6> kFigure13 = {Strategy::kControl,   Strategy::kHybridOne,
                                                Strategy::kSphere,    Strategy::kTwoPass,
                                                Strategy::kHybridAll, Strategy::kOrdop};
@@ -505,10 +505,10 @@ void judge_figure_13(const Scale& scale, std::vector<Claim>& claims) {
     const StrategyCost& fast = cost(kFigure13[i]);
     const StrategyCost& slow = cost(kFigure13[i + 1]);
     const std::string objects = std::to_string(scale.objects) + " objects, ";
-    const auto a_frame = [](const StrategyCost& each) {
+    const auto per_frame = [](const StrategyCost& each) {
       return each.culling_ms / each.result.frames;
     };
-    Claim counted{"Fig. 13, " + objects + "counted ms a frame",
+    Claim counted{"Fig. 13, " + objects + "counted ms per frame",
                   slow.name(),
                   fast.name(),
                   0,
@@ -516,8 +516,8 @@ void judge_figure_13(const Scale& scale, std::vector<Claim>& claims) {
                   ">=",
                   0,
                   false};
-    counted.left_value = a_frame(slow);
-    counted.right_value = a_frame(fast);
+    counted.left_value = per_frame(slow);
+    counted.right_value = per_frame(fast);
     Claim measured{"Fig. 13, " + objects + "measured frames/s",
                    fast.name(),
                    slow.name(),
@@ -536,8 +536,7 @@ void judge_figure_13(const Scale& scale, std::vector<Claim>& claims) {
   }
 }
 
-/// Those that look at all pairs of all objects.
-bool answers(Strategy strategy) {
+bool looks_at_all_pairs(Strategy strategy) {
   return strategy != Strategy::kControl && strategy != Strategy::kHybridOne;
 }
 
@@ -548,7 +547,7 @@ void add_winners(std::span<const Scale> scales, const char* name, bool with_grid
   for (const Scale& scale : scales) {
     const StrategyCost* best = nullptr;
     for (const StrategyCost& each : scale.strategies) {
-      if (!answers(each.strategy)) continue;
+      if (!looks_at_all_pairs(each.strategy)) continue;
       if (!with_grid && each.strategy == Strategy::kTwoPassGrid) continue;
       if (best == nullptr || measure(each) < measure(*best)) best = &each;
     }

@@ -1,6 +1,6 @@
-// Every volume of the paper under every update rule, as one type each.
-// One rule: a method says how a volume is built (C_o), updated (C_u) and tested (C_v), and nothing
-// else; what is counted and timed is the same for all.
+// Methods of the paper: every volume with every update rule, one type each.
+// A method defines how a volume is built (C_o), updated (C_u) and tested (C_v). Counting and timing
+// are the same for all.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace throng::paper {
 
-/// Updated from the fitted volume: the sphere moves, boxes and or-DOPs turn, k-DOPs bound the turn.
+/// Updates the fitted volume: spheres move, boxes and or-DOPs turn, k-DOPs enclose the turned one.
 template <typename V>
 struct Turned {
   using Fitted = typename V::Fitted;
@@ -24,14 +24,14 @@ struct Turned {
   static bool test(const Placed& a, const Placed& b, float margin_m, TriangleCounters& counters) {
     return test_at(a, b, Eigen::Vector3f::Zero(), margin_m, counters);
   }
-  /// b moved by `b_by_m`.
+  /// Tests with b moved by `b_by_m`.
   static bool test_at(const Placed& a, const Placed& b, const Eigen::Vector3f& b_by_m,
                       float margin_m, TriangleCounters&) {
     return V::overlaps(a, b, b_by_m, margin_m);
   }
 };
 
-/// Updated from the vertices.
+/// Updates the volume from the vertices.
 template <typename V>
 struct Refitted : Turned<V> {
   using typename Turned<V>::Fitted;
@@ -41,7 +41,7 @@ struct Refitted : Turned<V> {
   }
 };
 
-/// The truth: triangles against triangles. Its update is its pose, as an or-DOP's.
+/// The reference: triangles against triangles. Its update is the pose, as for an or-DOP.
 struct Triangles {
   using Fitted = TriangleBvh;
   struct Placed {
@@ -61,7 +61,7 @@ struct Triangles {
   }
 };
 
-/// The rows of every table, the truth last.
+/// The rows of every table; the reference is the last.
 inline constexpr std::array<std::string_view, 14> kMethods = {
     "sphere",       "aabb",         "aabb_turned",  "obb",     "kdop14",  "kdop18",  "kdop26",
     "kdop14_refit", "kdop18_refit", "kdop26_refit", "ordop14", "ordop18", "ordop26", "exact"};
@@ -88,7 +88,6 @@ void for_each_method(const Visit& visit) {
   visit(13, Triangles{});
 }
 
-/// The fitted volumes of all objects, for one method.
 template <typename Method>
 std::vector<typename Method::Fitted> fit_all(const std::vector<Object>& objects) {
   std::vector<typename Method::Fitted> fitted;

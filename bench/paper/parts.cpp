@@ -19,7 +19,7 @@ namespace {
 constexpr double kAdultEdge_m = 2.41;
 constexpr size_t kCopies = 15;
 
-/// In proportion to the mean room in which the spheres of two objects overlap.
+/// Mean volume in which the spheres of two objects overlap, up to a constant factor.
 double sphere_overlap_volume_m3(const std::vector<Object>& objects) {
   double sum_m3 = 0;
   size_t pairs = 0;
@@ -37,11 +37,10 @@ std::vector<Object> load_objects(const std::string& urdf) {
        loose_parts(*load_model(urdf.empty() ? adult_urdf() : std::filesystem::path(urdf)))) {
     const Mesh& mesh = part->parts.front().mesh;
     if (mesh.is_point_cloud())
-      throw InputError(urdf, "triangles in every part, which say what truly touches",
-                       fmt::format("'{}' without", part->name));
+      throw InputError(urdf, "triangles in every part", fmt::format("none in '{}'", part->name));
     PartShape shape{mesh.vertices, mesh.triangles};
     const double radius_m = reach_m(*part);
-    // Rounded up, so that no point is left out.
+    // Rounded up, to include every point.
     const RootSphere sphere{Eigen::Vector3f::Zero(),
                             std::nextafter(static_cast<float>(radius_m), 1e9f)};
     auto type = std::make_shared<BodyType>(std::vector<PartShape>{shape}, sphere, false);

@@ -1,6 +1,5 @@
-// The 15 objects of the paper: the adult's loose parts.
-// One rule: an object's origin is the middle of its smallest sphere, so that the sphere is updated
-// by the position alone.
+// load_objects() returns the objects of the paper: the adult's loose parts.
+// An object's origin is the centre of its smallest sphere; its position alone updates the sphere.
 #pragma once
 
 #include <memory>
@@ -14,26 +13,27 @@
 namespace throng::paper {
 
 struct Object {
-  std::string name;                      ///< the part's, "head"
-  PartShape shape;                       ///< about the origin
-  Mesh mesh;                             ///< the same, for pictures
-  double radius_m;                       ///< every point lies within
-  std::shared_ptr<const BodyType> type;  ///< the same for culling
+  std::string name;                      ///< name of the part, such as "head"
+  PartShape shape;                       ///< relative to the origin
+  Mesh mesh;                             ///< the same shape, for pictures
+  double radius_m;                       ///< encloses every point
+  std::shared_ptr<const BodyType> type;  ///< the same shape, for culling
 };
 
-/// The parts of a model, in the order of its URDF; the bundled adult's if none is named. Of a model
-/// of one part as many copies as the adult has parts. Throws InputError if one has no triangles.
+/// Returns the parts of a model in the order of its URDF; empty: the bundled adult. A model of one
+/// part is repeated as often as the adult has parts. Throws InputError for a part without
+/// triangles.
 std::vector<Object> load_objects(const std::string& urdf = {});
 
-/// `count` objects, the parts in turn; every `static_every`-th stands still (0: none does).
+/// Creates `count` objects from the parts in turn; every `static_every`-th is static (0: none).
 BoxDynamics world_of(const std::vector<Object>& objects, size_t count, size_t static_every,
                      const BoxOptions& options);
 
-/// Part I's box. Its edge is calibrated on the adult, and in proportion to the room in which the
-/// spheres of other objects collide: they then do about as often as in the paper.
+/// Returns Part I's box. Its edge is calibrated for the adult and scales with the volume in which
+/// the spheres of two objects overlap. Spheres then collide about as often as in the paper.
 BoxOptions part_one_box(const std::vector<Object>& objects, uint64_t seed);
 
-/// What tests over these objects in a box must allow for rounding.
+/// Returns the rounding margin of tests of these objects in a box.
 float margin_m(const std::vector<Object>& objects, const BoxDynamics& world);
 
 }  // namespace throng::paper

@@ -1,5 +1,5 @@
-// What the paper prints, as far as it can be read.
-// One rule: nothing is repaired: a digit that was lost in print stays a question mark.
+// PublishedVolume holds the numbers that the paper prints, as far as they are legible.
+// A digit that was lost in print stays a question mark.
 //
 // Suaib, Bade, Mohamad: "Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid
 // Body Simulation", TELKOMNIKA 11(6), 2013.
@@ -15,7 +15,7 @@ namespace throng::paper {
 
 /// Table 3 (500 frames), milliseconds, and Table 2 (accumulated collisions).
 struct PublishedVolume {
-  std::string_view volume;  ///< our name of it, without k
+  std::string_view volume;  ///< Throng's name, without k
   uint64_t tests;
   double test_ms;
   uint64_t updates;
@@ -24,12 +24,12 @@ struct PublishedVolume {
   double total_ms;
   std::array<std::string_view, 5> collisions;  ///< after 100, 200, ... 500 frames
 
-  /// N_u C_u + N_v C_v + C_o of the printed numbers.
+  /// Returns N_u C_u + N_v C_v + C_o of the printed numbers.
   double computed_ms() const {
     return static_cast<double>(updates) * update_ms + static_cast<double>(tests) * test_ms +
            construction_ms;
   }
-  /// How far the printed total is from that, as a fraction of the printed one.
+  /// Returns the relative deviation of the printed total from computed_ms().
   double error() const {
     const double difference = computed_ms() - total_ms;
     return (difference < 0 ? -difference : difference) / total_ms;
@@ -79,15 +79,15 @@ inline constexpr std::array<PublishedVolume, 5> kPublished = {{
      {"59", "99", "140", "202", "267"}},
 }};
 
-/// The row that one of our volumes ("kdop26_refit") stands beside; nullptr for the exact test.
+/// Returns the paper's row for a volume of Throng ("kdop26_refit"); nullptr for the exact test.
 inline const PublishedVolume* published_for(std::string_view volume) {
   for (const PublishedVolume& row : kPublished)
     if (volume.starts_with(row.volume)) return &row;
   return nullptr;
 }
 
-/// A legible number, or the middle of what a number with a lost last digit can be; negative if
-/// nothing is legible.
+/// Returns a legible number, or the mean of the possible values if its last digit is lost; negative
+/// if nothing is legible.
 inline double legible(std::string_view printed) {
   if (printed.empty() || printed.front() == '?') return -1;
   const bool lost = printed.back() == '?';

@@ -24,7 +24,7 @@
 namespace throng::paper {
 namespace {
 
-/// The five volumes of the paper's figures, as it would have updated them.
+/// The five volumes of the paper's figures, with the update rules that the paper probably used.
 constexpr std::array<std::string_view, 5> kPlottedVolumes = {"sphere", "aabb", "obb",
                                                              "kdop26_refit", "ordop26"};
 constexpr std::array<const char*, 5> kColours = {"#4477aa", "#ee6677", "#228833", "#ccbb44",
@@ -43,7 +43,7 @@ std::string label(std::string_view name) {
   return text;
 }
 
-/// Bars side by side: a row for each name, a column for each series.
+/// Clustered bars: a row per name, a column per series.
 std::string bars(const std::string& data, const std::vector<std::string>& series, bool log,
                  const std::string& y_label) {
   std::string script = "$data << EOD\n" + data + "EOD\n";
@@ -65,7 +65,7 @@ Figure figure_3(const PaperResult& result) {
     points.push_back({label(volume.name), result.frame_ns(volume), 1 - volume.false_positive_rate});
   return {"figure_03", "Figure 3: simplicity against accuracy",
           fmt::format("The paper draws this as a ranking without numbers; here it is measured: the "
-                      "cost of a frame of {} objects against the share of found pairs that touch.",
+                      "cost of a frame of {} objects over the fraction of found pairs that touch.",
                       result.objects.size()),
           bench::figure_3_script(points, result.frame_in_words())};
 }
@@ -93,19 +93,20 @@ Figure figure_7(const PaperResult& result) {
     const PublishedVolume& published = *published_for(kPlottedVolumes[v]);
     script += fmt::format("$v{} << EOD\n", v);
     for (size_t mark = 0; mark < kMarks; ++mark) {
-      const double theirs = legible(published.collisions[mark]);
+      const double published_count = legible(published.collisions[mark]);
       script += fmt::format("{} {} {} {}\n", (mark + 1) * 100, volume.collisions[mark],
-                            volume.deviation[mark], theirs < 0 ? "NaN" : fmt::format("{}", theirs));
+                            volume.deviation[mark],
+                            published_count < 0 ? "NaN" : fmt::format("{}", published_count));
     }
     script += "EOD\n";
     plots += fmt::format(
         "{0}$v{1} using 1:2:3 with yerrorlines linewidth 2 pointtype 7 linecolor rgb '{2}' title "
-        "'{3}, ours', $v{1} using 1:4 with linespoints dashtype 2 pointtype 6 linecolor rgb '{2}' "
-        "title '{4}, paper'",
+        "'{3}, Throng', $v{1} using 1:4 with linespoints dashtype 2 pointtype 6 linecolor rgb "
+        "'{2}' title '{4}, paper'",
         v == 0 ? "plot " : ", ", v, kColours[v], label(kPlottedVolumes[v]), published.volume);
   }
   return {"figure_07", "Figure 7: accumulated collisions",
-          "Solid: ours, with the standard deviation over the seeds; dashed: the paper's, lost last "
+          "Solid: Throng, with the standard deviation over the seeds; dashed: the paper, lost last "
           "digits replaced by 4.5. The axis counts fifths of the run as the paper's 500 frames.",
           script +
               "set grid\nset xlabel 'frames'\nset ylabel 'collisions'\nset key outside right\n" +
@@ -117,12 +118,13 @@ Figure figure_8(const PaperResult& result) {
   for (const VolumeResult& volume : result.volumes)
     data += fmt::format("\"{}\" {}\n", label(volume.name),
                         volume.frames * 1e3 / volume.costs.run_ms[0]);
-  return {"figure_08", fmt::format("Figure 8: frames a second, {} objects", result.objects.size()),
+  return {"figure_08",
+          fmt::format("Figure 8: frames per second, {} objects", result.objects.size()),
           "Motion, updates and tests without drawing; the paper's bars have no numbers.",
-          bars(data, {"frames a second"}, true, "frames a second")};
+          bars(data, {"frames per second"}, true, "frames per second")};
 }
 
-/// Figures 9 and 10: T by volume, the paper's at 500 frames beside.
+/// Figures 9 and 10: T by volume, with the paper's values for 500 frames.
 Figure totals(const PaperResult& result, const char* id, const char* title, const char* caption,
               std::vector<int> lengths) {
   std::string data;
@@ -155,7 +157,7 @@ Figure figure_13(const PaperResult& result) {
                        "EOD\nset style data histograms\nset style histogram errorbars gap 1 "
                        "linewidth 1\nset style fill solid 0.85\nset boxwidth 0.9\nset grid "
                        "ytics\nset xtics rotate by -30\nset key outside top center horizontal\n"
-                       "set logscale y\nset format y '10^{%L}'\nset ylabel 'frames a second'\n"
+                       "set logscale y\nset format y '10^{%L}'\nset ylabel 'frames per second'\n"
                        "plot ";
   for (size_t i = 0; i < 3; ++i)
     script +=
@@ -165,7 +167,7 @@ Figure figure_13(const PaperResult& result) {
                     : i == 1 ? 350
                              : 500,
                     kColours[i]);
-  return {"figure_13", "Figure 13: frames a second by strategy",
+  return {"figure_13", "Figure 13: frames per second by strategy",
           "The first 100 frames, one thread, no drawing: the median of all runs, whiskers from the "
           "slowest tenth to the fastest. two pass grid is not the paper's.",
           script + "\n"};
@@ -181,14 +183,14 @@ Figure crossings(const PaperResult& result) {
     script += '\n';
   }
   script +=
-      "EOD\nset logscale xy\nset grid\nset xlabel 'objects'\nset ylabel 'ms a frame, to the "
+      "EOD\nset logscale xy\nset grid\nset xlabel 'objects'\nset ylabel 'ms per frame, with "
       "triangles'\nset key outside right\nset xrange [12:12000]\nplot ";
   for (size_t s = 0; s < kStrategies.size(); ++s)
     script += fmt::format("{}$data using 1:{} with linespoints linewidth 2 title '{}'",
                           s == 0 ? "" : ", ", 3 + 2 * s, label(kStrategies[s]));
-  return {"crossings", "What the paper announced: the total cost of the hybrids",
-          "Measured culling plus N_p C_p, the exact test of the pairs reported: a strategy that "
-          "reports too much pays for it. hybrid one looks at one object only.",
+  return {"crossings", "Announced by the paper: the total cost of the hybrids",
+          "Measured culling plus N_p C_p, the exact test of the reported pairs: strategies pay for "
+          "false positives. hybrid one looks at one object only.",
           script + "\n"};
 }
 
@@ -200,8 +202,8 @@ std::vector<Figure> figures_of(const PaperResult& result) {
           figure_7(result),
           figure_8(result),
           totals(result, "figure_09", "Figure 9: total cost",
-                 "T by the formula. The k-DOP of the paper jumps above the OBB at 1000 frames; a "
-                 "cost that is linear in the frames cannot, and ours does not.",
+                 "T by the formula. The paper's k-DOP rises above its OBB at 1000 frames, which a "
+                 "cost that is linear in the frames cannot do.",
                  {1, 2}),
           totals(result, "figure_10", "Figure 10: total cost of long runs",
                  "Ten times the frames, all volumes instead of the paper's short list.", {10}),
@@ -216,9 +218,9 @@ const Eigen::Vector3f kColliding(0.85F, 0.10F, 0.08F);
 const Eigen::Vector3f kMoving(0.40F, 0.52F, 0.68F);
 const Eigen::Vector3f kStatic(0.62F, 0.60F, 0.55F);
 const Eigen::Vector3f kWall(0.25F, 0.25F, 0.28F);
-constexpr float kBarShare = 0.0012F;  // of the distance to the eye
+constexpr float kBarShare = 0.0012F;  // fraction of the distance to the eye
 
-/// The twelve edges of the box, as thin bars.
+/// The twelve edges of the box as thin bars.
 struct Frame {
   explicit Frame(double edge_m) {
     const double thickness_m = 0.004 * edge_m;
@@ -243,7 +245,7 @@ struct Frame {
   std::array<Mesh, 3> bars;
 };
 
-/// Things to draw, and the eye.
+/// Scenery collects the items of a picture and its camera.
 class Scenery {
  public:
   explicit Scenery(const Camera& camera) : camera_(camera) {}
@@ -279,7 +281,7 @@ class Scenery {
   std::optional<Frame> frame_;
 };
 
-/// The whole box; with the sphere of every object where asked.
+/// Draws the whole box, on request with the sphere of every object.
 Image draw_world(const std::vector<Object>& objects, const BoxDynamics& world,
                  const std::vector<SlotPair>& pairs, bool with_spheres) {
   std::vector<uint8_t> collides(world.size());
@@ -305,13 +307,13 @@ const Object& object_named(const std::vector<Object>& objects, const char* name)
   return objects.front();
 }
 
-/// A row of objects one beside the other, seen from the front.
+/// Row places copies of an object next to each other, seen from the front.
 class Row {
  public:
   explicit Row(const Object& object, size_t count)
       : object_(object), step_m_(2.5 * object.radius_m), scenery_(camera(count)) {}
 
-  /// The next place of the row, turned.
+  /// Returns the pose of the next copy, with a rotation.
   PartPose next(const Eigen::Quaterniond& turn) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() = turn.toRotationMatrix();
@@ -352,8 +354,7 @@ PartPose without_turn(const PartPose& pose) {
   return to_part_pose(out);
 }
 
-/// The same object with its points turned, so that a volume along the world's axes is fitted to
-/// them.
+/// Returns the object with rotated points, to fit an axis-aligned volume to them.
 BodyType turned_type(const Object& object, const Eigen::Quaterniond& turn) {
   PartShape shape = object.shape;
   for (Eigen::Vector3f& p : shape.points) p = turn.cast<float>() * p;
@@ -384,14 +385,14 @@ Picture figure_2(const std::vector<Object>& objects) {
     row.add(kind, *object.type, row.next(Eigen::Quaterniond::Identity()));
   for (const VolumeKind kind : {VolumeKind::kOrdop26, VolumeKind::kKdop26})
     row.add(kind, *object.type, row.next(kTurn));
-  return {"figure_02", "Figure 2: the or-DOP, and what a turn does to it",
-          "or-DOPs with 14, 18 and 26 faces; then the object turned, with its or-DOP 26, which "
-          "turned along, and with the k-DOP 26, which is refitted to the turned volume and grows. "
+  return {"figure_02", "Figure 2: the or-DOP and the effect of a rotation",
+          "or-DOPs with 14, 18 and 26 faces; then the rotated object with its or-DOP 26, which "
+          "rotates too, and with the k-DOP 26, which is refitted to the rotated volume and grows. "
           "The paper shows how a DOP is made and oriented.",
           row.draw()};
 }
 
-/// The pair whose triangles touch and whose sizes differ least, with its volumes alone.
+/// Draws the touching pair of the most similar sizes, with its volumes only.
 Picture figure_11(const std::vector<Object>& objects, const BoxDynamics& world,
                   const std::vector<SlotPair>& pairs) {
   const auto object = [&](uint32_t i) -> const Object& { return objects[i % objects.size()]; };
@@ -409,7 +410,7 @@ Picture figure_11(const std::vector<Object>& objects, const BoxDynamics& world,
     if (best == nullptr || difference(pair) < difference(*best)) best = &pair;
   }
   if (best == nullptr) best = &pairs.front();
-  // On the ground, so that there is a shadow.
+  // On the ground, to show a shadow.
   const double largest_m = std::max(object(best->a).radius_m, object(best->b).radius_m);
   const Eigen::Vector3d middle = 0.5 * (to_isometry(world.pose(best->a)).translation() +
                                         to_isometry(world.pose(best->b)).translation());
@@ -502,14 +503,14 @@ constexpr const char* kStyle =
     "td:first-child,th:first-child{text-align:left}th{background:#f0f0f0}"
     "figure{margin:2em 0}figcaption{font-size:14px;color:#555}img,svg{max-width:100%;height:auto}";
 
-/// Above, something else ran on the machine.
+/// Above this value other programs disturbed the times.
 constexpr double kQuiet = 1.25;
 
 constexpr const char* kIntroduction =
     "Every experiment of Suaib, Bade, Mohamad: Hybrid Collision Culling by Bounding Volumes "
-    "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, run again on the {} "
-    "parts of {}, with the paper's numbers beside. docs/paper.md lists what had to be "
-    "guessed and why numbers differ.";
+    "Manipulation in Massive Rigid Body Simulation, TELKOMNIKA 11(6), 2013, repeated on the {} "
+    "parts of {}, with the paper's numbers. docs/paper.md lists the assumptions and explains "
+    "differences.";
 
 std::string read_file(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -541,7 +542,7 @@ std::string how(const PaperResult& result, const std::string& cpu) {
       result.noise() < kQuiet ? "a quiet machine" : "a busy machine: read counts, not times");
 }
 
-/// What stands where: figures and pictures first, by number as in the paper, then the tables.
+/// The two pages: figures and pictures in the paper's order, then the tables.
 struct Pages {
   std::string html, markdown;
 

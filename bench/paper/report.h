@@ -1,4 +1,4 @@
-// The report of the paper's experiments: figures, pictures, an HTML page and a Markdown file.
+// write_report() writes the paper's experiments as HTML and Markdown with figures and pictures.
 #pragma once
 
 #include <filesystem>
@@ -12,28 +12,25 @@
 
 namespace throng::paper {
 
-// The paper's figures: ours beside theirs.
-// Every number in them is measured or printed in the paper.
+// The paper's figures, with measured and published numbers.
 
 std::vector<Figure> figures_of(const PaperResult& result);
 
-/// The paper's pictures, drawn with the volumes that are tested: Figures 1, 2, 4, 5, 11 and 12.
-/// What collides is red, whatever else it is; a picture shows what the paper's shows.
+/// A picture like one of the paper's, drawn with the tested volumes: Figures 1, 2, 4, 5, 11 and 12.
+/// Colliding objects are red.
 struct Picture {
   std::string id;  ///< "figure_04", "figure_05a"
   std::string title;
-  std::string caption;  ///< what the paper's figure shows
+  std::string caption;  ///< description, with the contents of the paper's figure
   Image image;
 };
 
-/// A second into the runs; or-DOP 26 tells which collide.
+/// Draws the pictures after one second of motion; or-DOP 26 decides which objects collide.
 std::vector<Picture> pictures_of(const std::vector<Object>& objects, uint64_t seed);
 
-// The report: one HTML page that needs nothing else, and a Markdown file with its figures beside.
-// Nothing in it is typed by hand; what it says it has from the result.
+// The HTML page is self-contained; the Markdown file refers to its figures.
 
-/// Writes report.html, report.md and the figures into a folder that is there. Throws
-/// EnvironmentError.
+/// Writes report.html, report.md and the figures into an existing folder. Throws EnvironmentError.
 void write_report(const PaperResult& result, const std::vector<Object>& objects,
                   const std::string& cpu, const std::filesystem::path& folder);
 

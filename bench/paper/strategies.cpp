@@ -11,10 +11,10 @@
 namespace throng::paper {
 namespace {
 
-/// Runs shorter than kLongRun_ms are repeated until they have had kEnough_ms together.
+/// Runs shorter than kLongRun_ms are repeated until their sum reaches kMinTotal_ms.
 constexpr int kMinRepetitions = 7;
 constexpr int kMaxRepetitions = 1000;
-constexpr double kEnough_ms = 100;
+constexpr double kMinTotal_ms = 100;
 constexpr double kLongRun_ms = 300;
 
 }  // namespace
@@ -47,7 +47,6 @@ std::vector<std::shared_ptr<const BodyType>> types_of(const std::vector<Object>&
 
 }  // namespace
 
-/// The box's objects as bodies of one part each.
 struct StrategyRun::State : PoseSource {
   State(Strategy strategy, const std::vector<Object>& objects, size_t count, uint64_t seed,
         SimdTarget simd)
@@ -150,7 +149,7 @@ StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& ob
     result.work = run.work();
   }
   result.frame_ms = first_ms / frames;
-  // Where the exact test's traces in the caches would show, runs without it are short.
+  // Short runs are repeated without the exact test, because it would disturb their caches.
   if (first_ms > kLongRun_ms) {
     sum_up(result, std::move(samples_ms));
     return result;
@@ -158,7 +157,7 @@ StrategyResult measure_strategy(Strategy strategy, const std::vector<Object>& ob
   samples_ms.clear();
   double spent_ms = 0;
   for (int repetition = 0; repetition < kMaxRepetitions; ++repetition) {
-    if (repetition >= kMinRepetitions && spent_ms > kEnough_ms) break;
+    if (repetition >= kMinRepetitions && spent_ms > kMinTotal_ms) break;
     StrategyRun run(strategy, objects, count, seed);
     bench::ThreadClock watch;
     for (int frame = 0; frame < frames; ++frame) run.frame();

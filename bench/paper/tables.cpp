@@ -27,8 +27,8 @@ Table table_2(const PaperResult& result) {
   Table table;
   table.title = "Table 2, Fig. 7: accumulated collisions";
   table.note = fmt::format(
-      "Overlapping pairs summed over the frames; mean{} of {} seed(s). The paper's number stands "
-      "behind the bar; ? is a digit lost in print. False positives: pairs found that do not touch.",
+      "Overlapping pairs summed over the frames; mean{} of {} seed(s). The paper's number follows "
+      "the bar; ? is a digit lost in print. False positives: found pairs that do not touch.",
       result.options.seeds > 1 ? " +- standard deviation" : "", result.options.seeds);
   table.head = {"volume"};
   for (size_t mark = 1; mark <= kMarks; ++mark)
@@ -55,10 +55,10 @@ Table table_3(const PaperResult& result) {
   table.title = "Table 3, Fig. 9: total cost T = N_u C_u + N_v C_v + C_o";
   table.note =
       "Nanoseconds: median (10th..90th percentile). N_u counts updates where they happen; 'T, "
-      "paper's "
-      "way' counts two updates a test, as the paper does. The paper's T is read as milliseconds.";
+      "paper's count' counts two updates per test, as in the paper. The paper's T is taken as "
+      "milliseconds.";
   table.head = {"volume",      "N_v",    "C_v ns", "N_u",
-                "C_u ns",      "C_o ns", "T ms",   "T ms, paper's way",
+                "C_u ns",      "C_o ns", "T ms",   "T ms, paper's count",
                 "paper's T ms"};
   for (const VolumeResult& volume : result.volumes) {
     const PublishedVolume* published = published_for(volume.name);
@@ -74,7 +74,7 @@ Table table_3(const PaperResult& result) {
 Table formula_check() {
   Table table;
   table.title = "The formula on the paper's own numbers";
-  table.note = "N_u C_u + N_v C_v + C_o of Table 3 as printed, against the T printed beside.";
+  table.note = "N_u C_u + N_v C_v + C_o of Table 3 as printed, and the T printed with them.";
   table.head = {"volume", "printed ms", "computed ms", "error"};
   for (const PublishedVolume& row : kPublished)
     table.rows.push_back({std::string(row.volume), fmt::format("{}", row.total_ms),
@@ -91,7 +91,7 @@ Table table_of_figure_6(const PaperResult& result) {
   std::vector<const VolumeResult*> shown;
   for (const VolumeResult& volume : result.volumes) {
     if (volume.name.ends_with("_refit") || volume.name.ends_with("_turned"))
-      continue;  // built alike
+      continue;  // constructed in the same way
     shown.push_back(&volume);
     table.head.push_back(volume.name);
   }
@@ -113,7 +113,7 @@ Table table_of_figure_6(const PaperResult& result) {
 Table figures_8_to_10(const PaperResult& result) {
   const int frames = result.options.frames;
   Table table;
-  table.title = "Fig. 8, 9, 10: frames a second, and longer runs";
+  table.title = "Fig. 8, 9, 10: frames per second, and longer runs";
   table.note = fmt::format(
       "By the processor time of the thread: motion, updates and tests of {} objects, no "
       "drawing (the paper's frame rates have no number in the text). T by the formula. "
@@ -142,10 +142,10 @@ Table table_of_figure_3(const PaperResult& result) {
   Table table;
   table.title = "Fig. 3: simplicity against accuracy, measured";
   table.note = fmt::format(
-      "Simplicity: what a frame of {} costs. Accuracy: how many of the pairs found "
+      "Simplicity: cost of a frame of {}. Accuracy: fraction of the found pairs that "
       "touch.",
       result.frame_in_words());
-  table.head = {"volume", "ns a frame", "touching, of the pairs found"};
+  table.head = {"volume", "ns per frame", "touching, of the found pairs"};
   std::vector<std::pair<double, const VolumeResult*>> order;
   for (const VolumeResult& volume : result.volumes)
     order.emplace_back(result.frame_ns(volume), &volume);
@@ -162,8 +162,8 @@ Table part_two(const Scale& scale) {
   table.title = fmt::format("Part II, Fig. 13: {} objects", scale.objects);
   table.note =
       "One thread. frames/s of the fastest run; 'ms' is the median over the runs (10th..90th "
-      "percentile): far apart, the machine was busy. 'counted' weighs updates and tests with Part "
-      "I's C_u and C_v; N_p C_p is what the triangles of the reported pairs would cost; all by "
+      "percentile): a wide range means a busy machine. 'counted' weights updates and tests with "
+      "Part I's C_u and C_v; N_p C_p is the cost of the exact test of the reported pairs; all per "
       "frame.";
   table.head = {"strategy", "frames", "frames/s",   "ms",         "updates",
                 "tests",    "pairs",  "counted ms", "N_p C_p ms", "C_o ms"};
@@ -185,8 +185,7 @@ Table part_two(const Scale& scale) {
 Table claims_table(const PaperResult& result) {
   Table table;
   table.title = "Does the paper's order hold?";
-  table.note =
-      "In the mean over the seeds; 'seeds' is the share of them in which it holds by itself.";
+  table.note = "In the mean over the seeds; 'seeds' is the fraction of seeds in which it holds.";
   table.head = {"about", "claim", "left", "right", "seeds", "holds"};
   for (const Claim& claim : result.claims)
     table.rows.push_back({claim.about,
@@ -206,15 +205,16 @@ Table winners_table(const PaperResult& result) {
   return table;
 }
 
-/// The two columns at the right agree where shapes alone order the volumes.
+/// The two columns on the right agree if shapes alone order the volumes.
 Table overlap_table(const PaperResult& result) {
   Table table;
-  table.title = "Why Table 2's order is what it is: the room in which volumes collide";
+  table.title = "The reason for Table 2's order: overlap volumes";
   table.note =
-      "Litres in which the second object's origin makes two volumes overlap (of convex ones: their "
+      "Litres in which the second object's origin makes two volumes overlap (for convex ones their "
       "Minkowski sum), mean over all pairs of objects in random attitudes, without any box or "
-      "motion; +- standard error. Beside: both as multiples of the triangles'.";
-  table.head = {"volume", "litres", "room / triangles' room", "collisions / triangles' collisions"};
+      "motion; +- standard error. Right: both as multiples of the triangles' values.";
+  table.head = {"volume", "litres", "litres / triangles' litres",
+                "collisions / triangles' collisions"};
   const VolumeResult& exact = result.volumes[kExactMethod];
   for (const VolumeResult& volume : result.volumes)
     table.rows.push_back(
@@ -226,7 +226,7 @@ Table overlap_table(const PaperResult& result) {
 
 Table overlap_by_object(const PaperResult& result) {
   Table table;
-  table.title = "Which objects turn the order of sphere and turned AABB";
+  table.title = "Objects that change the order of sphere and turned AABB";
   table.note =
       "The same litres, mean over the partners of one object, the most compact first. Elongation: "
       "longest over shortest side of the box in the object's own frame.";
@@ -358,7 +358,7 @@ Json spread_of(const Cost& cost) {
           {"repetitions", cost.repetitions}};
 }
 
-/// What is known before anything was timed.
+/// The part of the JSON that is known before any time is measured.
 Json counts_json(const VolumeResult& volume) {
   Json json;
   json["collisions"] = volume.collisions;

@@ -1,4 +1,4 @@
-// The result of the paper's experiments as tables, and for machines.
+// Tables and JSON of the results of the paper's experiments.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace throng::paper {
 
-/// The result as tables, one for each of the paper's and some more.
-/// Text, Markdown and HTML show the same cells, and the paper's stand beside ours.
+/// A table of the results, one per table of the paper and some more, with the paper's numbers.
+/// Text, Markdown and HTML contain the same cells.
 struct Table {
   std::string title;
   std::string note;
@@ -17,20 +17,18 @@ struct Table {
   std::vector<std::vector<std::string>> rows;  ///< as wide as the head
 };
 
-/// Those that the result has come to.
 std::vector<Table> tables_of(const PaperResult& result);
 
 std::string to_text(const Table& table);
 std::string to_markdown(const Table& table);
 std::string to_html(const Table& table);
 
-/// &, <, > and quotes made safe.
+/// Escapes &, <, > and quotes.
 std::string html_escaped(const std::string& text);
 
-// The result for machines.
-// Keys carry their units; what is not a number is absent, never null.
+// JSON keys carry their units; a value that is not a number is absent, never null.
 
-/// Indented JSON with a final newline. `cpu` names the machine that the times belong to.
+/// Returns indented JSON with a final newline. `cpu` names the machine of the measured times.
 std::string to_json(const PaperResult& result, const std::string& cpu);
 
 }  // namespace throng::paper

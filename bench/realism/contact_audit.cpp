@@ -80,7 +80,7 @@ bool HandPenetration::is_inside(const RunInfo& run, const Frame& frame, PairKey 
 
 namespace {
 
-/// Depths as often as `throng compare` looks.
+/// Depths are sampled as often as in `throng compare`.
 constexpr double kSample_s = 0.1;
 constexpr double kDensity_s = 1;
 
@@ -100,7 +100,7 @@ void ContactTally::add(const ContactTally& other) {
 void ContactLevel::add(const ContactLevel& other) {
   person_s += other.person_s;
   touching_s += other.touching_s;
-  for (size_t i = 0; i < apart.size(); ++i) apart[i].add(other.apart[i]);
+  for (size_t i = 0; i < tallies.size(); ++i) tallies[i].add(other.tallies[i]);
 }
 
 ContactSums::ContactSums() : depths_of(kGroupPairs, depth_histogram()) {}
@@ -115,13 +115,12 @@ void ContactSums::add(const ContactSums& other) {
 ContactLevel ContactSums::all() const {
   ContactLevel all;
   for (const ContactLevel& level : levels) all.add(level);
-  // Levels of density are looked up once a second; who was there, at every frame.
+  // Density levels are sampled once per second, presence in every frame.
   all.touching_s *= all.person_s > 0 ? person_s / all.person_s : 0;
   all.person_s = person_s;
   return all;
 }
 
-/// A contact that lasts.
 struct ContactAudit::PairContact {
   size_t level = 0;
   double min_head_distance_m = std::numeric_limits<double>::infinity();
@@ -164,7 +163,7 @@ struct ContactAudit::State {
   HandPenetration hands;
   std::vector<Eigen::Vector2d> heads_m;
   std::vector<uint8_t> touches;
-  std::vector<PairEvent> events;  ///< of two people, of a frame
+  std::vector<PairEvent> events;  ///< events of two people in a frame
   ContactTracker<PairContact> open;
 };
 
@@ -178,14 +177,13 @@ void ContactAudit::accumulate(const PairContact& met) {
   sums_.min_head_distance_m = std::min(sums_.min_head_distance_m, met.min_head_distance_m);
   for (size_t i = 0; i < kMinHeadDistances_m.size(); ++i) {
     if (met.min_head_distance_m < kMinHeadDistances_m[i]) continue;
-    ++level.apart[i].contacts;
-    level.apart[i].trunks += met.trunks;
-    level.apart[i].hands_in += met.hands_in;
-    level.apart[i].hands_deep += met.hands_deep;
+    ++level.tallies[i].contacts;
+    level.tallies[i].trunks += met.trunks;
+    level.tallies[i].hands_in += met.hands_in;
+    level.tallies[i].hands_deep += met.hands_deep;
   }
 }
 
-/// Contacts that begin, go on and end.
 void ContactAudit::track_contacts(const Frame& frame) {
   State& s = *state_;
   const double now_s = static_cast<double>(frame.number) * s.step_s;
@@ -209,13 +207,13 @@ void ContactAudit::track_contacts(const Frame& frame) {
 
 void ContactAudit::sample(const RunInfo& run, const Frame& frame) {
   State& s = *state_;
-  // Pairs come sorted: those of two people one after another.
+  // Pairs are sorted: those of two people are adjacent.
   uint64_t people = 0;
   double max_m = -1, apart_m = 0;
   size_t level = 0;
   const auto close = [&] {
     for (size_t i = 0; i < kMinHeadDistances_m.size() && max_m >= 0; ++i)
-      if (apart_m >= kMinHeadDistances_m[i]) sums_.levels[level].apart[i].max_depths.add(max_m);
+      if (apart_m >= kMinHeadDistances_m[i]) sums_.levels[level].tallies[i].max_depths.add(max_m);
   };
   s.depths.find(run, frame, [&](PairKey pair, double depth_m) {
     if (people_of(pair) != people || max_m < 0) {
@@ -227,9 +225,9 @@ void ContactAudit::sample(const RunInfo& run, const Frame& frame) {
     }
     max_m = std::max(max_m, depth_m);
     for (size_t i = 0; i < kMinHeadDistances_m.size(); ++i)
-      if (apart_m >= kMinHeadDistances_m[i]) sums_.levels[level].apart[i].depths.add(depth_m);
+      if (apart_m >= kMinHeadDistances_m[i]) sums_.levels[level].tallies[i].depths.add(depth_m);
     sums_.depths_of[s.group_of(pair)].add(depth_m);
-    // What is inside would have to move by about as much as it is thick.
+    // A hand inside would have to move by about its own thickness.
     const double thickness_m = s.hands.thickness_m(run, pair);
     if (depth_m < 0.5 * thickness_m) return;
     PairContact& met = *s.open.find(people);
@@ -277,7 +275,7 @@ std::string number(double value, int digits) {
   return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits);
 }
 
-/// What a table says of a level, from the sums of those contacts whose heads stayed apart.
+/// A column of a table: its value for a level and for the tally of a minimum head distance.
 struct Column {
   std::string name;
   int digits;
@@ -302,13 +300,13 @@ const std::vector<Column>& columns() {
       depth_column("50 %", 0.5),
       depth_column("90 %", 0.9),
       depth_column("99 %", 0.99),
-      depth_column("most", 1),
+      depth_column("max", 1),
       rate_column("trunks", &ContactTally::trunks, 3),
       rate_column("hand in", &ContactTally::hands_in, 3),
       rate_column("deep", &ContactTally::hands_deep, 3),
       {"touch %", 0, [](const ContactLevel& level, const ContactTally& tally) {
-         // Of all contacts; who is near whom is not asked for.
-         return &tally == level.apart.data() && level.person_s > 0
+         // For all contacts only: neighbour distances are not stored.
+         return &tally == level.tallies.data() && level.person_s > 0
                     ? 100 * level.touching_s / level.person_s
                     : std::numeric_limits<double>::quiet_NaN();
        }}};
@@ -321,21 +319,23 @@ std::string cell(const std::string& before, const std::string* after) {
 }
 
 std::string level_line(const std::string& name, const ContactLevel& before,
-                       const ContactLevel* after, size_t apart) {
+                       const ContactLevel* after, size_t distance_index) {
   if (!(before.person_s > 0) && (after == nullptr || !(after->person_s > 0))) return "";
   const std::string after_s = after == nullptr ? "" : number(after->person_s, 0);
   std::string line = fmt::format(
       "  {:<13}{}", name, cell(number(before.person_s, 0), after == nullptr ? nullptr : &after_s));
   for (const Column& column : columns()) {
     const std::string after_text =
-        after == nullptr ? "" : number(column.value(*after, after->apart[apart]), column.digits);
-    line += cell(number(column.value(before, before.apart[apart]), column.digits),
+        after == nullptr
+            ? ""
+            : number(column.value(*after, after->tallies[distance_index]), column.digits);
+    line += cell(number(column.value(before, before.tallies[distance_index]), column.digits),
                  after == nullptr ? nullptr : &after_text);
   }
   return line + "\n";
 }
 
-std::string block(const ContactSums& before, const ContactSums* after, size_t apart) {
+std::string block(const ContactSums& before, const ContactSums* after, size_t distance_index) {
   const bool is_pair = after != nullptr;
   std::string text = fmt::format("  {:<13}{:>{}}", "per m2", "person s", is_pair ? 17 : 9);
   for (const Column& column : columns())
@@ -345,27 +345,27 @@ std::string block(const ContactSums& before, const ContactSums* after, size_t ap
   for (size_t i = 0; i < ContactSums::kLevels; ++i)
     text += level_line(range_text(i == 0 ? 0 : bounds[i - 1],
                                   i < bounds.size() ? std::optional(bounds[i]) : std::nullopt),
-                       before.levels[i], is_pair ? &after->levels[i] : nullptr, apart);
+                       before.levels[i], is_pair ? &after->levels[i] : nullptr, distance_index);
   const ContactLevel all_before = before.all();
   const ContactLevel all_after = is_pair ? after->all() : ContactLevel();
-  return text + level_line("all", all_before, is_pair ? &all_after : nullptr, apart);
+  return text + level_line("all", all_before, is_pair ? &all_after : nullptr, distance_index);
 }
 
-/// How many contacts there are at heads that are too near for bodies.
+/// Describes the contacts of people whose heads were closer than bodies allow.
 std::string head_distance_line(const std::string& name, const ContactSums& sums) {
   const ContactLevel all = sums.all();
-  std::string text = fmt::format("  {}: nearest heads of those who touch {} m;", name,
+  std::string text = fmt::format("  {}: minimum head distance of touching people {} m;", name,
                                  number(sums.min_head_distance_m, 2));
   for (size_t i = 1; i < kMinHeadDistances_m.size(); ++i)
-    text += fmt::format(" {} of {} contacts while heads were nearer than {:.2f} m{}",
-                        all.apart[0].contacts - all.apart[i].contacts, all.apart[0].contacts,
+    text += fmt::format(" {} of {} contacts with heads closer than {:.2f} m{}",
+                        all.tallies[0].contacts - all.tallies[i].contacts, all.tallies[0].contacts,
                         kMinHeadDistances_m[i], i + 1 < kMinHeadDistances_m.size() ? "," : "\n");
   return text;
 }
 
 std::string part_lines(const ContactSums& before, const ContactSums* after) {
   std::string text =
-      fmt::format("\n  {:<18}{}{}{}\n", "parts, all levels", "  instants of depth, 90 %, most (cm)",
+      fmt::format("\n  {:<18}{}{}{}\n", "parts, all levels", "  depth samples, 90 %, max (cm)",
                   after == nullptr ? "" : "; then after", "");
   const auto half = [](const Histogram& depths) {
     return fmt::format("{:>9}{:>7}{:>7}", depths.count(), number(100 * depths.quantile(0.9), 1),
@@ -389,11 +389,12 @@ std::string contact_report(const NamedContactSums& before, const NamedContactSum
   std::string text =
       fmt::format("{}{}\n", before.name, after == nullptr ? "" : fmt::format(" > {}", after->name));
   text +=
-      "  a person and minute: contacts, those with trunk in trunk, with a hand wholly in another "
-      "part, with one deeper than it is thick; depth of two parts in cm; share of time in touch\n";
+      "  per person and minute: contacts; those with trunk in trunk, with a hand wholly in another "
+      "part, with a hand deeper than its thickness; depth of two parts in cm; % of time in "
+      "contact\n";
   text += block(before.sums, after_sums, 0);
   for (size_t i = 1; i < kMinHeadDistances_m.size(); ++i)
-    text += fmt::format("  without those whose heads came nearer than {:.2f} m\n{}",
+    text += fmt::format("  without contacts whose heads came closer than {:.2f} m\n{}",
                         kMinHeadDistances_m[i], block(before.sums, after_sums, i));
   text += head_distance_line(before.name, before.sums);
   if (after != nullptr) text += head_distance_line(after->name, *after_sums);

@@ -1,4 +1,4 @@
-// Contacts of two people by density, and what is wrong with them; the tables of `realism contacts`.
+// ContactAudit counts contacts of two people by density, with signs of implausible ones.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@
 
 namespace throng::realism {
 
-/// Whether a hand is wholly inside a part of somebody else.
-/// Every vertex of the hand is asked for, until one is outside.
+/// HandPenetration tests whether a hand is wholly inside a part of another person, by the hand's
+/// vertices.
 class HandPenetration {
  public:
   explicit HandPenetration(const RunInfo& run);
 
-  /// Of a pair of which one part or both are hands; false for any other. The frame has postures.
+  /// For pairs with one or two hands; false for others. The frame must have postures.
   bool is_inside(const RunInfo& run, const Frame& frame, PairKey pair);
 
-  /// The least edge of the hand's box at this avatar's scale; of two hands the lesser. Infinite for
-  /// a pair without hands: nothing is deeper.
+  /// Returns the shortest edge of the hand's box at the avatar's scale; of two hands the lesser.
+  /// Infinite for a pair without hands.
   double thickness_m(const RunInfo& run, PairKey pair) const;
 
  private:
@@ -37,7 +37,7 @@ class HandPenetration {
   };
   struct Placed {
     const Solid* solid;
-    Eigen::Isometry3d world_from_part;  ///< but for the place of the first root
+    Eigen::Isometry3d world_from_part;  ///< relative to the position of the first root
     double scale;
   };
   const Solid& solid(const RunInfo& run, uint32_t avatar, uint32_t part) const;
@@ -49,33 +49,33 @@ class HandPenetration {
   std::vector<PartPose> poses_;
 };
 
-// Contacts of two people by density, and what is wrong with them: depth, trunk in trunk, a hand
-// inside somebody, and how many are there because two heads are nearer than bodies allow.
-// Sums alone, so that those of several runs add up to those of all.
+// Implausible contacts: deep ones, trunk in trunk, a hand inside a part, and those of two people
+// whose heads are closer than bodies allow.
+// Invariant: results are sums; sums of several runs add up to those of all.
 
-/// Contacts whose heads never came nearer than this are counted once more by themselves. The first
-/// are all.
+/// Contacts whose heads never came closer than this are counted separately. The first entry counts
+/// all.
 inline constexpr std::array<double, 4> kMinHeadDistances_m = {0, 0.30, 0.35, 0.38};
 
-/// Of the contacts at one level of density whose heads stayed so far apart. Depths and what follows
-/// from them are those of sampled instants, as long as the heads are so far apart then.
+/// Tally of the contacts at one level of density whose heads kept a minimum distance. Depths and
+/// derived counts come from samples in which the heads keep that distance.
 struct ContactTally {
   ContactTally();
 
   uint64_t contacts = 0;
-  uint64_t trunks = 0;      ///< of these: trunk touched trunk
-  uint64_t hands_in = 0;    ///< of these: a hand was wholly inside another part
-  uint64_t hands_deep = 0;  ///< of these: one was deeper in another part than it is thick
-  Histogram depths;         ///< of two parts
-  Histogram max_depths;     ///< of two people: the deepest of their parts
+  uint64_t trunks = 0;      ///< trunk touched trunk
+  uint64_t hands_in = 0;    ///< a hand was wholly inside another part
+  uint64_t hands_deep = 0;  ///< a hand was deeper in another part than its thickness
+  Histogram depths;         ///< depths of two parts
+  Histogram max_depths;     ///< depths of two people: the deepest of their parts
 
   void add(const ContactTally& other);
 };
 
 struct ContactLevel {
   double person_s = 0;
-  double touching_s = 0;  ///< person-seconds of those who touch somebody
-  std::array<ContactTally, kMinHeadDistances_m.size()> apart;  ///< by kMinHeadDistances_m
+  double touching_s = 0;  ///< person-seconds of touching people
+  std::array<ContactTally, kMinHeadDistances_m.size()> tallies;  ///< by kMinHeadDistances_m
 
   void add(const ContactLevel& other);
 };
@@ -87,14 +87,14 @@ struct ContactSums {
 
   double person_s = 0;
   std::array<ContactLevel, kLevels> levels;
-  std::vector<Histogram> depths_of;  ///< by pair of groups
-  double min_head_distance_m = 100;  ///< of those who touched
+  std::vector<Histogram> depths_of;  ///< by pair of part groups
+  double min_head_distance_m = 100;  ///< minimum over touching people
 
   void add(const ContactSums& other);
-  /// Of all levels.
   ContactLevel all() const;
 };
 
+/// ContactAudit accumulates ContactSums over a run.
 class ContactAudit final : public Sink {
  public:
   ContactAudit();
@@ -105,7 +105,7 @@ class ContactAudit final : public Sink {
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 
-  /// After end().
+  /// Valid after end().
   const ContactSums& sums() const { return sums_; }
 
  private:
@@ -121,14 +121,14 @@ class ContactAudit final : public Sink {
   ContactSums sums_;
 };
 
-/// The tables of `realism contacts`.
-/// What there is nothing of is a dash, never 0.
+/// Sums of a scene. The tables print a dash for an undefined value, never 0.
 struct NamedContactSums {
   std::string name;
   ContactSums sums;
 };
 
-/// With a second one, each figure is followed by its own: before and after.
+/// Returns the tables of `realism contacts`. With `after`, each figure is followed by that of
+/// `after`.
 std::string contact_report(const NamedContactSums& before, const NamedContactSums* after,
                            bool with_parts);
 

@@ -71,7 +71,7 @@ MotionFactory encounter_motion(std::span<const Encounter> encounters) {
 
 namespace {
 
-/// So many lie side by side.
+/// Number of encounters in one scene.
 constexpr uint64_t kBatch = 996;
 static_assert(kBatch % kTurns == 0);
 
@@ -100,7 +100,7 @@ class EncounterWatch final : public Sink {
       results_[i].min_distance_s = now_s;
     }
     for (const PairEvent& event : frame.events)
-      strangers_ += event.kind == EventKind::kBegin && !are_together(event.pair);
+      foreign_contacts_ += event.kind == EventKind::kBegin && !are_together(event.pair);
     uint32_t last = UINT32_MAX;
     depths_->find(run, frame, [&](PairKey pair, double depth_m) {
       if (!are_together(pair)) return;
@@ -115,7 +115,7 @@ class EncounterWatch final : public Sink {
   void end(const RunInfo&, const RunEnd&) override {}
 
   const std::vector<EncounterResult>& results() const { return results_; }
-  uint64_t foreign_contacts() const { return strangers_; }
+  uint64_t foreign_contacts() const { return foreign_contacts_; }
 
  private:
   static bool are_together(PairKey pair) { return pair.a() / 2 == pair.b() / 2; }
@@ -137,12 +137,12 @@ class EncounterWatch final : public Sink {
   std::vector<EncounterResult> results_;
   std::optional<ContactDepths> depths_;
   std::optional<PartGroups> groups_;
-  uint64_t strangers_ = 0;
+  uint64_t foreign_contacts_ = 0;
 };
 
 std::string cm(double metres) { return fmt::format("{:.1f}", 100 * metres); }
 
-/// Of what was found in ascending order; the nearest that at least as many do not exceed.
+/// Returns the smallest value that at least `share` of the sorted values do not exceed.
 double quantile(const std::vector<double>& sorted, double share) {
   if (sorted.empty()) return 0;
   const auto rank = static_cast<size_t>(std::ceil(share * static_cast<double>(sorted.size())));
@@ -229,7 +229,7 @@ EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
     if (listener != nullptr) sinks.push_back(listener);
     run(simulation, sinks);
     for (const EncounterResult& result : watch.results()) {
-      if (result.number < options.first) continue;  // there for its turn alone
+      if (result.number < options.first) continue;  // simulated for its turn only
       if (result.is_sound())
         out.results.push_back(result);
       else
@@ -243,22 +243,22 @@ EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener,
 
 std::string encounter_report(const EncounterRuns& runs, const EncounterOptions& options) {
   std::string text = fmt::format(
-      "{} encounters of two people, seed {}; {} draws put away whose ways broke a bound, {} whose "
-      "discs of {} m met once they were dressed; {} contacts with strangers\n",
+      "{} encounters of two people, seed {}; {} draws rejected because their paths broke a bound, "
+      "{} because discs of {} m met after retargeting; {} contacts with other encounters\n",
       runs.results.size(), options.seed, runs.redrawn, runs.rejected.size(), Encounter::kDisc_m,
       runs.foreign_contacts);
   text += fmt::format("\n  {:<10}{:>11}{:>8}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}\n", "", "encounters",
-                      "touch", "%", "50 %", "90 %", "99 %", "most", "> 1 cm");
-  text += fmt::format("  {:<38}{}\n", "", "deepest of those that touch, cm");
+                      "touch", "%", "50 %", "90 %", "99 %", "max", "> 1 cm");
+  text += fmt::format("  {:<38}{}\n", "", "deepest point of touching ones, cm");
   text += kind_line("all", runs.results, [](const EncounterResult&) { return true; });
   for (size_t kind = 0; kind < kEncounterKinds; ++kind)
     text += kind_line(name_of(static_cast<EncounterKind>(kind)), runs.results,
                       [kind](const EncounterResult& result) {
                         return result.kind == static_cast<EncounterKind>(kind);
                       });
-  text += fmt::format("\n  {:<18}{:>7}{:>9}{:>9}\n", "parts", "touch", "%", "most, cm");
+  text += fmt::format("\n  {:<18}{:>7}{:>9}{:>9}\n", "parts", "touch", "%", "max, cm");
   text += parts_lines(runs.results);
-  text += fmt::format("\n  the worst; `realism encounter NUMBER --seed {} --log FILE` runs one\n",
+  text += fmt::format("\n  deepest; `realism encounter NUMBER --seed {} --log FILE` runs one\n",
                       options.seed);
   return text + worst_lines(runs.results, options);
 }

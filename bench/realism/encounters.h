@@ -1,4 +1,4 @@
-// Encounters of two people as a recording, run, and judged by who touched with what and how deep.
+// run_encounters() runs encounters of two people as a recording and measures their contacts.
 #pragma once
 
 #include <array>
@@ -17,30 +17,29 @@
 
 namespace throng::realism {
 
-// Encounters as a recording: side by side on one ground, too far apart to see each other.
-// Where an encounter lies follows from its number alone, on a ground that is always the
-// same, so that it is the same to the bit when it is run by itself.
+// Encounters lie next to each other on one ground, too far apart to interact.
+// Invariant: an encounter's position depends on its number only, and the ground is always the same.
+// Run alone it gives the same result to the bit.
 
 using validation::Encounter;
 using validation::EncounterKind;
 using validation::EncounterPerson;
 using validation::kEncounterKinds;
 
-/// People decide in turns, by their ids: so many encounters until it is the same one's turn again.
+/// People decide in turns by their ids: the turn repeats after this many encounters.
 inline constexpr uint64_t kTurns = 6;
 
-/// People of encounter i are 2 i and 2 i + 1; the first number is to be a multiple of kTurns.
+/// Encounter i has the people 2 i and 2 i + 1. The first number must be a multiple of kTurns.
 Scene encounter_scene(std::span<const Encounter> encounters);
 
-/// Their world: recorded people with the height, style and phase that each encounter gives them.
+/// Returns their motion source: recorded people with the height, style and phase of each encounter.
 MotionFactory encounter_motion(std::span<const Encounter> encounters);
 
-/// Where the middle of an encounter is on the ground.
+/// Returns the position of an encounter's middle on the ground.
 Eigen::Vector2d middle_of(const Encounter& encounter);
 
-// Encounters run as dressed recordings: who touched, with what, how deep.
-// Every frame is looked at, and an encounter whose roots came nearer than the discs at
-// any of them is put away and counted, never judged.
+// Every frame is evaluated. An encounter whose roots come closer than the discs is rejected and
+// counted, never measured.
 
 using validation::Encounter;
 using validation::EncounterKind;
@@ -64,25 +63,25 @@ struct EncounterResult {
 };
 
 struct EncounterRuns {
-  std::vector<EncounterResult> results;  ///< of those whose discs kept apart
-  uint64_t redrawn = 0;                  ///< draws whose ways would have broken a bound
-  std::vector<uint64_t> rejected;  ///< numbers of those whose discs met once they were dressed
-  uint64_t foreign_contacts = 0;   ///< contacts of people of two encounters: expected 0
+  std::vector<EncounterResult> results;  ///< encounters whose discs kept apart
+  uint64_t redrawn = 0;                  ///< draws whose paths would have broken a bound
+  std::vector<uint64_t> rejected;        ///< numbers of those whose discs met after retargeting
+  uint64_t foreign_contacts = 0;  ///< contacts between people of different encounters; expected 0
 };
 
 struct EncounterOptions {
   uint64_t seed = 1;
-  uint64_t first = 0;  ///< number of the first
+  uint64_t first = 0;
   uint64_t count = 1000;
   int threads = 1;
-  uint64_t worst = 10;  ///< so many are listed
+  uint64_t worst = 10;  ///< maximum number of listed encounters
 };
 
-/// `listener` sees the run, too; null: nobody does.
+/// `listener` also receives the frames of the run; may be null.
 EncounterRuns run_encounters(const EncounterOptions& options, Sink* listener = nullptr,
                              const std::function<void(uint64_t done)>& progress = {});
 
-/// The table of `realism encounters`.
+/// Returns the table of `realism encounters`.
 std::string encounter_report(const EncounterRuns& runs, const EncounterOptions& options);
 
 }  // namespace throng::realism

@@ -102,18 +102,18 @@ void JointSpeeds::frame(const RunInfo& run, const Frame& frame) {
   roots_before_.assign(frame.roots.begin(), frame.roots.end());
 }
 
-// Two kinds of limits stand here.
-// Of the upper body, what people do on purpose without haste: a little above what arms and thorax
-// do in walking at 1.9 m/s (shoulder 218 degrees/s, elbow 374, thorax 148 by the tables of all
-// styles), and for the head what it does in a large shift of gaze (Guitton and Volle 1987).
-// Of the legs, what walking itself asks of them. The measured cycle of the adult (OpenSim, 1.45
-// m/s; interpolated by its harmonics) has hip, knee and ankle at 212, 366 and 286 degrees/s, at the
-// cadence of 1.9 m/s at 243, 419 and 327, and Mentiplay et al. (2018) see speeds of joints grow
-// with that of walking, too. The tables go further in all styles, where legs reach for a planted
-// foot: up to 441, 798 and 624. Accelerations of the smooth measured cycle are 3000, 7000 and 8700
-// degrees/s2; between two frames of 1/60 s the tables have 4 to 9 times that, at heel strike and
-// toe-off. So the limits of legs are what plain walking at 0.5 to 1.9 m/s reaches in any style,
-// rounded up (`realism joints` without a file): nothing else may be harsher.
+// Limits of the upper body: deliberate motion without haste. They lie a little above those of
+// walking at 1.9 m/s (shoulder 218 degrees/s, elbow 374, thorax 148 in the tables of all styles).
+// The head's limit is that of a large gaze shift (Guitton and Volle 1987).
+//
+// Limits of the legs: the maxima of plain walking at 0.5 to 1.9 m/s in any style, rounded up
+// (`realism joints` without FILE).
+// The measured cycle of the adult (OpenSim, 1.45 m/s; interpolated by its harmonics) has 212, 366
+// and 286 degrees/s at hip, knee and ankle, at the cadence of 1.9 m/s 243, 419 and 327.
+// Joint speeds grow with walking speed (Mentiplay et al. 2018).
+// The tables reach 441, 798 and 624 in all styles, where legs reach for a planted foot.
+// Accelerations of the smooth cycle are 3000, 7000 and 8700 degrees/s2. Between two frames of
+// 1/60 s the tables have 4 to 9 times that, at heel strike and toe-off.
 const std::vector<JointLimit>& joint_limits() {
   constexpr BodyHalf kLegs = BodyHalf::kLegs, kUpper = BodyHalf::kUpper;
   static const std::vector<JointLimit> limits = {
@@ -167,7 +167,7 @@ void ArmSwing::begin(const RunInfo& run) {
   density_ = std::make_unique<LocalDensity>(*run.scene);
 }
 
-/// The level of density is that at the end of the cycle.
+/// Adds a finished cycle at the density level of its end.
 void ArmSwing::finish(const RunInfo& run, const Frame& frame, size_t id) {
   if (!is_placed_) {
     for (size_t i = 0; i < positions_m_.size(); ++i)
@@ -246,7 +246,7 @@ std::string over(uint64_t count, uint64_t all) {
 std::string joint_lines(const JointSpeeds& speeds, bool accelerations) {
   std::string text = fmt::format("  {:<21}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
                                  accelerations ? "accelerations, /s2" : "speeds, /s", "50 %",
-                                 "95 %", "99.9 %", "most", "limit", "% over");
+                                 "95 %", "99.9 %", "max", "limit", "% over");
   for (const auto& [name, motion] : speeds.joints()) {
     const Histogram& all = accelerations ? motion.accelerations : motion.speeds;
     const JointLimit* const limit = limit_of(name);
@@ -280,8 +280,8 @@ std::string swing_lines(const ArmSwing& swing) {
 
 std::string joint_report(const std::string& name, const JointSpeeds& speeds,
                          const ArmSwing& swing) {
-  std::string text = fmt::format(
-      "{}: {} frames of people; in degrees, or metres where it says so\n", name, speeds.frames());
+  std::string text = fmt::format("{}: {} frames of people; in degrees, or metres where stated\n",
+                                 name, speeds.frames());
   text += joint_lines(speeds, false) + joint_lines(speeds, true);
   text += fmt::format("  {:<21}{:>9}{:>15}\n", "frames above, %", "speed", "acceleration");
   for (const auto& [what, half] :
@@ -291,7 +291,7 @@ std::string joint_report(const std::string& name, const JointSpeeds& speeds,
                         over(speeds.frames_over_acceleration(half), speeds.frames()));
   text += swing_lines(swing);
   text += fmt::format("  {:<21}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "turns of roots, deg/s", "frames",
-                      "50 %", "95 %", "99 %", "most");
+                      "50 %", "95 %", "99 %", "max");
   for (const auto& [what, turns] :
        {std::pair("standing", &speeds.standing_turns()), std::pair("all", &speeds.turns())}) {
     text += fmt::format("  {:<21}{:>9}", what, turns->count());

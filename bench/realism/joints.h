@@ -1,4 +1,4 @@
-// How joints move: their speeds, the swing of the arms, and the tables of `realism joints`.
+// JointSpeeds measures joint speeds and accelerations; ArmSwing measures the swing of the arms.
 #pragma once
 
 #include <array>
@@ -17,44 +17,41 @@
 
 namespace throng::realism {
 
-// How fast joints move and how hard they speed up, from the posture rows of one frame to the next;
-// and how fast those who stand turn.
-// Differences of frames, nothing smoothed; who has just come in or has jumped counts from
-// the next frame on.
+// Speeds and accelerations are differences of posture rows of successive frames, without smoothing.
+// After an entry or a jump a person counts from the next frame on.
 
-/// What moves together: legs carry the body and follow from where feet are put, the upper body is
-/// free to do something else.
+/// Half of a body: legs carry the body and follow the feet; the upper body moves freely.
 enum class BodyHalf : uint8_t { kLegs, kUpper };
 inline constexpr size_t kBodyHalves = 2;
 
-/// What a joint keeps below; degrees, or metres of prismatic ones.
+/// Limits of a joint, in degrees; prismatic joints in metres.
 struct JointLimit {
-  const char* joint;  ///< without its side
+  const char* joint;  ///< name without its side
   BodyHalf half;
   double speed_per_s;
   double acceleration_per_s2;
 };
 
-/// Of all joints of the bundled adult; its definition says where they come from.
+/// Returns the limits of all joints of the bundled adult; sources are stated at the definition.
 const std::vector<JointLimit>& joint_limits();
-/// Null: a joint of another model.
+/// Returns null for a joint of another model.
 const JointLimit* limit_of(const std::string& joint);
 
-/// Of joints of one name, left and right together.
+/// Statistics of the joints of one name, left and right together.
 struct JointMotion {
   JointMotion(bool is_prismatic_in);
 
   bool is_prismatic;
-  Histogram speeds, accelerations;  ///< degrees or metres, a second and squared
+  Histogram speeds, accelerations;  ///< degrees or metres, per s and per s2
   uint64_t over_speed = 0;          ///< above the limit
   uint64_t over_acceleration = 0;
 };
 
 class JointSpeeds final : public Sink {
  public:
-  /// Slower, somebody stands.
+  /// Below this speed a person stands.
   static constexpr double kStanding_mps = 0.2;
-  /// Faster is no way but a jump.
+  /// Above this speed a displacement is a jump.
   static constexpr double kJump_mps = 12;
 
   JointSpeeds();
@@ -64,21 +61,21 @@ class JointSpeeds final : public Sink {
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo&, const RunEnd&) override {}
 
-  /// By name, without "left_" and "right_".
+  /// By joint name without "left_" and "right_".
   const std::map<std::string, JointMotion>& joints() const { return joints_; }
-  /// Frames of people of which speeds are known, and in how many of these any joint of a half was
-  /// above its limit.
+  /// Number of person frames with known speeds, and those in which a joint of a half exceeded its
+  /// limit.
   uint64_t frames() const { return frames_; }
   uint64_t frames_over_speed(BodyHalf half) const { return over_speed_[index(half)]; }
   uint64_t frames_over_acceleration(BodyHalf half) const { return over_acceleration_[index(half)]; }
-  /// Degrees a second by which roots turn, of those who stand and of all.
+  /// Turning speeds of roots in degrees per second: standing people, and all.
   const Histogram& standing_turns() const { return standing_turns_; }
   const Histogram& turns() const { return turns_; }
 
  private:
   struct Column {
     JointMotion* motion;
-    double unit;  ///< degrees a radian, or 1
+    double unit;  ///< degrees per radian, or 1
     size_t half;
     double max_speed, max_acceleration;
   };
@@ -86,22 +83,21 @@ class JointSpeeds final : public Sink {
   void take(const RunInfo& run, const Frame& frame, size_t id);
 
   std::map<std::string, JointMotion> joints_;
-  std::vector<std::vector<Column>> columns_;  ///< by model; empty: nobody
+  std::vector<std::vector<Column>> columns_;  ///< by model; empty: not a person
   std::vector<float> before_, earlier_;       ///< rows of the last two frames
   std::vector<RootPose> roots_before_;
-  std::vector<uint8_t> history_frames_;  ///< by avatar: how many frames before are, at most 2
+  std::vector<uint8_t> history_frames_;  ///< by avatar: number of known earlier frames, at most 2
   uint64_t frames_ = 0;
   std::array<uint64_t, kBodyHalves> over_speed_{}, over_acceleration_{};
   Histogram standing_turns_, turns_;
 };
 
-/// How far arms swing, of what the style of walking has them swing at that speed, by density.
-/// Each whole cycle of each shoulder counts by its time, beside the gait's own posture in
-/// the same frames.
+/// Sums of arm swing and of the swing that the gait style prescribes at the same speed. Each whole
+/// cycle of each shoulder counts by its duration.
 struct SwingSums {
-  double time_s = 0;  ///< of cycles, of persons
+  double time_s = 0;  ///< duration of cycles, summed over people
   double swing_rad_s = 0;
-  double reference_rad_s = 0;  ///< the style's
+  double reference_rad_s = 0;  ///< swing of the gait style
 
   double mean_deg() const;
   double share() const { return swing_rad_s / reference_rad_s; }
@@ -109,13 +105,13 @@ struct SwingSums {
 
 class ArmSwing final : public Sink {
  public:
-  /// People per m2 within 2 m.
+  /// Density levels: people per m2 within 2 m.
   static constexpr std::array<double, 5> kBounds_per_m2 = {0.5, 1, 2, 3.57, 5};
   static constexpr size_t kLevels = kBounds_per_m2.size() + 1;
-  /// Slower, or slower at any time of a cycle, nobody is said to walk.
+  /// A cycle counts only above this speed.
   static constexpr float kWalking_mps = 0.3f;
 
-  /// The simulation whose frames come; it knows phases and styles.
+  /// `simulation` runs the frames and provides phases and styles.
   explicit ArmSwing(const Simulation& simulation);
 
   SinkNeeds needs() const override { return {.postures = true}; }
@@ -132,17 +128,17 @@ class ArmSwing final : public Sink {
     void add(float value);
     double width() const { return static_cast<double>(max - min); }
   };
-  /// Of somebody, since the phase was 0 last.
+  /// State of an avatar since its phase was last 0.
   struct Cycle {
-    bool is_whole = false;  ///< began at phase 0, and walked since
+    bool is_whole = false;  ///< began at phase 0, and the avatar walked since
     int frames = 0;
-    float last_phase = -1;  ///< below 0: was not there
+    float last_phase = -1;  ///< below 0: not present before
     std::array<Range, 2> swing, reference;
   };
   struct Kind {
     std::array<int, 2> shoulders{-1, -1};  ///< columns, right and left
     size_t columns = 0;
-    std::vector<std::unique_ptr<Gait>> gaits;  ///< by style; of others, null
+    std::vector<std::unique_ptr<Gait>> gaits;  ///< by style; null for unused ones
   };
 
   void finish(const RunInfo& run, const Frame& frame, size_t id);
@@ -157,8 +153,7 @@ class ArmSwing final : public Sink {
   std::array<SwingSums, kLevels> levels_{};
 };
 
-// The tables of `realism joints`.
-// A row a joint, left and right together.
+/// Returns the tables of `realism joints`: a row per joint name, left and right together.
 
 std::string joint_report(const std::string& name, const JointSpeeds& speeds, const ArmSwing& swing);
 

@@ -1,4 +1,4 @@
-// `realism`: how bodies behave that walk among others; see kUsage.
+// `realism` measures how bodies move among others; see kUsage.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,25 +23,26 @@
 namespace throng::realism {
 namespace {
 
-constexpr const char* kUsage = R"(realism encounters [COUNT [SEED]] [--worst N]
-    two people meet, COUNT times [1000, seed 1]; the N worst are listed [10]
+constexpr const char* kUsage =
+    R"(realism encounters [COUNT [SEED]] [--worst N]
+    runs COUNT encounters of two people [1000, seed 1] and lists the N deepest [10]
 realism encounter NUMBER [--seed S] [--log FILE]
-    one of these; the log is for `throng render`
+    runs one encounter; the log is for `throng render`
 realism contacts FILE... [--against FILE...]
-    contacts by density, of each and of all together; before and after
+    contacts by density, per file and in total; with --against before and after
 realism joints [FILE...]
-    speeds of joints, arm swing, turns of those who stand; without FILE of plain walking at 0.5 to 1.9 m/s
+    joint speeds, arm swing, turns of standing people; without FILE: plain walking, 0.5 to 1.9 m/s
 
-FILE: a scene, the name of a bundled one, a recording. Options of all: --threads N, --seconds S (of each FILE),
---yielding on|off (bodies give way to others, or walk as if alone).
+FILE: a scene, the name of a bundled one, or a recording. Options of all: --threads N,
+--seconds S (per FILE), --body-avoidance on|off (bodies avoid each other) [on].
 )";
 
 constexpr std::array kOptions = {"--log",     "--seconds", "--seed",
-                                 "--threads", "--worst",   "--yielding"};
+                                 "--threads", "--worst",   "--body-avoidance"};
 
 struct Arguments {
   std::vector<std::string> words;
-  std::vector<std::string> against;  ///< what follows --against
+  std::vector<std::string> against;  ///< words after --against
   std::map<std::string, std::string> options;
 };
 
@@ -60,7 +61,7 @@ Arguments arguments_of(int argc, char** argv) {
     }
     if (std::find(kOptions.begin(), kOptions.end(), word) == kOptions.end())
       throw InputError("realism", "an option of the program", fmt::format("'{}'", word));
-    if (i + 1 == argc) throw InputError(word, "a value after it", "nothing");
+    if (i + 1 == argc) throw InputError(word, "a value", "nothing");
     out.options[word] = argv[++i];
   }
   return out;
@@ -74,9 +75,9 @@ uint64_t whole(const std::string& where, const std::string& text) {
   return value;
 }
 
-uint64_t option(const Arguments& arguments, const std::string& name, uint64_t otherwise) {
+uint64_t option(const Arguments& arguments, const std::string& name, uint64_t default_value) {
   const auto found = arguments.options.find(name);
-  return found == arguments.options.end() ? otherwise : whole(name, found->second);
+  return found == arguments.options.end() ? default_value : whole(name, found->second);
 }
 
 bool is_off(const Arguments& arguments, const std::string& name) {
@@ -107,13 +108,13 @@ std::optional<double> seconds_of(const Arguments& arguments) {
   return seconds;
 }
 
-NamedContactSums account_of(const std::string& name, const Arguments& arguments) {
-  ContactAudit account;
+NamedContactSums audit_of(const std::string& name, const Arguments& arguments) {
+  ContactAudit audit;
   Scene scene = open_measured_run(name, seconds_of(arguments));
   NamedContactSums out{scene.name, {}};
   run_measured(std::move(scene), threads_of(arguments), true,
-               [&](const Simulation&) { return std::vector<Sink*>{&account}; });
-  out.sums = account.sums();
+               [&](const Simulation&) { return std::vector<Sink*>{&audit}; });
+  out.sums = audit.sums();
   return out;
 }
 
@@ -122,15 +123,15 @@ int contacts(const Arguments& arguments) {
   const bool is_pair = !arguments.against.empty();
   if (names.empty()) throw InputError("contacts", "scenes or recordings", "none");
   if (is_pair && arguments.against.size() != names.size())
-    throw InputError("--against", fmt::format("as many as before it, {}", names.size()),
+    throw InputError("--against", fmt::format("{} files, as many as before it", names.size()),
                      fmt::format("{}", arguments.against.size()));
-  NamedContactSums all_before{"all together", {}}, all_after = all_before;
+  NamedContactSums all_before{"total", {}}, all_after = all_before;
   for (size_t i = 0; i < names.size(); ++i) {
-    const NamedContactSums before = account_of(names[i], arguments);
+    const NamedContactSums before = audit_of(names[i], arguments);
     all_before.sums.add(before.sums);
     std::optional<NamedContactSums> after;
     if (is_pair) {
-      after = account_of(arguments.against[i], arguments);
+      after = audit_of(arguments.against[i], arguments);
       all_after.sums.add(after->sums);
     }
     print_result("{}\n", contact_report(before, after ? &*after : nullptr, names.size() == 1));
@@ -146,7 +147,7 @@ int joints(const Arguments& arguments) {
     const std::string name = scene.name;
     JointSpeeds speeds;
     std::unique_ptr<ArmSwing> swing;
-    // Contacts cost much and move no joint.
+    // Contacts take much time and move no joint.
     run_measured(std::move(scene), threads_of(arguments), false, [&](const Simulation& simulation) {
       swing = std::make_unique<ArmSwing>(simulation);
       return std::vector<Sink*>{&speeds, swing.get()};
@@ -178,7 +179,7 @@ int encounters(const Arguments& arguments) {
   return 0;
 }
 
-/// The command that draws an encounter.
+/// Returns the command that renders an encounter.
 std::string picture_command(const Encounter& encounter, double at_s, const std::string& log) {
   const Eigen::Vector2d at = middle_of(encounter);
   return fmt::format(
@@ -189,7 +190,7 @@ std::string picture_command(const Encounter& encounter, double at_s, const std::
 
 int encounter(const Arguments& arguments) {
   EncounterOptions options;
-  if (arguments.words.size() < 2) throw InputError("encounter", "its number", "nothing");
+  if (arguments.words.size() < 2) throw InputError("encounter", "a number", "nothing");
   options.first = whole("NUMBER", arguments.words[1]);
   options.count = 1;
   options.seed = option(arguments, "--seed", 1);
@@ -200,14 +201,14 @@ int encounter(const Arguments& arguments) {
   const Encounter one(options.seed, options.first);
   print_result("{}: {}\n", options.first, one.description());
   if (runs.results.empty()) {
-    print_result("put away: discs of {} m met\n", Encounter::kDisc_m);
+    print_result("rejected: discs of {} m met\n", Encounter::kDisc_m);
     return 0;
   }
   const EncounterResult& result = runs.results.front();
-  print_result("roots {:.3f} m apart at the nearest, at {:.2f} s; ", result.min_root_distance_m,
+  print_result("minimum root distance {:.3f} m, at {:.2f} s; ", result.min_root_distance_m,
                result.min_distance_s);
   if (!result.touches())
-    print_result("they do not touch\n");
+    print_result("no contact\n");
   else
     print_result("touching in {} frames, the first at {:.2f} s; {:.1f} cm deep at {:.2f} s {}\n",
                  result.touching_frames, result.first_touch_s, 100 * result.max_depth_m,
@@ -219,7 +220,7 @@ int encounter(const Arguments& arguments) {
 
 int realism(int argc, char** argv) {
   const Arguments arguments = arguments_of(argc, argv);
-  with_body_avoidance = !is_off(arguments, "--yielding");
+  with_body_avoidance = !is_off(arguments, "--body-avoidance");
   const std::string command = arguments.words.empty() ? "" : arguments.words.front();
   if (command == "encounters") return encounters(arguments);
   if (command == "encounter") return encounter(arguments);

@@ -13,7 +13,7 @@
 namespace throng::realism {
 namespace {
 
-/// Bodies reach beyond their roots.
+/// Distance by which bodies may extend beyond their roots.
 constexpr double kMargin_m = 2;
 
 }  // namespace
@@ -28,8 +28,8 @@ Scene synthetic_scene(const std::string& name, size_t people, double duration_s,
   recorded.options.file = name;
   recorded.options.tracked_point = TrackedPoint::kCentre;
   RecordingBuilder builder(recorded.options);
-  builder.head().kind = name;
-  builder.head().per_s = 1 / kSyntheticStep_s;
+  builder.header().kind = name;
+  builder.header().per_s = 1 / kSyntheticStep_s;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const int64_t frames = frame_count(duration_s, kSyntheticStep_s);
   int64_t place = 0;

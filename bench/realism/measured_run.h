@@ -1,4 +1,4 @@
-// What is measured: a scene, a recording dressed in bodies, or ways that are made up here.
+// run_measured() runs a scene, a retargeted recording or synthetic paths for measuring sinks.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,10 @@
 
 namespace throng::realism {
 
-// What is switched on or off in every scene that is measured.
-// The only place that changes a scene, so that before and after differ by it alone.
+// Switches that apply to every measured scene.
+// Invariant: nothing else changes a scene; before and after differ by the switches only.
 
-/// --yielding off: bodies walk as if they were alone.
+/// --body-avoidance off: bodies walk as if they were alone.
 inline bool with_body_avoidance = true;
 
 inline void set_switches(Scene& scene) {
@@ -24,26 +24,24 @@ inline void set_switches(Scene& scene) {
   if (!with_body_avoidance) scene.body_avoidance = false;
 }
 
-// A scene of people on ways that are made up here, as a recording.
-// Recorded at every frame of the run, so that nothing is between two samples.
+// Synthetic recordings have a sample per frame of the run: nothing is interpolated.
 
 inline constexpr double kSyntheticStep_s = 1.0 / 60;
 
-/// Roots of `people` adults go where `place_m` says. On a ground around them; a larger one is the
-/// caller's business.
+/// Returns a recording of `people` adults whose roots follow `place_m`, on a ground around them.
+/// The caller may enlarge the ground.
 Scene synthetic_scene(const std::string& name, size_t people, double duration_s,
                       const std::function<Eigen::Vector2d(size_t person, double time_s)>& place_m);
 
-/// People of all styles who walk straight on, each alone, at 0.5 to 1.9 m/s.
+/// Returns people of all styles who walk straight ahead, each alone, at 0.5 to 1.9 m/s.
 Scene plain_walking(double duration_s);
 
-// What is measured: a scene, or a recording dressed in bodies.
-// It is run as `throng run --exact` runs it, but for what set_switches() changes.
+// A measured scene runs like `throng run --exact`, except for set_switches().
 
-/// A scene file, a bundled scene's name or a recording. Throws InputError.
+/// Opens a scene file, a bundled scene or a recording. Throws InputError.
 Scene open_measured_run(const std::string& name, std::optional<double> seconds);
 
-/// Runs it for the sinks that `sinks_of` makes of the simulation before its first step.
+/// Runs the scene with the sinks that `sinks_of` creates before the first step.
 void run_measured(Scene scene, int threads, bool culling,
                   const std::function<std::vector<Sink*>(const Simulation&)>& sinks_of);
 

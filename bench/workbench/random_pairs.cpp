@@ -12,10 +12,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kSpacing_m = 12;     // between couples: far more than a body reaches
-constexpr double kPartReach_m = 0.3;  // how far a part's frame is from its root
+constexpr double kSpacing_m = 12;     // between pairs of bodies: far beyond any body's reach
+constexpr double kPartReach_m = 0.3;  // maximum distance of a part's frame from its root
 constexpr double kMargin_m = 0.01;
-constexpr size_t kBrute = size_t{16} * 16;  // triangle pairs that are all tried, in double
+constexpr size_t kBrute = size_t{16} * 16;  // maximum of triangle pairs tested in double
 
 PartShape shape_of(const Solid& solid) { return {solid.points, solid.triangles}; }
 
@@ -27,7 +27,7 @@ PartShape plate(const Vector3d& along, const Vector3d& across) {
   return out;
 }
 
-/// A part of this family; the first of a couple's two types is `large` where it matters.
+/// Draws a part of a family; `large` applies to the first of two types where sizes matter.
 PartShape random_part(Family family, Draw& draw, bool large) {
   const auto size = [&](double low, double high) {
     return Vector3d(draw.uniform(low, high), draw.uniform(low, high), draw.uniform(low, high));
@@ -59,7 +59,7 @@ PartShape random_part(Family family, Draw& draw, bool large) {
     case Family::kNested:
       return large ? shape_of(box_solid(size(0.3, 0.5))) : blob(0.01, 0.08);
     case Family::kTouching:
-      // Sizes that binary fractions hold, so that faces meet exactly.
+      // Sizes that are exact in binary: faces meet exactly.
       if (draw.integer(0, 3) == 0) return plate({0.25, 0, 0}, {0, 0.25, 0.125});
       return shape_of(box_solid(
           {draw.integer(1, 8) / 32.0, draw.integer(1, 8) / 32.0, draw.integer(1, 8) / 32.0}));
@@ -78,7 +78,7 @@ BodyKind kind_of(std::vector<PartShape> shapes, std::vector<MixedPart> mixed = {
     kind.trees.emplace_back(shape.points, shape.triangles);
     reach = std::max(reach, reach_of(shape.points));
   }
-  // Scales are at most 1.25; the rest covers rounding.
+  // The maximum scale is 1.25; the rest covers rounding.
   const double radius = 1.001 * (1.25 * reach + kPartReach_m * std::sqrt(3.0)) + 0.001;
   kind.type = std::make_shared<BodyType>(
       std::move(shapes), RootSphere{Vector3f::Zero(), static_cast<float>(radius)}, false);
@@ -97,7 +97,7 @@ std::vector<Triangle> triangles_of(const PartShape& shape, const PartPose& pose,
   return out;
 }
 
-/// False proves that the triangles are apart: comparisons only, no rounding.
+/// False proves that the triangles are apart: comparisons only, without rounding.
 bool boxes_meet(const Triangle& p, const Triangle& q) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto low = [axis](const Triangle& t) {
@@ -111,10 +111,10 @@ bool boxes_meet(const Triangle& p, const Triangle& q) {
   return true;
 }
 
-/// Whether a piece of one lies in a solid of the other, or triangles of two touch; tries all.
+/// Tests whether a piece of one part lies in a solid of the other, or two triangles touch.
 bool mixed_touch(const RandomPairs& world, uint32_t a, size_t i, uint32_t b, size_t j) {
   const PartPose &pose_a = world.parts_of(a)[i], &pose_b = world.parts_of(b)[j];
-  // As the pass has it, for here triangles decide and nothing covers what is rounded.
+  // Rounded as in the culling pass, because here triangles decide without a margin.
   const Vector3d a_to_b = (world.root(b) - world.root(a)).cast<float>().cast<double>();
   const std::vector<Triangle> of_a =
       triangles_of(world.kind(a).type->parts()[i], pose_a, world.scale(a), Vector3d::Zero());
@@ -231,7 +231,7 @@ void RandomPairs::add(Draw& draw, const Vector3d& where, int parity, bool is_lat
   }
 }
 
-/// Moves the latest body so that it meets the one before.
+/// Moves the last body to meet the previous one.
 void RandomPairs::meet(Draw& draw, Family family) {
   const uint32_t a = ids_.back() - 1, b = ids_.back();
   const auto corner = [&](uint32_t body) {

@@ -1,4 +1,4 @@
-// Bodies in twos that meet, in every way in which parts can be odd, from random numbers.
+// RandomPairs generates pairs of meeting bodies with difficult parts from random numbers.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,11 +18,10 @@
 
 namespace throng::bench {
 
-// Random numbers, poses and closed bodies for whoever tries volumes: the law of no misses, and the
-// tests of culling.
-// Everything random comes from a seed that the caller prints.
+// Random numbers, poses and closed bodies for trials of volumes and tests of culling.
+// Invariant: all randomness comes from a seed that the caller prints.
 
-/// A stream of random numbers under one seed.
+/// Draw is a stream of random numbers of one seed.
 class Draw {
  public:
   explicit Draw(uint64_t seed, uint64_t id = 0) : key_{seed, id, 0, Purpose::kBoxWorld} {}
@@ -75,7 +74,7 @@ struct Solid {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// A closed, outward-oriented, bumpy ellipsoid of `rings` by `spokes`.
+/// Returns a closed, outward-oriented, bumpy ellipsoid with `rings` by `spokes` vertices.
 inline Solid bumpy_ellipsoid(Draw& draw, int rings, int spokes, const Eigen::Vector3d& half_m,
                              double bump) {
   Solid out;
@@ -102,7 +101,6 @@ inline Solid bumpy_ellipsoid(Draw& draw, int rings, int spokes, const Eigen::Vec
   return out;
 }
 
-/// A closed, outward-oriented box.
 inline Solid box_solid(const Eigen::Vector3d& half_m,
                        const Eigen::Vector3d& centre_m = Eigen::Vector3d::Zero()) {
   Solid out;
@@ -116,13 +114,13 @@ inline Solid box_solid(const Eigen::Vector3d& half_m,
   return out;
 }
 
-/// The same turned inside out: every triangle the other way round.
+/// Reverses the orientation of all triangles.
 inline Solid inside_out(Solid solid) {
   for (Eigen::Vector3i& t : solid.triangles) std::swap(t[0], t[1]);
   return solid;
 }
 
-/// One mesh of both, which share no corner.
+/// Returns one mesh of both, without shared vertices.
 inline Solid both(const Solid& a, const Solid& b) {
   Solid out = a;
   const int shift = static_cast<int>(a.points.size());
@@ -132,8 +130,8 @@ inline Solid both(const Solid& a, const Solid& b) {
   return out;
 }
 
-/// The solid angle of the surface round a point, in turns of the sphere (Van Oosterom and Strackee
-/// 1983): 1 inside, 0 outside; -1 inside what is turned inside out.
+/// Returns the solid angle of the surface around a point over 4 pi (Van Oosterom and Strackee
+/// 1983): 1 inside, 0 outside; -1 inside an inverted surface.
 inline double winding_number(const Solid& solid, const Eigen::Vector3d& p) {
   double sum = 0;
   for (const Eigen::Vector3i& t : solid.triangles) {
@@ -146,13 +144,13 @@ inline double winding_number(const Solid& solid, const Eigen::Vector3d& p) {
   return sum / (2 * std::numbers::pi);
 }
 
-/// A part of several pieces, and what a test knows of it because it put it together.
+/// A part of several pieces, with the pieces for tests.
 struct MixedPart {
-  std::vector<Solid> solids;  ///< closed ones, whichever way they are turned
-  std::vector<Solid> loose;   ///< triangles beside them, or hanging from a corner or an edge
-  Solid mesh;                 ///< all of it, its triangles shuffled
+  std::vector<Solid> solids;  ///< closed solids of any orientation
+  std::vector<Solid> loose;   ///< triangles next to them, or attached to a corner or an edge
+  Solid mesh;                 ///< all pieces, with shuffled triangles
 
-  /// Slow and obvious: each solid by itself.
+  /// Slow oracle: tests each solid separately.
   bool contains(const Eigen::Vector3d& p) const {
     for (const Solid& solid : solids)
       if (std::fabs(winding_number(solid, p)) > 0.5) return true;
@@ -160,8 +158,8 @@ struct MixedPart {
   }
 };
 
-/// One or two solids of up to `size_m`, apart, overlapping or one in the other, and up to three
-/// loose triangles; or, where `may_be_open`, none but these.
+/// Draws one or two solids of up to `size_m`, apart, overlapping or nested, and up to three loose
+/// triangles. With `may_be_open`, loose triangles may be alone.
 inline MixedPart mixed_part(Draw& draw, double size_m, bool may_be_open) {
   MixedPart out;
   const auto solid = [&](double size) {
@@ -184,7 +182,7 @@ inline MixedPart mixed_part(Draw& draw, double size_m, bool may_be_open) {
     Solid triangle;
     for (int c = 0; c < 3; ++c) triangle.points.push_back(draw.in_box(1.5 * size_m).cast<float>());
     triangle.triangles = {{0, 1, 2}};
-    // From a corner or an edge of a solid, found by place.
+    // Attaches it to a corner or an edge of a solid by equal positions.
     for (int c = 0; !out.solids.empty() && c < draw.integer(0, 2); ++c) {
       const Solid& from = out.solids.front();
       triangle.points[static_cast<size_t>(c)] =
@@ -200,44 +198,42 @@ inline MixedPart mixed_part(Draw& draw, double size_m, bool may_be_open) {
   return out;
 }
 
-// Bodies in twos that meet, a frame of them, in every way in which parts can be odd: what the law
-// of no misses is tried on, whatever claims to keep it. Only near pairs of parts count,
-// those whose axis-aligned boxes, widened by a centimetre, overlap; of the others the boxes prove
-// that they are apart.
+// Input of the no-miss check. Only near pairs of parts count: those whose axis-aligned boxes, grown
+// by one centimetre, overlap. For all others the boxes prove that they are apart.
 
 enum class Family {
   kBlobs,     ///< bumpy ellipsoids and boxes
   kAdult,     ///< the parts of the bundled adult
   kFlat,      ///< plates without thickness, tilted and axis-parallel
-  kNeedle,    ///< a metre long, some micrometres thick
-  kPoint,     ///< all corners in one place, and segments
+  kNeedle,    ///< one metre long, some micrometres thick
+  kPoint,     ///< all corners in one point, and segments
   kNested,    ///< small parts inside large closed ones
   kFar,       ///< blobs and plates at 10 km and 100 km from the world's origin
-  kTouching,  ///< boxes and plates that share a corner, an edge or a face, to the rounding
-  kMixed      ///< solids and loose triangles in one part; triangles decide, each piece by itself
+  kTouching,  ///< boxes and plates that share a corner, an edge or a face, up to rounding
+  kMixed      ///< solids and loose triangles in one part, whose pieces count separately
 };
 inline constexpr Family kFamilies[] = {Family::kBlobs,  Family::kAdult,    Family::kFlat,
                                        Family::kNeedle, Family::kPoint,    Family::kNested,
                                        Family::kFar,    Family::kTouching, Family::kMixed};
 std::string_view name_of(Family family);
 
-/// A body type and what the oracle knows of it.
+/// A body type with the data of the oracle.
 struct BodyKind {
   std::shared_ptr<const BodyType> type;
   std::vector<TriangleBvh> trees;
-  std::vector<MixedPart> mixed;  ///< kMixed: the parts as they were put together
+  std::vector<MixedPart> mixed;  ///< kMixed: the parts with their pieces
 };
 std::vector<BodyKind> kinds_of(Family family, Draw& draw);
 
-/// Relative to the body's own root.
+/// The bounds of a part relative to its body's root.
 struct PartBox {
   Eigen::Vector3d low, high;
-  /// b's root is at `a_to_b_m`, seen from a's.
+  /// `a_to_b_m`: b's root relative to a's.
   static bool is_within_margin(const PartBox& a, const PartBox& b, const Eigen::Vector3d& a_to_b_m);
 };
 
-/// Bodies 2 i and 2 i + 1 meet: a corner of a part of one lies near a corner of one of the other.
-/// RandomPairs are far from each other.
+/// Bodies 2 i and 2 i + 1 meet: a corner of a part of one lies near a corner of a part of the
+/// other. Different pairs are far from each other.
 class RandomPairs : public PoseSource {
  public:
   static constexpr int kPairs = 192;
@@ -256,8 +252,8 @@ class RandomPairs : public PoseSource {
   Eigen::Vector3d root(uint32_t body) const { return roots_[body].position_m; }
   PartBox box(uint32_t body, size_t part) const;
 
-  /// The truth: by all triangles of small parts in double precision, with the roots as they are; of
-  /// larger parts, and for one inside the other, by the tree of triangles.
+  /// Oracle: tests all triangles of small parts in double precision, with unrounded roots. For
+  /// larger parts, and for one part inside the other, it uses the tree of triangles.
   bool touch(uint32_t a, size_t part_a, uint32_t b, size_t part_b) const;
 
  private:

@@ -1,4 +1,4 @@
-// What one of something costs: repeated, timed by the thread's own clock, with median and spread.
+// repeat() measures the cost of one operation by the thread's clock, with median and spread.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,8 @@
 
 namespace throng::bench {
 
-/// Processor time of this thread, for what runs on one thread: on a machine that does nothing else
-/// it is the wall clock's, on a busy one it leaves out the time in which others ran. For
-/// runs of microseconds and more; reading it costs half of one.
+/// Processor time of this thread. On an idle machine it equals the wall clock; on a busy one it
+/// excludes the time of other processes. Reading it takes 0.5 us.
 class ThreadClock {
  public:
   /// Nanoseconds since construction or the last lap.
@@ -33,11 +32,9 @@ class ThreadClock {
   double start_ns_ = read_ns();
 };
 
-// What one of something costs: repeated, timed by the thread's own clock, with median and spread.
-// Inputs come in random order and never repeat within a repetition, so that no branch is
-// learned.
+// Inputs should come in random order and not repeat within a repetition: no branch is learned.
 
-/// Nanoseconds: median, and the 10th and 90th percentile over the repetitions.
+/// Median, 10th and 90th percentile over the repetitions, in nanoseconds.
 struct Cost {
   double median_ns = 0;
   double low_ns = 0;
@@ -45,7 +42,7 @@ struct Cost {
   int repetitions = 0;
 };
 
-/// Of samples in any order.
+/// Computes the cost from unsorted samples.
 inline Cost cost_of(std::vector<double> samples_ns) {
   if (samples_ns.empty()) return {};
   std::sort(samples_ns.begin(), samples_ns.end());
@@ -54,15 +51,15 @@ inline Cost cost_of(std::vector<double> samples_ns) {
           static_cast<int>(samples_ns.size())};
 }
 
-/// Keeps the compiler from dropping what is only timed.
+/// Keeps the compiler from removing a computation that is only timed.
 inline void use(const void* value) { asm volatile("" : : "r"(value) : "memory"); }
 
-/// A measurement ends after this long, but not before kMinRepetitions.
+/// A measurement ends after this time, but not before kMinRepetitions.
 inline constexpr double kBudget_ns = 0.15e9;
 inline constexpr int kMinRepetitions = 7;
 inline constexpr int kMaxRepetitions = 101;
 
-/// Repeats `body`, which does `count` of something, and gives the cost of one.
+/// Repeats `body`, which performs `count` operations, and returns the cost of one.
 template <typename Body>
 Cost repeat(size_t count, const Body& body) {
   std::vector<double> samples_ns;
@@ -79,7 +76,7 @@ Cost repeat(size_t count, const Body& body) {
   return cost_of(std::move(samples_ns));
 }
 
-/// Fisher and Yates, with numbers that are the same everywhere.
+/// Shuffles by Fisher and Yates, equally on all machines.
 template <typename T>
 void shuffle(std::vector<T>& items, uint64_t seed) {
   const RandomKey key{seed, 0, 1, Purpose::kBoxWorld};

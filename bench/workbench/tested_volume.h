@@ -1,5 +1,5 @@
-// Anybody's bounding volume behind one interface: tried by code that does not know it.
-// One rule: what is fitted is only read, so that many threads can test at once.
+// TestedVolume hides any bounding volume behind one interface for trials.
+// Invariant: fitted volumes are constant; many threads can test at once.
 #pragma once
 
 #include <concepts>
@@ -12,26 +12,26 @@
 
 #include "bench/workbench/repeat.h"
 #include "culling/body_type.h"
-#include "culling/volumes/pose_math.h"  // for those who place points
+#include "culling/volumes/pose_math.h"  // for volumes that place points
 #include "culling/volumes/volumes.h"
 
 namespace throng::bench {
 
-/// A part in its pose, relative to its body's own root.
+/// A part in its pose relative to its body's root.
 struct PartPlace {
-  uint32_t shape;  ///< index into the shapes that were fitted
+  uint32_t shape;  ///< index into the fitted shapes
   PartPose pose;
   float scale;
 };
 
-/// Two of a list of places, and what a test needs besides.
+/// Two indices into a list of places, with the other arguments of a test.
 struct PlacedPair {
   uint32_t a, b;
   Eigen::Vector3f a_to_b_m;  ///< B's root minus A's
-  float margin_m;            ///< what rounding may have lost, see rounding_margin_m()
+  float margin_m;            ///< bound of the rounding error, see rounding_margin_m()
 };
 
-/// What overlaps() of a volume without an update is given.
+/// The argument of overlaps() for a volume without place().
 template <typename Fitted>
 struct PosedPart {
   const Fitted* fitted;
@@ -56,14 +56,14 @@ struct PlacedBy<V> {
                                  std::declval<const PartPose&>(), float{}));
 };
 
-/// A volume that can be tried: static functions of a class, of which two are enough.
+/// A testable volume is a class of static functions. Two are required:
 ///   fit(points) -> F                         once, in the part's own frame
-///   overlaps(a, b, a_to_b_m, margin_m)       false proves the enclosed points apart; a and b are
-///                                            what place() made, or PosedPart<F> without one
-/// and, where it has them,
-///   place(fitted, pose, scale) -> P          the update: once a part and frame (the paper's C_u)
-///   refit(points, pose, scale) -> P          the update from the vertices
-///   overlaps_many(placed, pairs, out)        a kernel: many pairs at once, the same answers
+///   overlaps(a, b, a_to_b_m, margin_m)       false proves the enclosed points apart; a and b come
+///                                            from place(), or are PosedPart<F> without it
+/// Three are optional:
+///   place(fitted, pose, scale) -> P          update, once per part and frame (the paper's C_u)
+///   refit(points, pose, scale) -> P          update from the vertices
+///   overlaps_many(placed, pairs, out)        kernel: many pairs at once, with equal results
 template <typename V>
 concept TestableVolume = requires(std::span<const Eigen::Vector3f> points) {
   V::fit(points);
@@ -83,24 +83,24 @@ concept HasRefit = requires(std::span<const Eigen::Vector3f> points, const PartP
   { V::refit(points, pose, scale) } -> std::same_as<typename PlacedBy<V>::Type>;
 };
 
-/// Where a volume comes from when its part has moved.
+/// Input of the update of a moved volume.
 enum class Update { kFromVolume, kFromVertices };
 
 struct MotionCost {
   Cost update;  ///< C_u
-  Cost test;    ///< C_v, one by one or by the kernel
+  Cost test;    ///< C_v, by the scalar test or the kernel
 };
 
-/// A volume around each of some shapes.
+/// Volumes fitted to a list of shapes.
 class FittedVolume {
  public:
   virtual ~FittedVolume() = default;
-  /// Places the volumes of `places`, then tests `pairs` of them: 1 may overlap, 0 are apart.
+  /// Places the volumes of `places` and tests `pairs` of them: 1 may overlap, 0 apart.
   virtual void test(std::span<const PartPlace> places, std::span<const PlacedPair> pairs,
                     std::span<uint8_t> overlaps) const = 0;
   virtual MotionCost cost(std::span<const PartPlace> places,
                           std::span<const PlacedPair> pairs) const = 0;
-  /// Of `pairs`, those of which the kernel says something else than the test one by one.
+  /// Returns the number of `pairs` for which the kernel differs from the scalar test.
   virtual uint64_t kernel_differs(std::span<const PartPlace> places,
                                   std::span<const PlacedPair> pairs) const = 0;
 };
@@ -112,7 +112,7 @@ class TestedVolume {
   const std::string& name() const { return name_; }
   /// Keeps a reference to `shapes`.
   virtual std::unique_ptr<FittedVolume> fit(std::span<const PartShape> shapes) const = 0;
-  /// All of them fitted once (C_o).
+  /// Returns the cost of fitting all shapes once (C_o).
   virtual Cost fit_cost(std::span<const PartShape> shapes) const = 0;
 
  private:
@@ -219,8 +219,8 @@ class TestedVolumeOf final : public TestedVolume {
 
 using VolumeList = std::span<const TestedVolume* const>;
 
-/// The volumes of the project, by name; those that can be refitted twice, "_vertices" the second
-/// time.
+/// Returns the project's volumes by name; a refittable volume occurs twice, second with the suffix
+/// "_vertices".
 VolumeList project_volumes();
 
 }  // namespace throng::bench

@@ -16,27 +16,27 @@
 namespace throng::bench {
 namespace {
 
-constexpr int kFramesAtOnce = 8;  // as many for any number of threads
+constexpr int kFramesAtOnce = 8;  // independent of the number of threads
 constexpr int kWalkers = 100;
 constexpr double kWalkersPerM2 = 4;
 constexpr int kStride = 5;               // steps between two frames of walkers
-constexpr uint64_t kFramesOfCrowd = 30;  // later they have walked apart
+constexpr uint64_t kFramesOfCrowd = 30;  // afterwards they have walked apart
 
-/// Near pairs of one frame, with the truth of each.
+/// Near pairs of one frame, with the oracle's result.
 struct PairFrame {
   std::vector<PartPlace> places;
   std::vector<PlacedPair> pairs;
   std::vector<uint8_t> touching;
 };
 
-/// Where near pairs come from: shapes that a volume is fitted to, and frame after frame of places.
+/// Source provides near pairs: the shapes to fit and frames of places.
 class Source {
  public:
   virtual ~Source() = default;
   virtual std::string name() const = 0;
-  /// What comes next, in order; by one thread.
-  virtual void go_on() {}
-  /// Frame `number`, at most kFramesAtOnce from the next; by several threads at once.
+  /// Advances to the next frames; call from one thread.
+  virtual void advance() {}
+  /// Returns frame `number`, less than kFramesAtOnce ahead; thread-safe.
   virtual PairFrame frame(uint64_t number) const = 0;
   virtual std::string describe(const PlacedPair& pair) const = 0;
 
@@ -62,7 +62,6 @@ class Source {
   std::vector<float> reach_m_;
 };
 
-/// Bodies of a family in twos.
 class RandomPairsSource final : public Source {
  public:
   RandomPairsSource(Family family, uint64_t seed) : family_(family), seed_(seed) {
@@ -112,7 +111,7 @@ class RandomPairsSource final : public Source {
   std::vector<uint32_t> first_shape_;
 };
 
-/// The bundled adult, many of them, close together, walking straight through each other.
+/// Many bundled adults, close together, walking straight through each other.
 class WalkersSource final : public Source {
  public:
   explicit WalkersSource(uint64_t seed) : model_(load_model(adult_urdf())), seed_(seed) {
@@ -123,7 +122,7 @@ class WalkersSource final : public Source {
   }
   std::string name() const override { return "walking"; }
 
-  void go_on() override {
+  void advance() override {
     moments_.clear();
     for (int i = 0; i < kFramesAtOnce; ++i, ++next_) {
       if (next_ % kFramesOfCrowd == 0)
@@ -180,7 +179,6 @@ class WalkersSource final : public Source {
   uint64_t next_ = 0;
 };
 
-/// One frame held against the truth.
 NoMissResult judge(const Source& source, const FittedVolume& volume, uint64_t seed,
                    uint64_t number) {
   const PairFrame frame = source.frame(number);
@@ -212,7 +210,7 @@ NoMissResult check_source(Source& source, const TestedVolume& volume, uint64_t p
   const std::unique_ptr<FittedVolume> fitted = volume.fit(source.shapes());
   NoMissResult sum{.family = source.name()};
   for (uint64_t first = 0; sum.tested < pairs; first += kFramesAtOnce) {
-    source.go_on();
+    source.advance();
     std::vector<NoMissResult> rows(kFramesAtOnce);
     workers.for_blocks(kFramesAtOnce, [&](int block, int) {
       rows[static_cast<size_t>(block)] =
@@ -270,13 +268,13 @@ std::string to_text(const Miss& miss) {
 
 namespace {
 
-/// Pairs of avatars judged at once: enough that volumes are placed once for most of their tests.
+/// Pairs of avatars per batch: large enough that volumes are placed once for most of their tests.
 constexpr size_t kChunk = 2048;
 
-/// Pairs of avatars whose spheres overlap: the two-pass strategy's first pass.
+/// Returns pairs of avatars whose spheres overlap: the first pass of the two-pass strategy.
 std::vector<BoxPair> sphere_pairs(const Crowd& crowd, const BodyType& type) {
   const BodiesView bodies = crowd.view();
-  std::vector<Box> spheres;  // as boxes first, so that the grid of the reference serves
+  std::vector<Box> spheres;  // as boxes first, for the grid of the reference
   const double radius = static_cast<double>(type.sphere().radius_m);
   for (const RootPose& root : bodies.roots) {
     const Eigen::Vector3d centre =
@@ -295,7 +293,7 @@ std::vector<BoxPair> sphere_pairs(const Crowd& crowd, const BodyType& type) {
   return pairs;
 }
 
-/// What pairs of avatars are judged with, and where the counts go. The pipeline's row is the last.
+/// Census tests pairs of avatars with all volumes and counts; the pipeline has the last row.
 class Census {
  public:
   Census(const BodyType& type, VolumeList volumes, FalsePositives& out)
@@ -304,7 +302,7 @@ class Census {
     for (const PartShape& part : type.parts()) surfaces_.emplace_back(part.points, part.triangles);
   }
 
-  /// Every part of `a` against every part of `b`, for each pair of avatars.
+  /// Tests every part of `a` against every part of `b`, for each pair of avatars.
   void judge(const BodiesView& bodies, const std::vector<PartPose>& poses,
              std::span<const PairKey> reported, std::span<const BoxPair> pairs) {
     lay_out(bodies, poses, pairs);
@@ -317,7 +315,7 @@ class Census {
       const PlacedPair& test = tests_[i];
       const PartPlace &a = places_[test.a], &b = places_[test.b];
       const BoxPair& avatars = pairs[i / (surfaces_.size() * surfaces_.size())];
-      // The truth is looked for wherever any volume reports, so that one that misses is caught.
+      // The oracle is asked where any volume reports, to detect a volume that misses.
       const bool touching = std::any_of(overlaps_.begin(), overlaps_.end(),
                                         [&](const auto& overlaps) { return overlaps[i] != 0; }) &&
                             solids_touch(surfaces_[a.shape], a.pose, a.scale, surfaces_[b.shape],
@@ -329,7 +327,7 @@ class Census {
   }
 
  private:
-  /// The places of all avatars in `pairs`, once each, and all tests of their parts.
+  /// Lists the parts of all avatars in `pairs` once, and all tests between them.
   void lay_out(const BodiesView& bodies, const std::vector<PartPose>& poses,
                std::span<const BoxPair> pairs) {
     const auto parts = static_cast<uint32_t>(surfaces_.size());
@@ -482,9 +480,9 @@ std::vector<CostAndAccuracy> measure_figure_3(const std::vector<paper::Object>& 
 
 std::string figure_3_script(std::span<const LabelledPoint> points, const std::string& what,
                             const std::string& highlighted) {
-  std::string ours, theirs;
+  std::string others, own;
   for (const LabelledPoint& point : points)
-    (point.label == highlighted ? theirs : ours) +=
+    (point.label == highlighted ? own : others) +=
         fmt::format("\"{}\" {} {}\n", point.label, point.frame_ns, 100 * point.true_share);
   const auto series = [](const char* data, const char* colour) {
     return fmt::format(
@@ -492,13 +490,13 @@ std::string figure_3_script(std::span<const LabelledPoint> points, const std::st
         "left offset 0.8,0 font ',9' textcolor rgb '{1}' noenhanced",
         data, colour);
   };
-  std::string script = "$data << EOD\n" + ours + "EOD\n";
-  if (!theirs.empty()) script += "$own << EOD\n" + theirs + "EOD\n";
-  script += "set logscale x\nset grid\nset xlabel 'ns a frame (" + what +
+  std::string script = "$data << EOD\n" + others + "EOD\n";
+  if (!own.empty()) script += "$own << EOD\n" + own + "EOD\n";
+  script += "set logscale x\nset grid\nset xlabel 'ns per frame (" + what +
             ")'\nset ylabel 'pairs found that touch, %'\nset yrange [0:108]\nset offsets graph "
             "0.1, graph 0.15, 0, 0\nunset key\nplot " +
             series("$data", kFigureColours[0]);
-  if (!theirs.empty()) script += ", " + series("$own", kFigureColours[1]);
+  if (!own.empty()) script += ", " + series("$own", kFigureColours[1]);
   return script + "\n";
 }
 

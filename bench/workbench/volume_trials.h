@@ -1,4 +1,4 @@
-// Trials of one volume: the law of no misses, its false positives, its place in Figure 3.
+// check_no_misses(), count_false_positives() and measure_figure_3() try bounding volumes.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,10 @@
 
 namespace throng::bench {
 
-// The law of no misses for one volume: near pairs of parts by the million, odd bodies of every
-// family and people who walk, held against triangles.
-// The same pairs for any number of threads; the first miss is handed out whole.
+// The no-miss check: millions of near pairs of parts, difficult bodies of every family and walking
+// people, compared with triangles. The pairs are equal for any number of threads.
 
-/// A pair that touches and that a volume says is apart: all that a debugger needs to see why.
+/// A touching pair that a volume reports as apart, with all data to reproduce it.
 struct Miss {
   std::string where;  ///< family, seed, frame, bodies and parts
   PartShape shape_a, shape_b;
@@ -29,34 +28,33 @@ struct Miss {
 
 struct NoMissResult {
   std::string family;
-  uint64_t tested = 0;     ///< pairs tested
-  uint64_t touching = 0;   ///< by their triangles, or one inside the other
-  uint64_t reported = 0;   ///< that the volume says may overlap
+  uint64_t tested = 0;     ///< number of tested pairs
+  uint64_t touching = 0;   ///< triangles touch, or one part lies inside the other
+  uint64_t reported = 0;   ///< the volume may overlap
   uint64_t missed = 0;     ///< touching and not reported
-  uint64_t differing = 0;  ///< of which the kernel says something else than the test one by one
+  uint64_t differing = 0;  ///< pairs for which the kernel differs from the scalar test
   std::optional<Miss> first_miss{};
 
   void add(const NoMissResult& other);
 };
 
-/// A row a family, "walking" the last; at least `proximity_pairs` of them together.
+/// Returns a row per family, "walking" last, with at least `proximity_pairs` pairs together.
 std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t proximity_pairs,
                                           uint64_t seed, Workers& workers);
 
-/// The shapes, poses and shift of a miss, as text that another program can read.
+/// Formats shapes, poses and shift of a miss as text for other programs.
 std::string to_text(const Miss& miss);
 
-// How many pairs of parts each volume reports for one that truly touches.
-// The truth is exact triangles, over all parts of all avatars whose spheres overlap, with
-// no other volume in between.
+// False positives: pairs of parts reported per touching pair. The oracle tests triangles of all
+// parts of all avatars whose spheres overlap, with no other volume in between.
 
 using Progress = std::function<void(const std::string&)>;
 
-/// A volume alone, or "pipeline": all that a Culler does before or-DOP 26.
+/// A volume alone, or "pipeline": all stages of a Culler before or-DOP 26.
 struct VolumeReport {
-  std::string name;  ///< the volume's
+  std::string name;
   uint64_t reported = 0;
-  uint64_t missed = 0;  ///< true pairs that it did not report; any is an error
+  uint64_t missed = 0;  ///< touching pairs that were not reported; must be 0
 };
 
 struct PartCell {
@@ -66,8 +64,8 @@ struct PartCell {
 struct FalsePositives {
   std::vector<VolumeReport> volumes;
   uint64_t avatar_pairs = 0, tests = 0, touching = 0;
-  std::vector<std::string> parts;  ///< names
-  /// parts x parts, symmetric pairs counted once, in the upper triangle; for `matrix_volume`.
+  std::vector<std::string> parts;
+  /// parts x parts, unordered pairs in the upper triangle; for `matrix_volume`.
   std::vector<PartCell> matrix;
   std::string matrix_volume;
 
@@ -75,29 +73,28 @@ struct FalsePositives {
 };
 
 struct CensusOptions {
-  int frames = 4;  ///< one every `stride` steps
+  int frames = 4;  ///< one per `stride` steps
   int stride = 20;
   std::string matrix_volume = "ordop26";
 };
 
-/// Of a crowd that walks on.
+/// Counts false positives of a walking crowd.
 FalsePositives count_false_positives(Crowd& crowd, VolumeList volumes, const CensusOptions& options,
                                      const Progress& progress);
 
-/// The paper's Figure 3, measured: what a frame of 15 objects costs with a volume, against how much
-/// of what it finds is true.
-/// Every volume is given the same motion, that of Part I, and the same truth.
+/// A point of the paper's Figure 3: cost of a frame of 15 objects, and accuracy.
+/// Every volume gets the motion of Part I and the same oracle.
 struct CostAndAccuracy {
   std::string name;
-  double fit_ns = 0;      ///< all objects once: C_o
+  double fit_ns = 0;      ///< fitting all objects once: C_o
   double update_ns = 0;   ///< C_u
   double test_ns = 0;     ///< C_v
-  double frame_ns = 0;    ///< an update of each object, a test of each pair
-  uint64_t found = 0;     ///< pairs that the volume finds
-  double true_share = 0;  ///< of these, those whose triangles touch
+  double frame_ns = 0;    ///< an update per object, a test per pair
+  uint64_t found = 0;     ///< number of pairs that the volume finds
+  double true_share = 0;  ///< fraction of found pairs whose triangles touch
 };
 
-/// `frames` frames of Part I under this seed, tested volume by volume.
+/// Measures `frames` frames of Part I with this seed, volume by volume.
 std::vector<CostAndAccuracy> measure_figure_3(const std::vector<paper::Object>& objects,
                                               VolumeList volumes, int frames, uint64_t seed);
 
@@ -105,7 +102,7 @@ struct LabelledPoint {
   std::string label;
   double frame_ns, true_share;
 };
-/// The gnuplot script of the figure. `highlighted`: the label of a point that stands out.
+/// Returns the gnuplot script of the figure. `highlighted`: label of the highlighted point.
 std::string figure_3_script(std::span<const LabelledPoint> points, const std::string& what,
                             const std::string& highlighted = {});
 

@@ -24,7 +24,7 @@ using bench::NoMissResult;
 using bench::PartCell;
 
 constexpr double kDensitiesPerM2[] = {1, 4};
-constexpr size_t kWorstPairs = 10;  // of parts that are printed
+constexpr size_t kWorstPairs = 10;  // maximum number of listed pairs of parts
 
 double ratio(uint64_t a, uint64_t b) {
   return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0;
@@ -48,12 +48,11 @@ void put_no_miss(std::string& out, const std::vector<NoMissResult>& rows) {
   put(sum);
   if (sum.first_miss) append(out, "\n  first miss: {}\n", sum.first_miss->where);
   if (sum.differing > 0)
-    append(out, "\n  the kernel differs from the test one by one: {} pairs\n", sum.differing);
+    append(out, "\n  the kernel differs from the scalar test: {} pairs\n", sum.differing);
 }
 
 void put_false_positives(std::string& out, const std::vector<FalsePositives>& counted) {
-  append(out, "\nReported pairs of parts for one whose triangles touch, people walking\n  {:<18}",
-         "volume");
+  append(out, "\nReported pairs of parts per touching pair, people walking\n  {:<18}", "volume");
   for (const double density : kDensitiesPerM2) append(out, "{:>12}", fmt::format("{}/m2", density));
   out += "\n";
   for (size_t v = 0; v < counted.front().volumes.size(); ++v) {
@@ -73,7 +72,7 @@ void put_false_positives(std::string& out, const std::vector<FalsePositives>& co
   std::stable_sort(cells.begin(), cells.end(),
                    [&](const auto& p, const auto& q) { return wrong(p) > wrong(q); });
   cells.resize(std::min(cells.size(), kWorstPairs));
-  append(out, "\nWhere {} is wrong most often, {} per m2\n  {:<34}{:>9}{:>9}{:>10}\n",
+  append(out, "\nMost frequent errors of {}, {} per m2\n  {:<34}{:>9}{:>9}{:>10}\n",
          dense.matrix_volume, kDensitiesPerM2[1], "parts", "tests", "passed", "touching");
   for (const auto& at : cells) {
     const PartCell& cell = dense.cell(at.first, at.second);
@@ -87,7 +86,7 @@ void put_costs(std::string& out, const WorkbenchResult& result) {
   append(out,
          "\nFig. 3 of the paper: 15 objects in a box, {} frames\n  {:<18}{:>10}{:>11}{:>9}"
          "{:>12}{:>12}\n",
-         result.options.frames, "volume", "fit us", "update ns", "test ns", "ns a frame",
+         result.options.frames, "volume", "fit us", "update ns", "test ns", "ns / frame",
          "found, true");
   auto rows = result.figure_3;
   std::stable_sort(rows.begin(), rows.end(),
@@ -98,7 +97,7 @@ void put_costs(std::string& out, const WorkbenchResult& result) {
            row.test_ns, row.frame_ns, 100 * row.true_share);
 }
 
-std::string by_part_csv(const WorkbenchResult& result) {
+std::string part_pairs_csv(const WorkbenchResult& result) {
   std::string csv = "per_m2,part_a,part_b,tests,passed,touching,false_positives\n";
   for (size_t i = 0; i < result.false_positives.size(); ++i) {
     const FalsePositives& counted = result.false_positives[i];
@@ -117,10 +116,10 @@ void write_files(const WorkbenchResult& result) {
   const std::filesystem::path folder = result.options.out;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  write_file_atomically(folder / "by_part.csv", by_part_csv(result));
+  write_file_atomically(folder / "part_pairs.csv", part_pairs_csv(result));
   if (const auto miss = sum_of(result.no_miss).first_miss)
     write_file_atomically(folder / "miss.txt", bench::to_text(*miss));
-  if (!has_gnuplot()) return print_message("note: no gnuplot, so no figure_03.svg\n");
+  if (!has_gnuplot()) return print_message("note: no figure_03.svg; install gnuplot\n");
   std::vector<bench::LabelledPoint> points;
   for (const bench::CostAndAccuracy& row : result.figure_3)
     points.push_back({row.name, row.frame_ns, row.true_share});
@@ -128,7 +127,7 @@ void write_files(const WorkbenchResult& result) {
        folder);
 }
 
-/// False if `text` is no whole number above zero.
+/// Returns false unless `text` is a whole number above zero.
 bool read_number(const char* text, uint64_t& out) {
   const char* const end = text + std::strlen(text);
   const auto [at, error] = std::from_chars(text, end, out);
@@ -166,8 +165,8 @@ WorkbenchResult try_volume(const bench::TestedVolume& volume, const WorkbenchOpt
   Workers workers(options.threads);
   result.no_miss = bench::check_no_misses(volume, options.proximity_pairs, options.seed, workers);
 
-  const bench::VolumeList ours = bench::project_volumes();
-  std::vector<const bench::TestedVolume*> volumes(ours.begin(), ours.end());
+  const bench::VolumeList project = bench::project_volumes();
+  std::vector<const bench::TestedVolume*> volumes(project.begin(), project.end());
   volumes.push_back(&volume);
   const auto adult = load_model(adult_urdf());
   for (const double per_m2 : kDensitiesPerM2) {

@@ -1,5 +1,5 @@
-# Recast::Recast and Recast::Detour: navigation meshes. Debian's package has neither a CMake nor a pkg-config
-# file. Throng's build and its installed package both read this file.
+# Recast::Recast and Recast::Detour: navigation meshes. Debian's package has neither CMake nor pkg-config files.
+# Throng's build and its installed package both read this file.
 find_path(RECAST_INCLUDE_DIR Recast.h PATH_SUFFIXES recastnavigation)
 find_library(RECAST_LIBRARY Recast)
 find_library(DETOUR_LIBRARY Detour)

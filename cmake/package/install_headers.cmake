@@ -1,5 +1,5 @@
-# Runs with `cmake --install`: installs the public headers, and the headers that these include. So a list
-# of the public ones is all there is to keep. Wants SOURCE, DESTINATION (absolute) and HEADERS.
+# Runs with `cmake --install`: installs the public headers and all headers that they include. Needs SOURCE,
+# DESTINATION (absolute) and HEADERS.
 cmake_policy(VERSION 3.25)
 set(found)
 set(next ${HEADERS})
@@ -12,7 +12,7 @@ while(next)
   file(STRINGS ${SOURCE}/${header} includes REGEX "^ *#include \"")
   foreach(line IN LISTS includes)
     string(REGEX REPLACE "^ *#include \"([^\"]+)\".*" "\\1" included "${line}")
-    if(NOT included MATCHES "^throng/")  # what lcm-gen makes is installed whole
+    if(NOT included MATCHES "^throng/")  # lcm-gen's headers are all installed
       list(APPEND next ${included})
     endif()
   endforeach()

@@ -1,12 +1,13 @@
-// What the sanitizers ask every program for before it starts; TSAN_OPTIONS and the like still have
-// the last word. Linked into everything by cmake/Sanitizers.cmake.
-// One rule: they are shared libraries, and find only what a program exports.
+// Default options of the sanitizers, linked into every program by cmake/Sanitizers.cmake;
+// TSAN_OPTIONS and the like override them.
+// Invariant: they are exported, because sanitizers are shared libraries and find exported names
+// only.
 #pragma GCC visibility push(default)
 
 extern "C" {
 
 #ifdef __SANITIZE_THREAD__
-// A test writes, by a thread, in a process of its own whose files may not grow.
+// A test writes from a thread of a forked process with a file size limit.
 const char* __tsan_default_options() {
   return "die_after_fork=0:suppressions=" THRONG_TSAN_SUPPRESSIONS;
 }

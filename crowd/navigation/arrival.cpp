@@ -3,15 +3,13 @@
 namespace throng {
 namespace {
 
-/// Agents decide ten times a second: the fastest walk 0.2 m in between and miss what is shallower.
+/// Agents decide ten times per second: the fastest walk 0.2 m in between and miss shallower areas.
 constexpr double kStep_m = 0.3;
-/// A wall is behind a point if its normal leads back to the agent within 60 degrees: the cosine.
+/// Cosine: a wall is behind a point if its normal points back to the agent within 60 degrees.
 constexpr double kAhead = -0.5;
-/// Inside its rim an area is so far from obstacles at least: one that is flush with an obstacle
-/// around it is not free, one that fills a slot is.
+/// Inset of the test of free space: an area flush with an obstacle is not free, one in a slot is.
 constexpr double kFree_m = 1e-3;
 
-/// The point of an area that is nearest to an agent outside it.
 struct NearestPoint {
   NearestPoint(const Rectangle& area, const Eigen::Vector2d& from)
       : nearest_m(area.nearest_m(from)), left_m((nearest_m - from).norm()) {
@@ -22,7 +20,7 @@ struct NearestPoint {
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< unit; zero inside
 };
 
-/// How far before a point the walls behind it stop a centre that they keep off by `gap_m`.
+/// Distance before a point at which walls behind it stop a centre that keeps `gap_m` from them.
 double stopping_distance_m(const Walkable& walkable, const NearestPoint& to, double gap_m) {
   Eigen::Vector2d push = Eigen::Vector2d::Zero();
   const auto add = [&](const Eigen::Vector2d& normal, double distance_m) {

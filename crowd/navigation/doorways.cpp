@@ -13,17 +13,17 @@ namespace {
 constexpr double kReach_m = 10;
 constexpr double kApart_m = 3;
 constexpr double kNarrow_m = 4;
-/// So much wider is the ground kApart_m behind a door.
+/// Factor by which the ground kApart_m behind a door is wider than the door.
 constexpr double kMinWidening = 1.5;
-/// Ground behind doorways that is so many times smaller than other such ground does not count: it
+/// Ground behind doorways that is smaller than other such ground by this factor does not count: it
 /// is outside, between the doors of a hall.
 constexpr uint32_t kMaxAreaRatio = 5;
-/// From level to level: less than a wall and the body's distance from it.
+/// Step between levels: less than a wall and the body's distance from it.
 constexpr double kLevel_m = 0.25;
 constexpr int kLevels = static_cast<int>(kReach_m / kLevel_m);
 constexpr int kApartLevels = static_cast<int>(kApart_m / kLevel_m);
 
-/// Which cells belong together (Galler and Fischer 1964), and how many.
+/// Counts and joins connected cells (Galler and Fischer 1964).
 class DisjointSets {
  public:
   explicit DisjointSets(size_t cells) : parent_(cells), sizes_(cells, 1) {
@@ -52,10 +52,10 @@ class DisjointSets {
   std::vector<uint32_t> sizes_;
 };
 
-/// What lies between a level and another kApart_m behind it, and reaches from one to the other.
+/// Ground between a level and one kApart_m behind it that reaches from one to the other.
 struct Branch {
   std::vector<size_t> mouth;  ///< its cells next to those before the level
-  size_t end = 0;             ///< how many are next to those behind
+  size_t end = 0;             ///< number of cells next to those behind
 };
 
 class DoorwaySearch {
@@ -91,13 +91,13 @@ class DoorwaySearch {
   static constexpr int kLastLevel = kLevels + kApartLevels;
 
   template <typename Body>
-  void for_ways(size_t cell, const Body& body) const {
+  void for_neighbours(size_t cell, const Body& body) const {
     for (const ptrdiff_t next : grid_.free_neighbours(cell))
       if (next >= 0) body(static_cast<size_t>(next));
   }
 
   void join_behind(size_t cell) {
-    for_ways(cell, [&](size_t next) {
+    for_neighbours(cell, [&](size_t next) {
       if (levels_[next] >= levels_[cell]) behind_.join(cell, next);
     });
   }
@@ -110,14 +110,14 @@ class DoorwaySearch {
     };
     each([&](size_t cell) { slab_.part(cell); });
     each([&](size_t cell) {
-      for_ways(cell, [&](size_t next) {
+      for_neighbours(cell, [&](size_t next) {
         if (levels_[next] >= level && levels_[next] < end) slab_.join(cell, next);
       });
     });
     std::map<size_t, Branch> branches;
     each([&](size_t cell) {
       bool is_mouth = false, is_end = false;
-      for_ways(cell, [&](size_t next) {
+      for_neighbours(cell, [&](size_t next) {
         is_mouth |= levels_[next] >= 0 && levels_[next] < level;
         is_end |= levels_[next] >= end;
       });
@@ -137,13 +137,12 @@ class DoorwaySearch {
   }
   double width_m(const Branch& branch) const { return width_m(branch.mouth.size()); }
 
-  /// Narrow, and there is room for a crowd before it: not just a piece of a corridor.
+  /// A door is narrow and has room for a crowd in front of it: not just a piece of a corridor.
   bool is_door(const Branch& branch) const {
     return width_m(branch) <= kNarrow_m && width_m(branch.end) >= kMinWidening * width_m(branch);
   }
 
-  /// The best level leaves the most ground the most to choose between, by the narrowest doorways;
-  /// of equals, the nearest to the goal.
+  /// The best level leaves the most ground behind the narrowest doorways; of equals, the nearest.
   void find_doorways_at(int level) {
     std::map<size_t, Branch> branches = branches_at(level);
     if (branches.size() < 2) return;
@@ -173,12 +172,12 @@ class DoorwaySearch {
   }
 
   const FlowGrid& grid_;
-  std::vector<int> levels_;                    ///< by cell
+  std::vector<int> levels_;                    ///< per cell
   std::vector<std::vector<size_t>> by_level_;  ///< cells, ascending
-  DisjointSets behind_;                        ///< of all cells from a level on
+  DisjointSets behind_;                        ///< all cells from a level on
   DisjointSets slab_;
   std::vector<Doorway> best_;
-  double best_score_ = 0;  ///< cells a metre of doorway
+  double best_score_ = 0;  ///< cells per metre of doorway
 };
 
 }  // namespace

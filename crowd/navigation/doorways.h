@@ -1,5 +1,5 @@
-// The doorways before a goal: where people come to it by several, each of them is an exit.
-// One rule: found on the cells of the flow field alone, once a goal, with all doors open.
+// Doorways finds the doorways before a goal; a goal with several has one exit per doorway.
+// Invariant: depends on the cells of the flow field alone, with all doors open.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@
 namespace throng {
 
 struct Doorway {
-  /// Nobody gets from behind it to the goal who does not step on one. Ascending.
+  /// Cells that every path to the goal crosses; ascending.
   std::vector<size_t> cells;
-  double width_m = 0;  ///< about
+  double width_m = 0;  ///< approximate
 };
 
-/// The ways into a goal that part within kReach_m before it and meet kApart_m farther on at the
-/// earliest, one of them through a door: narrower than kNarrow_m and than the ground behind it. Of
-/// each piece of ground behind them all or none; none if there is but one. `field` is the goal's.
-/// In the order of their first cells.
+/// Returns the doorways of a goal with flow field `field`, in the order of their first cells. Paths
+/// into the goal separate within kReach_m before it and meet kApart_m farther on at the earliest.
+/// At least one path leads through a door: narrower than kNarrow_m and than the ground behind it.
+/// Each piece of ground behind has all of its doorways or none. Empty if there is only one.
 std::vector<Doorway> doorways_before(const FlowGrid& grid, const FlowField& field);
 
 }  // namespace throng

@@ -14,22 +14,20 @@ namespace {
 constexpr double kMinFlowCell_m = 0.2;
 /// A field of a million cells takes 12 MB and half a second to march.
 constexpr double kMaxCells = 1 << 20;
-/// A centre passes this near to a wall, in a doorway.
+/// Distance at which a centre passes a wall in a doorway.
 constexpr double kBodyMargin_m = 0.2;
-/// People would rather keep so far from walls: half the shoulders and a hand's breadth.
+/// Preferred distance to walls: half the shoulders and a hand's breadth.
 constexpr double kComfort_m = 0.5;
-/// What a metre at a wall counts, in the open.
+/// Cost of a metre along a wall relative to the open.
 constexpr double kMaxSlowness = 2.5;
-/// Discs of 0.44 m (a person of 1.70 m) pass gaps so wide, with a centimetre to spare for where the
-/// walls stand to the cells.
+/// Narrowest gap for discs of 0.44 m (a person of 1.70 m), with a centimetre of tolerance for the
+/// position of walls relative to cells.
 constexpr double kMinGap_m = 0.43;
-/// Two cells whose way may lead through a gap that is too narrow: walls are at most so near to
-/// them.
+/// Two cells closer than this to walls may be linked through a gap that is too narrow.
 constexpr double kNarrow_m = 0.35;
-/// The radius of the disc of a person of 1.70 m.
+/// Disc radius of a person of 1.70 m.
 constexpr double kPerson_m = 0.22;
-/// People walk to a place of their own before a gap, not to wherever its corner holds them up: from
-/// so many cells.
+/// Number of cells before a gap from which agents aim at separate places, clear of its corners.
 constexpr int kApproach = 2;
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
@@ -52,8 +50,8 @@ const Value* find_cell(const std::vector<std::pair<size_t, Value>>& by_cell, siz
   return at == by_cell.end() || at->first != cell ? nullptr : &at->second;
 }
 
-/// The point within half a cell of a centre for which `worth` is greatest, to a 160th of a cell:
-/// the best of 49, then steps that halve.
+/// Returns the point within half a cell of a centre with the largest `worth`. The best of 49
+/// samples is refined with halved steps, to a 160th of a cell.
 template <typename Worth>
 Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const Worth& worth) {
   const Eigen::Vector2d low = centre.array() - 0.5 * cell_m;
@@ -82,7 +80,7 @@ float slowness_at(double clearance_m) {
   return static_cast<float>(1 + (kMaxSlowness - 1) * tightness);
 }
 
-/// Distance from the nearer neighbour along each axis: the upwind scheme's quadratic.
+/// Distance from the nearer neighbour along each axis: the quadratic of the upwind scheme.
 double eikonal(double x, double y, double step_m) {
   const double low = std::min(x, y);
   const double high = std::max(x, y);
@@ -114,10 +112,10 @@ FlowGrid::FlowGrid(const Walkable& walkable)
   link(walkable, clearances_m);
 }
 
-/// Gaps that nobody's cell centre lies in: whoever fits between the walls passes all the same.
+/// Gaps that contain no cell centre are passable nevertheless.
 void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
   const double gap_limit_m = max_gap_m(cell_m_);
-  // As far from walls as one can be between them: before a thin wall there is more room.
+  // The most distant point from both walls; before a thin wall there is more clearance.
   const auto clearance_in_gap = [&](const Eigen::Vector2d& point) {
     return walkable.gap_at(point, gap_limit_m).width_m < gap_limit_m
                ? walkable.obstacle_clearance_m(point)
@@ -127,12 +125,12 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
     const Eigen::Vector2d centre = centre_m(cell);
     if (is_free(cell) || static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kMinGap_m / 2)
       continue;
-    // In the gap, walls stand on both sides; seen from inside one of them, too.
+    // Walls stand on both sides of a point in a gap, also for a point inside one of them.
     const auto walls = walkable.nearby_footprints(centre);
-    const auto is_beside = [&](uint32_t wall) {
+    const auto is_next_to = [&](uint32_t wall) {
       return walkable.nearest(wall, centre).distance_m < gap_limit_m;
     };
-    if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_beside) < 2) continue;
+    if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_next_to) < 2) continue;
     const Eigen::Vector2d place = best_place(centre, cell_m_, clearance_in_gap);
     if (clearance_in_gap(place) >= kMinGap_m / 2 && walkable.ground().contains(place))
       narrow_.emplace_back(cell, place);
@@ -143,8 +141,8 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
     slowness_[cell] = slowness_at(walkable.obstacle_clearance_m(place));
 }
 
-/// Before a gap a cell's centre may be too near one of its corners: there the way leads through
-/// whatever place of the cell is best to come to the gap from.
+/// Before a gap a cell's centre may be too close to a corner. The path then leads through the place
+/// in the cell from which the gap is best entered.
 void FlowGrid::add_approaches(const Walkable& walkable, std::span<const float> clearances_m) {
   std::vector<std::pair<size_t, Eigen::Vector2d>> approaches;
   for (const auto& [narrow, gap] : narrow_)
@@ -170,7 +168,7 @@ void FlowGrid::add_approaches(const Walkable& walkable, std::span<const float> c
   std::sort(narrow_.begin(), narrow_.end(), by_cell);
 }
 
-/// Makes a way between two free cells, if somebody can walk straight from place to place.
+/// Links two free cells if an agent can walk straight from place to place.
 void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
   const Eigen::Vector2d start = place_m(from), end = place_m(to);
   const bool is_new = is_narrow(from) || is_narrow(to);
@@ -179,7 +177,7 @@ void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
   bool is_gap = is_new;
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * (end - start);
-    // Round a single corner a shoulder may brush it; between two walls there has to be room.
+    // At a single corner a shoulder may brush it; between two walls there has to be room.
     if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return;
     const Gap gap = walkable.gap_at(point, gap_limit_m);
     if (gap.width_m < kMinGap_m) {
@@ -220,7 +218,7 @@ Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
 }
 
 bool FlowGrid::reaches(size_t cell, const Rectangle& area) const {
-  // The first free cell before a wall lies within its margin and a cell.
+  // The first free cell before a wall lies within its margin and one cell.
   const double off_m = std::max(kPerson_m + kMaxWallOffset_m, margin_m(cell_m_) + cell_m_);
   return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
 }
@@ -264,7 +262,7 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
   using Entry = std::pair<float, size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (size_t cell = 0; cell < cells_.size(); ++cell) {
-    // The cell's distance to a rectangle, so that small goals between cell centres count too.
+    // Distance from the cell to a rectangle: small goals between cell centres also count.
     const Eigen::Vector2d centre = grid_->centre_m(cell);
     double away = 1e300;
     for (const Rectangle& area : areas)
@@ -329,7 +327,7 @@ void FlowField::compute_directions() {
 }
 
 void FlowField::fill_blocked_cells() {
-  // Whoever was pushed too near an obstacle goes to the nearest cell with a way: breadth first.
+  // Cells too close to an obstacle lead to the nearest cell with a path: breadth first.
   std::vector<size_t> front;
   std::vector<uint8_t> known(cells_.size());
   for (size_t cell = 0; cell < cells_.size(); ++cell) {
@@ -343,7 +341,7 @@ void FlowField::fill_blocked_cells() {
       if (known[cell] || grid_->is_free(cell)) continue;
       known[cell] = 1;
       const Eigen::Vector2d out = grid_->centre_m(front[i]) - grid_->centre_m(cell);
-      // Mostly along the way of the cell outside: straight out would be turned back at once.
+      // Mostly along the direction of the outer cell: straight out would be reversed at once.
       const Eigen::Vector2f heading =
           cells_[front[i]].direction + 0.5f * out.normalized().cast<float>();
       cells_[cell].direction = heading.normalized();
@@ -352,9 +350,9 @@ void FlowField::fill_blocked_cells() {
   }
 }
 
-/// Cells of 0.2 m tell the way to a gap of half a metre no better than to its corner: there people
-/// walk to the place of the next cell but one, or of the next if a corner lies between. The next
-/// alone may lie straight beside them: before a door of 0.7 m they swung to and fro between two.
+/// Cells of 0.2 m direct agents to a gap of half a metre no better than to its corner. Agents there
+/// walk to the place of the next cell but one, or of the next if a corner lies between.
+/// The next cell alone may lie straight to the side: before a door of 0.7 m agents would swing.
 void FlowField::aim_through_gaps() {
   std::vector<size_t> cells;
   for (const auto& [cell, place] : grid_->narrow()) cells.push_back(cell);
@@ -370,7 +368,7 @@ void FlowField::aim_through_gaps() {
     const Eigen::Vector2d from = grid_->place_m(cell), to = grid_->place_m(second);
     aims_.emplace_back(cell, grid_->is_free_between(from, to) ? to : grid_->place_m(next));
   }
-  // A goal that no cell lies in is aimed at first.
+  // A goal that contains no cell is the first aim.
   const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::stable_sort(aims_.begin(), aims_.end(), by_cell);
   aims_.erase(std::unique(aims_.begin(), aims_.end(),
@@ -378,7 +376,7 @@ void FlowField::aim_through_gaps() {
               aims_.end());
 }
 
-/// The nearest to the goal of a cell and those that one can walk to from it.
+/// The cell nearest to the goal of a cell and those that are linked to it.
 size_t FlowField::downhill_of(size_t cell) const {
   size_t best = cell;
   for (const ptrdiff_t next : grid_->free_neighbours(cell))
@@ -396,7 +394,7 @@ CellPatch FlowField::patch_at(const Eigen::Vector2d& point) const {
 }
 
 void FlowField::prefetch(const Eigen::Vector2d& point) const {
-  // A cell and the one to its right may lie in two lines of the cache.
+  // A cell and the one to its right may lie in two cache lines.
   const CellPatch patch = patch_at(point);
   for (const size_t cell : {patch.cell, patch.cell + patch.above}) {
     __builtin_prefetch(&cells_[cell]);
@@ -412,7 +410,7 @@ Eigen::Vector2d FlowField::direction(const Eigen::Vector2d& point) const {
   }
   const auto at = [&](size_t cell) -> const Eigen::Vector2f& { return cells_[cell].direction; };
   Eigen::Vector2f blend = patch_at(point).blend(at);
-  // Where ways part, directions cancel: take the cell's own then.
+  // Where paths part, directions cancel: the cell's own direction is used instead.
   if (!(blend.squaredNorm() > 0.01f)) blend = at(grid_->cell_at(point));
   const Eigen::Vector2d heading = blend.cast<double>();
   const double square = heading.squaredNorm();

@@ -1,7 +1,7 @@
-// The way to a goal from everywhere: walking distance on a grid around inflated obstacles, and its
-// downhill direction. Gaps too narrow for the grid's cells are looked for between them.
-// One rule: built once a goal, O(1) a question (a binary search more before narrow gaps), the same
-// on every machine.
+// FlowField gives walking distance and direction to a goal from every point: a grid around inflated
+// obstacles. Gaps too narrow for the grid's cells are found separately.
+// Invariant: built once per goal; a query is O(1), plus a binary search near narrow gaps. Results
+// are the same on every machine.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,12 +18,12 @@
 
 namespace throng {
 
-/// The four cells whose middles surround a point, and how much of each the point has.
+/// The four cells whose centres surround a point, with bilinear weights.
 struct CellPatch {
-  size_t cell, right, above;  ///< the lower left one, and the steps from it: 0 at the rim
-  float fx, fy;               ///< how far the point is from the first to the last
+  size_t cell, right, above;  ///< the lower left cell, and the offsets to others: 0 at the rim
+  float fx, fy;               ///< position of the point between the first and the last centre
 
-  /// Of a point in cells from the grid's corner.
+  /// `in_cells`: a point in cells from the grid's corner.
   CellPatch(const Eigen::Vector2d& in_cells, int columns, int rows) {
     const double x = std::clamp(in_cells.x() - 0.5, 0.0, static_cast<double>(columns - 1));
     const double y = std::clamp(in_cells.y() - 0.5, 0.0, static_cast<double>(rows - 1));
@@ -35,7 +35,7 @@ struct CellPatch {
     fy = static_cast<float>(y - row);
   }
 
-  /// at(cell) is what a cell holds.
+  /// Interpolates at(cell) bilinearly.
   template <typename At>
   Eigen::Vector2f blend(const At& at) const {
     return (1 - fy) * ((1 - fx) * at(cell) + fx * at(cell + right)) +
@@ -43,7 +43,7 @@ struct CellPatch {
   }
 };
 
-/// The cells of the ground, and which of them a person's centre may pass through.
+/// FlowGrid divides the ground into cells and knows which of them an agent's centre may pass.
 class FlowGrid {
  public:
   /// Keeps a reference to `walkable`.
@@ -54,25 +54,22 @@ class FlowGrid {
   size_t cell_count() const { return slowness_.size(); }
   double cell_m() const { return cell_m_; }
   bool is_free(size_t cell) const { return slowness_[cell] > 0; }
-  /// How much longer a metre counts here than in the open: people keep off walls if they can. 0
-  /// where nobody passes.
+  /// Cost of a metre relative to the open, higher near walls; 0 where no agent passes.
   double slowness(size_t cell) const { return static_cast<double>(slowness_[cell]); }
   Eigen::Vector2d centre_m(size_t cell) const;
-  /// Where one passes through a free cell: its centre, or in a narrow gap the middle of the gap.
+  /// Where agents pass through a free cell: its centre, or in a narrow gap the middle of the gap.
   Eigen::Vector2d place_m(size_t cell) const;
-  /// Returns whether an agent in a cell has reached an area that no cell lies in, see
-  /// has_reached().
+  /// Returns whether an agent in a cell has reached an area, see has_reached().
   bool reaches(size_t cell, const Rectangle& area) const;
-  /// The cells left, right, below and above that one can walk to; -1 where none is.
+  /// The cells left, right, below and above that are linked to a cell; -1 where none is.
   std::array<ptrdiff_t, 4> free_neighbours(size_t cell) const;
-  /// True if the straight way from point to point leads through free cells alone (to a tenth of
-  /// one).
+  /// Returns whether the straight segment leads through free cells only (to a tenth of a cell).
   bool is_free_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
-  /// The cells in and before gaps that hold no cell's centre; ascending.
+  /// Cells in and before gaps that contain no cell centre; ascending.
   const std::vector<std::pair<size_t, Eigen::Vector2d>>& narrow() const { return narrow_; }
-  /// The straight ways from cell to cell through gaps that hold few centres of cells or none.
+  /// Straight segments between cells, through gaps that contain few cell centres or none.
   const std::vector<Passage>& passages() const { return passages_; }
-  /// From wall to wall, where two cells are near each other and nobody fits through between them.
+  /// Segments from wall to wall between nearby cells where no agent fits through.
   const std::vector<Passage>& closures() const { return closures_; }
   /// Points beyond the ground count as at its rim.
   size_t cell_at(const Eigen::Vector2d& point) const {
@@ -88,10 +85,10 @@ class FlowGrid {
   }
   const Eigen::Vector2d& origin_m() const { return origin_m_; }
 
-  /// How far from a footprint a person's centre may pass, on cells of this size: half the hips, or
-  /// so far that no wall slips between two cell centres.
+  /// Minimum distance of a centre to a footprint for this cell size: half the hips, or more to
+  /// detect walls between two cell centres.
   static double margin_m(double cell_m);
-  /// Wider gaps hold centres of cells that are neighbours, whichever way they run.
+  /// Wider gaps of any direction contain centres of neighbouring cells.
   static double max_gap_m(double cell_m) { return 2 * margin_m(cell_m) + 1.5 * cell_m; }
 
  private:
@@ -107,54 +104,51 @@ class FlowGrid {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<float> slowness_;
-  std::vector<uint8_t> links_;  ///< by cell, a bit for each of left, right, below, above
+  std::vector<uint8_t> links_;  ///< per cell, a bit for each of left, right, below, above
   std::vector<std::pair<size_t, Eigen::Vector2d>> narrow_;
   std::vector<Passage> passages_;
   std::vector<Passage> closures_;
 };
 
-/// Of a cell.
+/// Cost of a cell.
 enum class CellPolicy : uint8_t {
   kFree,
   kPenalised,  ///< a metre counts FlowField::kPenalty times
-  kBlocked,    ///< no way leads through
+  kBlocked,    ///< no path leads through
 };
 
 class FlowField {
  public:
   /// Solves |grad distance| = slowness from the areas of a goal by fast marching (Sethian 1996):
-  /// each point leads to the area with the shortest way. Keeps a reference to `grid`. `closed` has
-  /// 1 where a cell lies in a closed door, or nothing: a way through is as good as one that is
-  /// longer by kClosed_m for each such cell. `keep_off` says by cell where ways should not lead, or
-  /// nothing.
+  /// each point leads to the area with the shortest path. Keeps a reference to `grid`. `closed` is
+  /// empty or has 1 for cells in a closed door, which cost kClosed_m each. Policies are per cell,
+  /// or empty.
   FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
             std::span<const uint8_t> closed = {}, std::span<const CellPolicy> cell_policies = {});
   FlowField(const FlowGrid& grid, const Rectangle& area)
       : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
 
-  /// Unit direction to walk, blended between cells; zero at the goal and where no way leads to it.
+  /// Unit direction to walk, interpolated between cells; zero at the goal and without a path.
   Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
-  /// Lets the memory bring what direction() of the same point will read.
+  /// Prefetches what direction() of the same point reads.
   void prefetch(const Eigen::Vector2d& point) const;
-  /// Walking distance to the goal from the point's cell, slow metres counted longer; infinite if
-  /// there is no way, or if the cell is too near an obstacle.
+  /// Walking distance to the goal from the point's cell, weighted by slowness. Infinite without a
+  /// path, or if the cell is too close to an obstacle.
   double distance_m(const Eigen::Vector2d& point) const;
   bool reaches(const Eigen::Vector2d& point) const;
   /// The same as distance_m() of any point of a cell.
   float cell_distance_m(size_t cell) const { return cells_[cell].distance_m; }
-  /// True if the way from here leads through a closed door.
   bool is_closed(const Eigen::Vector2d& point) const {
     return !is_closed_.empty() && is_closed_[grid_->cell_at(point)] != 0;
   }
 
-  /// People rather go round by this than wait for a door to open, which takes who knows how long. A
-  /// leaf is one to three cells thick.
+  /// Detour that agents prefer to waiting for a door. A leaf is one to three cells thick.
   static constexpr double kClosed_m = 20;
-  /// Nobody leads others past where they would rather stay away, unless the way round is long.
+  /// Cost factor of penalised cells: agents pass them only if the path around is long.
   static constexpr double kPenalty = 4;
 
  private:
-  /// Side by side, as both are asked for of one place.
+  /// Together, because both are read for one place.
   struct Cell {
     Eigen::Vector2f direction = Eigen::Vector2f::Zero();
     float distance_m = std::numeric_limits<float>::infinity();
@@ -171,9 +165,8 @@ class FlowField {
 
   const FlowGrid* grid_;
   std::vector<Cell> cells_;
-  std::vector<uint8_t> is_closed_;  ///< the way of each cell, or empty: there is no closed door
-  /// In and before narrow gaps, and before a goal that no free cell lies in, the place to walk to;
-  /// ascending by cell.
+  std::vector<uint8_t> is_closed_;  ///< per cell; empty without closed doors
+  /// Places to walk to near narrow gaps and before goals without a free cell; ascending by cell.
   std::vector<std::pair<size_t, Eigen::Vector2d>> aims_;
 };
 

@@ -9,16 +9,16 @@
 namespace throng {
 namespace {
 
-/// Between the top of the tallest and what blocks nobody.
+/// Clearance above the tallest avatar from which an obstacle blocks no agent.
 constexpr double kAboveTallest_m = 0.1;
-/// Meshes hold floats: a beam of 100 m hangs that much higher or lower than it should.
+/// Rounding of meshes, which hold floats: a beam of 100 m may hang this much lower than it should.
 constexpr double kRoundingUp_m = 1e-5;
-/// A wall along the edge of a ground of 10 km may stand out by as much.
+/// Rounding of footprints: a wall along the edge of a ground of 10 km may stand out by as much.
 constexpr double kRounding_m = 1e-3;
-/// Corners that lie closer together are one.
+/// Corners that lie closer together are merged.
 constexpr double kSameCorner_m = 1e-6;
 
-/// Keeps of a convex polygon what has sign * p[axis] <= bound (Sutherland and Hodgman 1974).
+/// Clips a convex polygon to sign * p[axis] <= bound (Sutherland and Hodgman 1974).
 std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& corners, int axis, double sign,
                                  double bound) {
   std::vector<Eigen::Vector2d> kept;

@@ -21,28 +21,28 @@ namespace {
 constexpr double kMinVoxel_m = 0.1;
 /// A million voxels build in about a second.
 constexpr double kMaxVoxels = 1 << 20;
-/// Recast walks 40 000 sides of voxels round a region, and leaves out the rest of a longer contour.
+/// Recast walks 40 000 sides of voxels round a region and drops the rest of a longer contour.
 constexpr double kMaxVoxelsPerRow = 15'000;
 /// In fewer rows than this Recast finds no region.
 constexpr double kMinVoxelRows = 4;
-/// A mesh has at most 65 534 corners, and a footprint three of them at least.
+/// A mesh has at most 65 534 corners, and a footprint at least three of them.
 constexpr size_t kMaxFootprints = 65'534;
 constexpr float kVoxelHeight_m = 0.1f;
-/// Corners of a contour may leave it by so many voxels, so that straight walls are one edge.
+/// Tolerance of contour corners in voxels: straight walls become one edge.
 constexpr float kContourError = 1.3f;
 constexpr int kCornersPerPolygon = 6;
 constexpr int kMergeVoxels = 400;
 constexpr unsigned short kWalk = 1;
-/// How far beside the mesh a point may lie: against a wall, in the margin that bodies keep.
+/// A point this close to the mesh belongs to it: the margin that bodies keep to walls.
 constexpr double kBeside_m = 0.5;
-constexpr int kMaxPolygons = 4096;  // of one path
+constexpr int kMaxPolygons = 4096;  // per path
 constexpr int kMaxCorners = 1024;
 constexpr int kMaxNodes = 65535;  // Detour numbers the nodes of a search with 16 bits
 
-/// A convex footprint, wider by a margin on all sides.
+/// Returns a convex footprint inflated by a margin.
 std::vector<Eigen::Vector2d> widened(const std::vector<Eigen::Vector2d>& footprint,
                                      double margin_m) {
-  // Around each corner a polygon that encloses the circle of the margin.
+  // A polygon around each corner encloses the circle of the margin.
   constexpr int kSides = 12;
   const double half_rad = 3.14159265358979323846 / kSides;
   const double radius_m = margin_m / sin_cos(half_rad).cos;
@@ -80,7 +80,7 @@ struct NavMesh::State {
   bool take(rcPolyMesh& polygons);
   void name_pieces();
 
-  // Recast's y is up, its z our y. Relative to a corner of the ground, where floats are finest.
+  // Recast's y is up, its z is our y. Relative to a corner of the ground for precision.
   std::array<float, 3> local(const Eigen::Vector2d& point) const {
     return {static_cast<float>(point.x() - origin_m.x()), 0,
             static_cast<float>(point.y() - origin_m.y())};
@@ -91,12 +91,12 @@ struct NavMesh::State {
   dtPolyRef polygon_at(const Eigen::Vector2d& point, float* nearest) const;
 
   double voxel_m = 0;
-  Eigen::Vector2d size_m;  ///< of the ground; a very narrow one is made wider to all sides
+  Eigen::Vector2d size_m;  ///< size of the ground; a very narrow one is widened on both sides
   Eigen::Vector2d origin_m;
   Owned<dtNavMesh, dtFreeNavMesh> mesh;
   Owned<dtNavMeshQuery, dtFreeNavMeshQuery> query;
   dtQueryFilter filter;
-  std::vector<int> pieces;  ///< by polygon
+  std::vector<int> pieces;  ///< per polygon
 };
 
 NavMesh::State::State(const Rectangle& ground,
@@ -112,7 +112,7 @@ NavMesh::State::State(const Rectangle& ground,
     mesh.reset();
 }
 
-/// What Recast is handed is right, or it is not called: it checks nothing itself.
+/// Recast checks no input: this is called with valid input only.
 bool NavMesh::State::build(const Rectangle& ground,
                            std::span<const std::vector<Eigen::Vector2d>> footprints,
                            std::span<const Passage> passages, std::span<const Passage> closures) {
@@ -140,7 +140,7 @@ bool NavMesh::State::build(const Rectangle& ground,
   if (!rcRasterizeTriangles(&context, corners, 4, triangles, areas, 2, *solid, 1)) return false;
   const Owned<rcCompactHeightfield, rcFreeCompactHeightfield> open(rcAllocCompactHeightfield());
   if (!open || !rcBuildCompactHeightfield(&context, 2, 1, *solid, *open)) return false;
-  // Footprints are what steering holds people off; so the mesh takes them, not the triangles.
+  // Steering keeps agents off footprints; the mesh therefore uses them, not the triangles.
   const double margin_m = FlowGrid::margin_m(voxel_m);
   for (const std::vector<Eigen::Vector2d>& footprint : footprints) {
     std::vector<float> outline;
@@ -153,7 +153,7 @@ bool NavMesh::State::build(const Rectangle& ground,
     rcMarkConvexPolyArea(&context, outline.data(), static_cast<int>(outline.size() / 3), -1, 3,
                          RC_NULL_AREA, *open);
   }
-  // Whoever fits through a gap passes it, and nobody else, whatever voxels made of the margins.
+  // A gap is open exactly for agents that fit through, regardless of rounding to voxels.
   for (const Passage& closure : closures) mark(closure, RC_NULL_AREA, *open);
   for (const Passage& passage : passages) mark(passage, RC_WALKABLE_AREA, *open);
   const Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
@@ -168,7 +168,7 @@ bool NavMesh::State::build(const Rectangle& ground,
 
 void NavMesh::State::mark(const Passage& passage, unsigned char area,
                           rcCompactHeightfield& open) const {
-  const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is left out
+  const double reach_m = 0.8 * voxel_m;  // no step from voxel to voxel is skipped
   const Eigen::Vector2d from = passage.from_m - origin_m;
   const Eigen::Vector2d extent = passage.to_m - passage.from_m;
   const auto voxel_at = [&](double offset_m, int count) {
@@ -221,7 +221,7 @@ bool NavMesh::State::take(rcPolyMesh& polygons) {
   return query != nullptr && dtStatusSucceed(query->init(mesh.get(), kMaxNodes));
 }
 
-/// Floods from every polygon that has no name yet.
+/// Flood fill from each polygon without a piece.
 void NavMesh::State::name_pieces() {
   const dtMeshTile* tile = static_cast<const dtNavMesh&>(*mesh).getTile(0);
   pieces.assign(static_cast<size_t>(tile->header->polyCount), -1);
@@ -249,8 +249,8 @@ dtPolyRef NavMesh::State::polygon_at(const Eigen::Vector2d& point, float* neares
   if (!point.allFinite()) return 0;
   const std::array<float, 3> centre = local(point);
   // Where voxels are coarse the mesh keeps farther from the rim.
-  const auto beside = static_cast<float>(std::max(kBeside_m, 1.5 * voxel_m));
-  const float reach[] = {beside, 2, beside};
+  const auto beside_m = static_cast<float>(std::max(kBeside_m, 1.5 * voxel_m));
+  const float reach[] = {beside_m, 2, beside_m};
   dtPolyRef polygon = 0;
   if (dtStatusFailed(query->findNearestPoly(centre.data(), reach, &filter, &polygon, nearest)))
     return 0;
@@ -282,7 +282,7 @@ Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const
   const dtPolyRef first = s.polygon_at(from, start);
   dtPolyRef last = s.polygon_at(to, end);
   if (first == 0) return path;
-  if (last == 0) {  // nowhere near the mesh: as near as the polygon we are in
+  if (last == 0) {  // far from the mesh: as close as the start's polygon gets
     last = first;
     if (!to.allFinite() ||
         dtStatusFailed(s.query->closestPointOnPoly(first, s.local(to).data(), end, nullptr)))
@@ -317,7 +317,7 @@ Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const
   return path;
 }
 
-/// The sample of an area that is on a piece of the mesh, nearest to the middle; else the middle.
+/// Returns the sample of an area on a piece of the mesh nearest to the middle, or the middle.
 Eigen::Vector2d NavMesh::place_in(const Rectangle& area, int piece) const {
   constexpr int kSamples = 8;
   Eigen::Vector2d best = area.middle_m();
@@ -343,7 +343,7 @@ Path NavMesh::path(const Eigen::Vector2d& from, std::span<const Rectangle> areas
     const Eigen::Vector2d to = place_in(area, piece);
     Path found = path(from, to);
     if (found.corners_m.empty()) return found;
-    // A way that ends short counts after all that arrive, the nearest end first.
+    // Paths that end short rank after all that arrive, the nearest end first.
     const double short_m = found.arrives ? 0 : 1e9 + (found.corners_m.back() - to).norm();
     if (found.length_m() + short_m >= best_m) continue;
     best_m = found.length_m() + short_m;

@@ -17,7 +17,7 @@ const Rectangle& Stop::nearest_area(const Eigen::Vector2d& point) const {
 
 namespace {
 
-/// The pieces of ground that an area lies on, by samples: the rim and inside.
+/// Pieces of the mesh that an area lies on, by samples on the rim and inside.
 std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
   constexpr int kSamples = 8;
   std::vector<int> pieces;
@@ -32,7 +32,7 @@ std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
   return pieces;
 }
 
-/// Others refer to the field: what they refer to stays where it is.
+/// Assigns in place: others keep references to the field.
 void put(FlowField&& field, std::unique_ptr<FlowField>& place) {
   if (place == nullptr)
     place = std::make_unique<FlowField>(std::move(field));
@@ -47,7 +47,7 @@ NavigationMap::NavigationMap(const CrowdPlan& plan, Workers& workers)
   for (const Group& group : plan.groups)
     for (const Goal& goal : group.goals) add_goal(goal);
   fields_.resize(goals_.size());
-  // Nobody walks in a box of parts.
+  // A scene with a box has no agents to guide.
   if (plan.groups.empty()) return;
   add_queues(plan);
   resolve_triggers(plan);
@@ -75,7 +75,7 @@ NavigationMap::NavigationMap(const CrowdPlan& plan, Workers& workers)
   }
 }
 
-/// Its index; each once.
+/// Returns the index of a goal; adds it if it is new.
 uint32_t NavigationMap::add_goal(const Goal& goal) {
   const auto at = std::find(goals_.begin(), goals_.end(), goal.areas);
   const auto index = static_cast<uint32_t>(at - goals_.begin());
@@ -87,7 +87,7 @@ uint32_t NavigationMap::add_goal(const Goal& goal) {
   return index;
 }
 
-/// Before cues are looked up, so that all doors are open.
+/// Before triggers are resolved, while all doors are open.
 void NavigationMap::add_queues(const CrowdPlan& plan) {
   for (const Group& group : plan.groups)
     for (const Goal& goal : group.goals) {
@@ -104,7 +104,7 @@ void NavigationMap::add_queues(const CrowdPlan& plan) {
     }
 }
 
-/// Its index, or how many there are.
+/// Returns the index of a goal's queue, or the number of queues.
 uint32_t NavigationMap::queue_of(const Goal& goal) const {
   const auto at = std::find_if(queues_.begin(), queues_.end(), [&](const QueueFields& queue) {
     return queue.plan.areas == goal.areas;
@@ -132,7 +132,7 @@ void NavigationMap::build_queues(Workers& workers) {
   }
 }
 
-/// Where others are served nobody goes through who can go round. Nothing, if there are no queues.
+/// Policies that keep paths off the areas where others are served; empty without queues.
 std::vector<CellPolicy> NavigationMap::penalise_other_goals(
     std::span<const Rectangle> areas) const {
   std::vector<CellPolicy> policies;
@@ -150,9 +150,9 @@ std::vector<CellPolicy> NavigationMap::penalise_other_goals(
   return policies;
 }
 
-/// Of all goals, as the doors are; with them the mesh, where there is none yet.
+/// Builds the fields of all goals for the current doors, and the mesh on the first call.
 void NavigationMap::build_fields(Workers& workers) {
-  // The mesh first, it takes longest.
+  // The mesh first, because it takes longest.
   workers.for_blocks(static_cast<int>(goals_.size()) + 1, [&](int block, int) {
     if (block == 0) {
       if (nav_mesh_ == nullptr)
@@ -168,7 +168,7 @@ void NavigationMap::build_fields(Workers& workers) {
   if (!exits_.empty()) build_exits(workers);
 }
 
-/// Once: doorways where there are several, and otherwise areas where there are several.
+/// Doorways if there are several, otherwise areas if there are several.
 void NavigationMap::find_exits(Workers& workers) {
   std::vector<std::vector<Doorway>> doorways(goals_.size());
   workers.for_blocks(static_cast<int>(goals_.size()), [&](int block, int) {
@@ -192,7 +192,7 @@ void NavigationMap::find_exits(Workers& workers) {
   exit_fields_.resize(exits_.size());
 }
 
-/// For areas the plain ways first, from which follows what lies before another one.
+/// The plain fields of areas come first: from them follows what lies before another area.
 void NavigationMap::build_exits(Workers& workers) {
   const auto build = [&](uint32_t exit, std::span<const CellPolicy> cell_policies) {
     const size_t goal = goal_of_exit_[exit];
@@ -270,7 +270,6 @@ uint32_t NavigationMap::add_trigger(const CrowdPlan& plan, const TriggerRule& ru
   return static_cast<uint32_t>(triggers_.size() - 1);
 }
 
-/// What of the ground the doors leave to walk on and to look for ways on.
 void NavigationMap::apply_doors() {
   closed_.clear();
   std::vector<uint8_t> shut;

@@ -1,8 +1,8 @@
-// What people need to know of a scene to find their way: walls, a navigation mesh, and a flow field
-// for every goal. A field answers everybody who has the goal, from anywhere and pushed anywhere, in
-// a few nanoseconds; the mesh answers what a field cannot: which pieces of ground are connected,
-// and along which corners a single way leads. One rule: shared by spawning and steering, and
-// nothing about it changes after construction but that doors open and close.
+// NavigationMap contains what agents need to find their way: walls, a navigation mesh, and a flow
+// field per goal. A field gives all agents with that goal the direction from any place, in a few
+// nanoseconds. The mesh knows which pieces of ground are connected, and along which corners a
+// single path leads.
+// Invariant: shared by spawning and steering, and immutable except for doors.
 #pragma once
 
 #include <algorithm>
@@ -22,60 +22,60 @@
 
 namespace throng {
 
-/// One of several ways into a goal: a doorway before it, or one of its areas.
+/// One of several exits of a goal: a doorway before it, or one of its areas.
 struct Exit {
-  /// Leads through no other doorway; to an area, past no other one if that can be helped, as
-  /// whoever is there would leave by it: a way as near as kMinOtherExit_m to another counts longer.
+  /// Field that avoids all other doorways and, where possible, passes kMinOtherExit_m clear of
+  /// other exit areas, because an agent there would leave by them.
   const FlowField* field = nullptr;
-  size_t field_number = 0;  ///< the field's number, of NavigationMap::field()
-  double width_m = 0;       ///< of the doorway about, or the area's longer side
+  size_t field_number = 0;  ///< for NavigationMap::field()
+  double width_m = 0;       ///< width of the doorway, approximate, or the area's longer side
 
   static constexpr double kMinOtherExit_m = 3;
 };
 
-/// A goal on a route.
 struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
-  size_t field_number = 0;  ///< the field's number, of NavigationMap::field()
-  std::vector<int> pieces;  ///< of the navigation mesh, that the goal lies on
-  /// Which of NavigationMap::exits() are this goal's: none, or several.
+  size_t field_number = 0;  ///< for NavigationMap::field()
+  std::vector<int> pieces;  ///< pieces of the navigation mesh under the goal
+  /// Range in NavigationMap::exits(); empty or at least two.
   uint32_t first_exit = 0;
   uint32_t exits = 0;
-  /// Which of NavigationMap::queues() people wait in: then the goal has no exits.
+  /// Index into NavigationMap::queues(); a goal with a queue has no exits.
   std::optional<uint32_t> queue;
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
-  /// Returns whether agents stand in no more than one row in an area of the goal.
+  /// Returns whether an area of the goal holds no more than one row of agents.
   bool is_narrow() const {
     constexpr double kTwoRows_m = 0.7;
     return std::any_of(goal.areas.begin(), goal.areas.end(),
                        [](const Rectangle& area) { return area.size_m().minCoeff() < kTwoRows_m; });
   }
-  /// The area of the goal that is nearest as the crow flies.
+  /// The area of the goal nearest in a straight line.
   const Rectangle& nearest_area(const Eigen::Vector2d& point) const;
 };
 
-/// A queue, and the ways to it and from it.
+/// A queue and the fields to its goal and line.
 struct QueueFields {
   QueuePlan plan;
-  std::vector<std::unique_ptr<FlowField>> to_areas, to_corners;  ///< of the goal; of the line
+  /// fields to the goal; to the line
+  std::vector<std::unique_ptr<FlowField>> to_areas, to_corners;
 };
 
 enum class DoorState : uint8_t {
   kOpen,
-  kClosing,  ///< nobody sets foot into it any more, and it shuts when the last is through
+  kClosing,  ///< no agent enters the leaf; it shuts after the last one has left
   kShut,
 };
 
-/// A TriggerRule, its names looked up.
+/// A TriggerRule with resolved names.
 struct Trigger {
   double delay_s = 0;
   std::optional<uint32_t> group;  ///< none: after the start of the run
-  uint32_t goals = 0;             ///< so many that everybody has been at
+  uint32_t goals = 0;  ///< number of goals that all agents of the group must have visited
 };
 
-/// When a door opens and closes: indices of occasions.
+/// Indices of the triggers on which a door opens and closes.
 struct DoorTriggers {
   std::vector<uint32_t> opens, closes;
 };
@@ -93,36 +93,33 @@ class NavigationMap {
   const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
   /// Goal by goal.
   const std::vector<Exit>& exits() const { return exits_; }
-  /// The fields of all goals and exits, which keep their numbers; those of queues have none.
+  /// Number of fields of goals and exits. Their numbers are constant; fields of queues have none.
   size_t field_count() const { return fields_.size() + exit_fields_.size(); }
   const FlowField& field(size_t number) const {
     return number < fields_.size() ? *fields_[number] : *exit_fields_[number - fields_.size()];
   }
-  /// Another one once doors have moved and fields with them.
+  /// Changes when doors and fields change.
   uint64_t revision() const { return revision_; }
-  /// Of goals that people come into one after another, each once: groups often share them.
+  /// Limited goals, each once: groups often share them.
   const std::vector<QueueFields>& queues() const { return queues_; }
   OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
-  /// Of a scene with groups; a box of parts has none.
+  /// Only for a scene with groups; a scene with a box has none.
   const NavMesh& nav_mesh() const { return *nav_mesh_; }
-  /// True if a way leads from a point to a stop, or would but for standing too near an obstacle.
-  /// Any thread may ask.
+  /// Returns whether a path leads to a stop, ignoring obstacles' margin at `point`. Thread-safe.
   bool leads(const Stop& stop, const Eigen::Vector2d& point) const;
-  /// Where people enter: group by group, in each group's order of sources.
+  /// Areas of sources, in the order of groups and their sources.
   const std::vector<Rectangle>& entrances() const { return entrances_; }
 
-  /// What groups and doors wait for.
   const std::vector<Trigger>& triggers() const { return triggers_; }
-  /// Before which nobody of a group sets out.
+  /// Trigger before which no agent of a group sets out.
   std::optional<uint32_t> after(size_t group) const { return after_[group]; }
   const std::vector<DoorTriggers>& door_triggers() const { return door_triggers_; }
   const std::vector<DoorState>& doors() const { return doors_; }
-  /// How far a point is from a door's leaf, and on which side of it.
+  /// Distance and normal from a door's leaf to a point.
   Walkable::Nearest nearest_door(size_t door, const Eigen::Vector2d& point) const {
     return walkable_.nearest(walkable_.footprint_of_door(door), point);
   }
-  /// From now on doors are as these say. Where one closes or opens for those who look for a way,
-  /// all fields are worked out anew.
+  /// Sets the states of all doors. Rebuilds all fields if a door opens or closes for path finding.
   void set_doors(std::span<const DoorState> doors, Workers& workers);
 
  private:
@@ -143,25 +140,25 @@ class NavigationMap {
   FlowGrid grid_;
   std::unique_ptr<const NavMesh> nav_mesh_;
   std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
-  std::vector<std::unique_ptr<FlowField>> fields_;  ///< by goal
-  std::vector<uint8_t> may_have_exits_;             ///< by goal: not everybody queues for it
-  std::vector<uint32_t> first_exits_;               ///< by goal, and the end
+  std::vector<std::unique_ptr<FlowField>> fields_;  ///< per goal
+  std::vector<uint8_t> may_have_exits_;             ///< per goal: some group does not queue for it
+  std::vector<uint32_t> first_exits_;               ///< per goal, and the end
   std::vector<QueueFields> queues_;
   // By exit.
   std::vector<Exit> exits_;
   std::vector<size_t> goal_of_exit_;
-  std::vector<std::vector<size_t>> doorways_;  ///< the cells to step on; empty: an area
+  std::vector<std::vector<size_t>> doorways_;  ///< cells that paths cross; empty: an area
   std::vector<std::unique_ptr<FlowField>> exit_fields_;
-  std::vector<std::vector<Stop>> routes_;  ///< by group
-  std::vector<OnArrival> on_arrival_;      ///< by group
+  std::vector<std::vector<Stop>> routes_;  ///< per group
+  std::vector<OnArrival> on_arrival_;      ///< per group
   std::vector<Rectangle> entrances_;
   std::vector<Trigger> triggers_;
-  std::vector<std::optional<uint32_t>> after_;  ///< by group
+  std::vector<std::optional<uint32_t>> after_;  ///< per group
   // By door.
   std::vector<DoorTriggers> door_triggers_;
   std::vector<DoorState> doors_;
-  std::vector<std::vector<size_t>> door_cells_;  ///< that nobody gets past who does not step on one
-  std::vector<uint8_t> closed_;                  ///< by cell; empty: no door is closed
+  std::vector<std::vector<size_t>> door_cells_;  ///< cells that every path through the door crosses
+  std::vector<uint8_t> closed_;                  ///< per cell; empty: no door is closed
   uint64_t revision_ = 0;
 };
 

@@ -8,21 +8,20 @@
 namespace throng {
 namespace {
 
-/// Somebody who waits stands so far from walls; half the shoulders and a hand's breadth.
+/// Distance of waiting agents to walls: half the shoulders and a hand's breadth.
 constexpr double kWall_m = 0.35;
-/// The first stands so far before the goal, unless a line says where.
+/// Distance of the first position to the goal, unless a line specifies it.
 constexpr double kBefore_m = 0.6;
-/// Walls farther from the middle of a goal say nothing of where its front is.
+/// Walls farther from the middle of a goal do not determine its front.
 constexpr double kFar_m = 20;
-/// A direction that has less room is not that of a queue.
+/// A direction with less free length is not suitable for a queue.
 constexpr double kMinLength_m = 2;
 constexpr double kSample_m = 0.05;
 
 const std::array<Eigen::Vector2d, 4> kSides = {Eigen::Vector2d(0, -1), Eigen::Vector2d(-1, 0),
                                                Eigen::Vector2d(0, 1), Eigen::Vector2d(1, 0)};
 
-/// How far one can go straight on before a wall, an edge of the ground or a door is nearer than
-/// `gap_m`.
+/// Returns the free length before a wall, an edge of the ground or a door is closer than `gap_m`.
 double free_m(const Walkable& walkable, const Eigen::Vector2d& from_m,
               const Eigen::Vector2d& direction, double gap_m, double max_m) {
   double free_m = 0;
@@ -31,7 +30,7 @@ double free_m(const Walkable& walkable, const Eigen::Vector2d& from_m,
   return std::min(free_m, max_m);
 }
 
-/// The side of an area that is nearest to a wall.
+/// Returns the unit direction to the side of an area nearest to a wall.
 Eigen::Vector2d front_direction(const Walkable& walkable, const Rectangle& area) {
   double nearest_m = kFar_m;
   Eigen::Vector2d front = Eigen::Vector2d::Zero();
@@ -45,7 +44,6 @@ Eigen::Vector2d front_direction(const Walkable& walkable, const Rectangle& area)
   return front;
 }
 
-/// All areas of a goal together.
 Rectangle around(const std::vector<Rectangle>& areas) {
   Rectangle all = areas.front();
   for (const Rectangle& area : areas) {
@@ -55,7 +53,7 @@ Rectangle around(const std::vector<Rectangle>& areas) {
   return all;
 }
 
-/// Straight back from what the goal is at, or where there is room instead.
+/// The line leads straight back from the front of the goal, or where there is room instead.
 std::vector<Eigen::Vector2d> line_from(const Walkable& walkable, const Rectangle& all) {
   const auto first_m = [&](const Eigen::Vector2d& back) {
     return Eigen::Vector2d(all.middle_m() + 0.5 * back.cwiseProduct(all.size_m()) +
@@ -130,13 +128,13 @@ QueuePlan::QueuePlan(const Goal& goal, const Walkable& walkable, int64_t max_peo
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero()));
 }
 
-/// On a grid around the end of the line, as far as the last of them needs.
+/// Searches a grid around the end of the line, up to the distance that all agents need.
 void QueuePlan::find_overflow_positions(const Walkable& walkable, const FlowField& to_end) {
   const int64_t needed = std::max<int64_t>(0, people - static_cast<int64_t>(places));
   const Eigen::Vector2d end = line.corners_m().back();
   const int max_rings = static_cast<int>(std::ceil(walkable.ground().size_m().norm() / spacing_m));
   std::vector<std::pair<double, Eigen::Vector2d>> found;
-  // A ring is as far as its sides; who is at its corners may be behind others of the next.
+  // A ring's corners are farther off than the next ring's sides: both are searched.
   for (int ring = 1, enough = 0; ring <= max_rings && enough < 2; ++ring) {
     for (int i = -ring; i <= ring; ++i)
       for (int k = -ring; k <= ring; ++k) {
@@ -150,10 +148,10 @@ void QueuePlan::find_overflow_positions(const Walkable& walkable, const FlowFiel
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   if (static_cast<int64_t>(found.size()) > needed) found.resize(static_cast<size_t>(needed));
-  for (const auto& [way_m, point] : found) overflow_positions_m.push_back(point);
+  for (const auto& [path_m, point] : found) overflow_positions_m.push_back(point);
 }
 
-/// Off the walls, the line and the goal.
+/// Returns whether a point is clear of walls, the line and the goal.
 bool QueuePlan::is_clear(const Walkable& walkable, const Eigen::Vector2d& point) const {
   if (walkable.clearance_m(point) < kWall_m) return false;
   for (const Rectangle& area : areas)

@@ -1,6 +1,6 @@
-// Where people stand who wait for their turn at a goal: places along a line, beyond its end as long
-// as there is ground, and then wherever there is some near it.
-// One rule: it follows from the plan alone, and from how many people may ever queue.
+// QueuePlan places the positions of a queue: along a line, beyond its end while there is ground,
+// then on free ground near the end.
+// Invariant: depends only on the plan and the maximum number of queuing agents.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace throng {
 
-/// Straight from corner to corner; the first person stands at the first.
+/// A polyline; the first agent stands at its first corner.
 class QueueLine {
  public:
   QueueLine() = default;
@@ -22,36 +22,34 @@ class QueueLine {
 
   const std::vector<Eigen::Vector2d>& corners_m() const { return corners_m_; }
   double length_m() const { return ends_m_.empty() ? 0 : ends_m_.back(); }
-  /// The point so far from the first corner; corners where that is beyond an end.
+  /// Returns the point at this distance from the first corner, clamped to the ends.
   Eigen::Vector2d at(double along_m) const;
-  /// How far along the nearest point is, of those from `from_m` to `to_m`.
+  /// Returns the distance along the line of its point nearest to `point`, within [from_m, to_m].
   double nearest_m(const Eigen::Vector2d& point, double from_m, double to_m) const;
-  /// The corner that is nearest to a point of the line, and in sight of it.
+  /// Returns the corner nearest to a point of the line that is also visible from it.
   size_t nearest_corner(double along_m) const;
 
  private:
   std::vector<Eigen::Vector2d> corners_m_;
-  std::vector<double> ends_m_;  ///< how far along each corner is
+  std::vector<double> ends_m_;  ///< distance of each corner along the line
 };
 
-/// A goal that people come into one after another.
 struct QueuePlan {
   QueuePlan(const Goal& goal, const Walkable& walkable, int64_t people);
 
   std::vector<Rectangle> areas;
-  uint32_t max_inside = 1;  ///< of each area
+  uint32_t max_inside = 1;  ///< per area
   double spacing_m = 0;
-  QueueLine line;  ///< with what lies beyond its end
-  /// So many stand on the line, at most; those after them elsewhere.
+  QueueLine line;  ///< includes its extension beyond the end
+  /// Number of positions on the line; further agents use overflow positions.
   size_t places = 0;
-  int64_t people = 0;  ///< who may queue here, in all
-  /// By area: a unit vector to what people face who are served there; none: as they like.
+  int64_t people = 0;  ///< maximum number of agents that may queue here
+  /// By area: unit vector that served agents face; none: any direction.
   std::vector<Eigen::Vector2d> fronts;
-  /// Elsewhere: the nearest to the end first, by the way on foot. Found by
-  /// find_overflow_positions().
+  /// Positions off the line, by walking distance to its end. Set by find_overflow_positions().
   std::vector<Eigen::Vector2d> overflow_positions_m;
 
-  /// Finds `overflow_positions_m`; `to_end` leads to the end of the line.
+  /// Finds `overflow_positions_m`; `to_end` is the flow field to the end of the line.
   void find_overflow_positions(const Walkable& walkable, const FlowField& to_end);
 
   double along_m(size_t place) const { return spacing_m * static_cast<double>(place); }

@@ -13,9 +13,9 @@
 namespace throng {
 namespace {
 
-/// Lists of footprints a cell; more cells than this would not fit the second cache.
+/// Maximum number of cells with a list of footprints; more would not fit the second-level cache.
 constexpr double kMaxListedCells = 1 << 16;
-/// Entries of all those lists, 256 MB: a thousand obstacles as large as the largest ground.
+/// Entries of all lists, 256 MB: a thousand obstacles as large as the largest ground.
 constexpr size_t kMaxEntries = size_t{1} << 26;
 
 std::vector<std::vector<Eigen::Vector2d>> corners_of(std::vector<Footprint> footprints) {
@@ -96,8 +96,8 @@ void Walkable::build_cells() {
   });
   if (entries > kMaxEntries)
     throw InputError("obstacles", "fewer or smaller ones",
-                     "so many that cover so much of the ground "
-                     "that no memory holds who is near what");
+                     "more than the table of nearby footprints can hold; "
+                     "remove small obstacles or merge them");
   const auto for_each_cell = [&](auto&& visit) {
     for_each_range([&](uint32_t f, int left, int right, int low, int high) {
       for (int row = low; row <= high; ++row)
@@ -145,7 +145,7 @@ Walkable::Nearest Walkable::nearest(uint32_t footprint, const Eigen::Vector2d& p
   }
   if (!is_outside) return inside;
   const double distance = std::sqrt(best_square);
-  // Nearer than a picometre the quotient is noise; the edge's own normal is right there.
+  // Below a picometre the quotient is noise; the edge's own normal is right there.
   if (distance < 1e-12) return {inside.normal, distance};
   return {best_offset / distance, distance};
 }
@@ -172,7 +172,7 @@ double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
 
 Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
   constexpr double kOpposite = -0.5;  // 120 degrees apart or more, the cosine
-  // Of the walls in one direction, of sixteen, the nearest counts: thousands may stand around.
+  // Only the nearest wall in each of sixteen directions counts: thousands may be near.
   constexpr size_t kSectors = 16;
   struct Wall {
     Eigen::Vector2d normal = Eigen::Vector2d::Zero();
@@ -209,7 +209,7 @@ Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
 
 bool Walkable::crosses(uint32_t footprint, const Eigen::Vector2d& from,
                        const Eigen::Vector2d& to) const {
-  // Clip the way by every edge's inner side (Cyrus and Beck 1978); what is left runs inside.
+  // Clips the segment by each edge's inner side (Cyrus and Beck 1978); the rest runs inside.
   double enter = 0;
   double leave = 1;
   const Eigen::Vector2d segment = to - from;

@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-/// Nine cells then hold some thirty people: the ten nearest of somebody are mostly among them.
+/// Nine cells then hold about thirty agents, which usually include the ten nearest of any of them.
 constexpr double kCellsPerSpacing = 1.8;
 constexpr double kMinCell_m = 1.0;
 constexpr double kMaxCell_m = 5.0;
@@ -60,7 +60,7 @@ void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
 
 void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
   const size_t count = cells_.size();
-  // Room for everybody from the start: who enters later must not make a step allocate.
+  // Full capacity from the start: agents that enter later must not make a step allocate.
   order_.resize(count);
   x_.resize(count + kPadding);
   y_.resize(count + kPadding);
@@ -79,13 +79,13 @@ void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
   order_.resize(starts_[cells]);
 }
 
-/// A comparison is written so that NaN is refused, too.
+/// Comparisons are negated to reject NaN as well.
 void NeighbourGrid::archive(Archive& a) {
   a(cells_, slack_m_);
   if (!a.is_reading()) return;
   for (const uint32_t cell : cells_)
-    if (cell != kAbsent && cell >= cell_count()) a.refuse("a cell of the ground", "another");
-  if (!(slack_m_ >= 0)) a.refuse("a way of at least 0 m", "another");
+    if (cell != kAbsent && cell >= cell_count()) a.refuse("a cell of the ground", "another cell");
+  if (!(slack_m_ >= 0)) a.refuse("a displacement of at least 0 m", "another value");
 }
 
 void NeighbourGrid::rebuild_as_read(std::span<const Eigen::Vector2d> positions_m) {
@@ -117,7 +117,7 @@ void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float
           const float dy = grid.y[slot] - grid.y[own];
           const float square_m2 = dx * dx + dy * dy;
           if (slot == own || square_m2 > covered_m * covered_m) continue;
-          // Slots come in ascending order: an equal one that came before stays before.
+          // Slots come in ascending order: of equal distances the earlier slot stays ahead.
           if (count == kMaxNeighbours && !(square_m2 < best[kMaxNeighbours - 1].square_m2))
             continue;
           size_t place = count < kMaxNeighbours ? count++ : kMaxNeighbours - 1;

@@ -1,5 +1,5 @@
-// The search of a NeighbourGrid, one function a SIMD target.
-// One rule: the scalar loop is the definition; the others give its answers.
+// NeighbourSearch is the search of a NeighbourGrid, one function per SIMD target.
+// Invariant: the scalar loop is the definition; the others return the same results.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +20,15 @@ inline int row_of(const GridView& grid, float y) {
 struct Rings {
   Rings(const GridView& grid, size_t slot)
       : grid_(grid), column_(column_of(grid, grid.x[slot])), row_(row_of(grid, grid.y[slot])) {
-    // How far the point is from the border of its own cell, at least. A point off the ground counts
-    // as moved onto it, which brings it nearer to everybody.
+    // Minimum distance of the point to the border of its cell. A point off the ground counts as
+    // moved onto it, which only brings it closer to others.
     const float u = grid.x[slot] - grid.low_x - grid.cell_m * static_cast<float>(column_);
     const float v = grid.y[slot] - grid.low_y - grid.cell_m * static_cast<float>(row_);
     const float inside = std::min(std::min(u, grid.cell_m - u), std::min(v, grid.cell_m - v));
     margin_m_ = std::max(0.0f, inside) - grid.slack_m;
   }
 
-  /// Nobody nearer than this is outside the rings 0 .. ring; all of `reach_m` at the end.
+  /// Lower bound of the distance to agents outside the rings 0 .. ring; `reach_m` at the end.
   float covered_m(int ring, float reach_m) const {
     const bool all = column_ - ring <= 0 && row_ - ring <= 0 &&
                      column_ + ring >= grid_.columns - 1 && row_ + ring >= grid_.rows - 1;
@@ -58,7 +58,7 @@ struct Rings {
 void nearest_scalar(const GridView& grid, std::span<const uint32_t> slots, float reach_m,
                     uint32_t* found, uint8_t* counts);
 using NeighbourSearch = decltype(&nearest_scalar);
-/// Gives the same answers.
+/// Returns the fastest search with the same results.
 NeighbourSearch neighbour_search_on(SimdTarget target);
 
 }  // namespace throng

@@ -1,5 +1,4 @@
-// The people of a row of cells as lanes: squared distances, the near ones packed, then ranked by
-// counting how many are nearer.
+// Agents of a row of cells as lanes: near ones are packed, then ranked by counting.
 #include <cstddef>
 #include <cstdint>
 
@@ -21,15 +20,15 @@ using D = Lanes;
 using DU = LaneBits;
 constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
 
-/// Those found so far, in ascending order of slots.
+/// Agents found so far, in ascending order of slots.
 class Candidates {
  public:
   size_t count() const { return count_; }
   void clear() { count_ = 0; }
   bool is_full() const { return count_ > kFull; }
 
-  /// Packs registers and stores them whole: to pack into memory takes some processors a hundred
-  /// cycles. What lies behind the last one is written over or never read.
+  /// Packs registers and stores them whole: packing into memory takes some processors a hundred
+  /// cycles. Data beyond the last one is overwritten or never read.
   HWY_INLINE void add(hn::Vec<D> squares, hn::Vec<DU> slots, hn::Mask<D> mask) {
     const D d;
     const DU du;
@@ -39,7 +38,7 @@ class Candidates {
     count_ += hn::CountTrue(d, mask);
   }
 
-  /// Keeps the kMost nearest, still in ascending order of slots; returns the farthest's square.
+  /// Keeps the nearest in ascending order of slots; returns the largest squared distance.
   float keep_nearest() {
     rank();
     size_t kept = 0;
@@ -54,7 +53,7 @@ class Candidates {
     return farthest;
   }
 
-  /// The kMost nearest by distance.
+  /// Writes the kMaxNeighbours nearest by distance.
   size_t sort_into(uint32_t* found) {
     rank();
     uint32_t sorted[kCapacity];
@@ -65,11 +64,11 @@ class Candidates {
   }
 
  private:
-  /// Ranking costs the square of this; fewer would be ranked too often in a crush.
+  /// Ranking is quadratic in this; a smaller value would rank too often in dense crowds.
   static constexpr size_t kFull = 40;
   static constexpr size_t kCapacity = kFull + 2 * kLanes;
 
-  /// How many are nearer than each; of equal ones the first counts as nearer.
+  /// Counts for each the number of nearer ones; of equal ones the first counts as nearer.
   HWY_INLINE void rank() {
     const D d;
     const DU du;
@@ -84,7 +83,7 @@ class Candidates {
     }
     for (size_t i = 0; i < count_; ++i) sum += ranks_[i];
     if (2 * sum == count_ * (count_ - 1)) return;
-    // Some are equally near: rare, and then the ranks are not all different yet.
+    // Equal distances are rare; they leave equal ranks, which are resolved here.
     for (size_t i = 0; i < count_; ++i)
       for (size_t j = 0; j < i; ++j) ranks_[i] += squares_[j] == squares_[i] ? 1 : 0;
   }

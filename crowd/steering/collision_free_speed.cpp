@@ -9,26 +9,26 @@
 namespace throng {
 namespace {
 
-// The paper's values: strength and range of the pull away from others, and the time gap.
+// The paper's values: strength and range of the repulsion from neighbours, and the time gap.
 constexpr float kStrength = 5;
 constexpr float kRange_m = 0.1f;
 constexpr float kTimeGap_s = 1;
 
-/// Whoever is stuck is pushed away by nobody, and others within the gap walk out of the way so fast
-/// (ours: whoever stands has no speed in the paper, and a crowd that waits would let nobody out).
+/// Agents within the gap move away from a stuck one at this speed, and none repels it. Addition to
+/// the paper, where standing agents have no speed: a waiting crowd would let no agent out.
 constexpr float kClearing_mps = 0.5f, kClearingGap_m = 0.3f;
 
-/// Density is looked up within this, less where it is so dense that neighbours end sooner.
+/// Search radius for density; less where the neighbours that fit the list end sooner.
 constexpr float kDensityReach_m = 1.5f;
 
 struct Direction {
   float x, y;
 };
 
-/// What others make of a wish.
+/// Direction of an agent after repulsion.
 struct SteeredDirection {
   Direction direction;
-  float clearing_mps;  ///< for those nearby who are stuck
+  float clearing_mps;  ///< speed to make room for stuck agents nearby
 };
 
 SteeredDirection steer_direction(const SteeringView& p, size_t i, uint32_t slot,
@@ -36,7 +36,7 @@ SteeredDirection steer_direction(const SteeringView& p, size_t i, uint32_t slot,
   Direction sum = preferred;
   float max_impatience = 0;
   const auto push = [&](float away_x, float away_y, float gap_m, float share) {
-    // Deeper than a disc's radius the exponential would drown everything else.
+    // Deeper than a disc's radius the exponential would dominate all other terms.
     const float strength =
         share * kStrength *
         (gap_m > 0 ? decaying_exp(gap_m / kRange_m) : 1 + std::min(-gap_m / kRange_m, 3.0f));
@@ -59,7 +59,7 @@ SteeredDirection steer_direction(const SteeringView& p, size_t i, uint32_t slot,
     else
       push(slot < other ? -1.0f : 1.0f, 0, gap_m, share);
   }
-  // Walls turn aside and never back: the two posts of a narrow opening would let nobody in.
+  // Walls only turn aside, never back: posts of a narrow opening would let no agent in.
   const Direction among_people = sum;
   for (uint32_t w = p.wall_starts[i]; w < p.wall_starts[i + 1]; ++w)
     push(p.wall_x[w], p.wall_y[w], p.wall_clearance_m[w], 1);
@@ -72,7 +72,7 @@ SteeredDirection steer_direction(const SteeringView& p, size_t i, uint32_t slot,
   return {preferred, max_impatience * kClearing_mps};
 }
 
-/// Between the discs of a person and of the nearest in the way along `direction`.
+/// Gap between the discs of an agent and the nearest one in its way along `direction`.
 float gap_ahead_m(const SteeringView& p, size_t slot, Direction direction) {
   const NeighbourState& own = p.published[slot];
   float gap_m = 1e9f;
@@ -120,16 +120,16 @@ float density_ahead(const SteeringView& p, size_t i, uint32_t slot, float direct
   float reach_square = kDensityReach_m * kDensityReach_m;
   if (count == NeighbourGrid::kMaxNeighbours)
     reach_square = std::min(reach_square, square(near[count - 1]));
-  float people = 0.5f;  // a person ahead of whom half of the person stands
+  float people = 0.5f;  // half of the agent itself is ahead
   for (size_t k = 0; k < count; ++k) {
     const float dx = p.published[near[k]].x_m - own.x_m;
     const float dy = p.published[near[k]].y_m - own.y_m;
     if (dx * direction_x + dy * direction_y <= 0) continue;
     const float at = square(near[k]);
-    // Of the farthest, whose distance is the reach, half lies within.
+    // Half of the farthest neighbour, whose distance is the search radius, lies within.
     people += at < reach_square ? 1.0f : (at == reach_square ? 0.5f : 0.0f);
   }
-  // The share of the half-disc that is not behind a wall, by points of equal area.
+  // Share of the half-disc that is not behind a wall, by points of equal area.
   static constexpr std::array<std::array<float, 2>, 12> kPoints{{{0.96f, 0.13f},
                                                                  {0.96f, -0.13f},
                                                                  {0.8f, 0.5f},

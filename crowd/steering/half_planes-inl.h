@@ -1,6 +1,6 @@
-// Half-planes of velocities with people as lanes: orca.cpp, operation for operation. Where somebody
-// has fewer planes than others, planes that every velocity meets fill up. Whose planes contradict
-// each other goes on alone, with planes as lanes.
+// Half-planes of velocities with agents as lanes: orca.cpp, operation for operation. Agents with
+// fewer planes than others get planes that every velocity satisfies.
+// Agents with contradictory planes continue alone, with planes as lanes.
 #if defined(THRONG_CROWD_HALF_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_CROWD_HALF_PLANES_INL_H_
 #undef THRONG_CROWD_HALF_PLANES_INL_H_
@@ -27,7 +27,6 @@ using DI = hn::RebindToSigned<D>;
 constexpr float kNever_mps = -1e30f;
 constexpr size_t kCapacity = kMaxPlanes + 16;
 
-/// One person's.
 struct Planes {
   HWY_ALIGN float x[kCapacity];
   HWY_ALIGN float y[kCapacity];
@@ -98,7 +97,7 @@ HWY_INLINE bool solve_on_border(const Planes& planes, size_t index, const Point&
   return true;
 }
 
-/// As far along a direction as the planes allow; how many planes are met, in their order.
+/// Maximises the velocity along a direction; returns the number of planes satisfied, in order.
 size_t solve(const Planes& planes, const Point& direction, float max_speed, Point& v) {
   const D d;
   v = {max_speed * direction.x, max_speed * direction.y};
@@ -110,7 +109,7 @@ size_t solve(const Planes& planes, const Point& direction, float max_speed, Poin
       at += kLanes;
       continue;
     }
-    // What comes after this plane is looked at again, with the new velocity.
+    // The planes after this one are tested again with the new velocity.
     at += static_cast<size_t>(first);
     if (!solve_on_border(planes, at, direction, max_speed, v)) return at;
     ++at;
@@ -153,12 +152,12 @@ void minimise_violation(const Planes& planes, size_t hard, size_t failed, float 
   }
 }
 
-/// NeighbourState, of a person a lane.
+/// NeighbourState with one agent per lane.
 struct NeighbourLanes {
   V x_m, y_m, vx_mps, vy_mps, preferred_x_mps, preferred_y_mps, direction_x, direction_y, radius_m,
       impatience, catch_up, max_speed_mps, horizon_s;
 
-  /// `slots`: one a lane.
+  /// `slots`: one per lane.
   HWY_INLINE NeighbourLanes(const SteeringView& p, const int32_t* slots) {
     const auto load = [&](size_t first, V(&fields)[4]) HWY_ATTR {
       load_rows(
@@ -184,10 +183,10 @@ struct NeighbourLanes {
                 sizeof(NeighbourState) == 16 * sizeof(float));
 };
 
-/// As many people as there are lanes: their slots, the first again in lanes beyond.
+/// As many agents as there are lanes: their slots; surplus lanes repeat the first.
 struct AgentLanes {
   HWY_ALIGN int32_t slots[kLanes];
-  size_t first;  ///< of those who decide, which one the first of them is
+  size_t first;  ///< index of the first one among the deciding agents
   size_t count;
 
   HWY_INLINE AgentLanes(std::span<const uint32_t> all, size_t from)
@@ -202,8 +201,8 @@ struct AgentLanes {
   }
 };
 
-/// The neighbours of people, the k-th of each after one another: [k * kLanes + lane]. In lanes with
-/// fewer the rest are one's own slot.
+/// The k-th neighbours of all lanes are consecutive: [k * kLanes + lane]. Lanes with fewer
+/// neighbours are filled with the agent's own slot.
 struct NeighbourSlots {
   HWY_ALIGN int32_t slots[NeighbourGrid::kMaxNeighbours * kLanes];
   HWY_ALIGN uint32_t counts[kLanes] = {};
@@ -226,15 +225,14 @@ struct NeighbourSlots {
                           hn::Gt(hn::Load(DU(), counts), hn::Set(DU(), static_cast<uint32_t>(k))));
   }
   HWY_INLINE const int32_t* of(size_t k) const { return slots + k * kLanes; }
-  /// The lanes whose own slot comes before the k-th's.
+  /// Lanes whose own slot comes before the k-th neighbour's.
   HWY_INLINE M is_before(size_t k, const AgentLanes& people) const {
     return hn::RebindMask(D(),
                           hn::Lt(hn::Load(DI(), people.slots), hn::Load(DI(), slots + k * kLanes)));
   }
 };
 
-/// The walls of people, the w-th of each after one another. In lanes with fewer the rest face
-/// nowhere and are far away.
+/// The w-th walls of all lanes are consecutive. Missing walls are distant and without direction.
 struct WallLanes {
   HWY_ALIGN float x[kMaxWalls * kLanes];
   HWY_ALIGN float y[kMaxWalls * kLanes];
@@ -262,7 +260,7 @@ struct WallLanes {
   }
 };
 
-/// The planes of people: plane k of lane i stands at [k * kLanes + i]. The hard ones come first.
+/// Plane k of lane i is at [k * kLanes + i]. The hard planes come first.
 struct PlaneLanes {
   HWY_ALIGN float x[kMaxPlanes * kLanes];
   HWY_ALIGN float y[kMaxPlanes * kLanes];
@@ -270,7 +268,7 @@ struct PlaneLanes {
   size_t hard = 0;
   size_t count = 0;
 
-  /// Lanes that are not in get a plane that every velocity meets.
+  /// Lanes outside `in` get a plane that every velocity satisfies.
   HWY_INLINE void add(M in, V nx, V ny, V offset_mps) {
     const D d;
     hn::Store(hn::IfThenElseZero(in, nx), d, x + count * kLanes);
@@ -284,7 +282,7 @@ struct PlaneLanes {
   }
 };
 
-/// keep_off() of walls, which discs may come `nearer_m` nearer to than they are wide.
+/// wall_plane() for all walls; discs may come `slack_m` closer to them than their radii.
 HWY_INLINE void add_walls(const WallLanes& walls, V slack_m, float horizon_s, PlaneLanes& planes) {
   const D d;
   for (size_t w = 0; w < walls.count; ++w) {
@@ -296,7 +294,6 @@ HWY_INLINE void add_walls(const WallLanes& walls, V slack_m, float horizon_s, Pl
   }
 }
 
-/// An Encounter a lane.
 struct Encounters {
   V offset_x, offset_y;
   V own_x, own_y;
@@ -306,7 +303,7 @@ struct Encounters {
   V share;
 };
 
-/// avoid(), for the lanes that are in.
+/// avoidance_plane() for the lanes in `in`.
 HWY_INLINE void add_avoiding(const Encounters& e, M in, PlaneLanes& planes) {
   const D d;
   const V zero = hn::Zero(d), tiny = hn::Set(d, kTiny_mps), half = hn::Set(d, 0.5f);
@@ -322,7 +319,7 @@ HWY_INLINE void add_avoiding(const Encounters& e, M in, PlaneLanes& planes) {
   const M is_short = hn::Lt(w_along, zero);
   const M is_within = hn::Gt(w_along * w_along, radius_square * w_square);
   const M circle = hn::Or(overlaps, hn::And(is_short, is_within));
-  // The circle's normal.
+  // Normal of the circle.
   const V w_length = hn::Sqrt(w_square);
   const M known = w_length > tiny;
   V cx = wx / w_length, cy = wy / w_length;
@@ -332,7 +329,7 @@ HWY_INLINE void add_avoiding(const Encounters& e, M in, PlaneLanes& planes) {
     cy = hn::IfThenElse(known, cy, hn::Neg(oy) / gap);
   }
   const V circle_change = r * rate - w_length;
-  // The leg's.
+  // Normal of the leg.
   const V leg = hn::Sqrt(hn::Max(gap_square - radius_square, zero));
   const M left = ox * wy - oy * wx > zero;
   const V side_leg = hn::IfThenElse(left, leg, hn::Neg(leg));
@@ -346,8 +343,7 @@ HWY_INLINE void add_avoiding(const Encounters& e, M in, PlaneLanes& planes) {
   planes.add(in, nx, ny, nx * e.own_x + ny * e.own_y + share * change);
 }
 
-/// solve() of the lanes that are in: `failed` tells the first plane of each lane that could not be
-/// met, or planes.count.
+/// solve() for the lanes in `in`. `failed`: first unsatisfiable plane per lane, or planes.count.
 HWY_INLINE void solve_lanes(const PlaneLanes& planes, M in, V preferred_x, V preferred_y,
                             V max_speed, V& v_x, V& v_y, uint32_t* failed) {
   const D d;
@@ -401,7 +397,7 @@ HWY_INLINE void solve_lanes(const PlaneLanes& planes, M in, V preferred_x, V pre
   hn::Store(first_failed, du, failed);
 }
 
-/// What is left for one lane whose plane `failed` cannot be met.
+/// Continues one lane whose plane `failed` cannot be satisfied.
 inline void relax_lane(const PlaneLanes& lanes, size_t lane, size_t failed, float max_speed,
                        Point& v) {
   if (failed < lanes.hard) {  // only rounding makes them fail: all allow standing still
@@ -419,7 +415,7 @@ inline void relax_lane(const PlaneLanes& lanes, size_t lane, size_t failed, floa
   minimise_violation(own, hard, own_failed, max_speed, v);
 }
 
-/// choose_velocity() of the lanes that are in; of the others, nothing of use.
+/// choose_velocity() for the lanes in `in`; results of other lanes are undefined.
 HWY_INLINE void choose_velocities(const PlaneLanes& planes, M in, V preferred_x, V preferred_y,
                                   V max_speed, V& v_x, V& v_y) {
   const D d;

@@ -1,4 +1,4 @@
-// One person after the other: the definition.
+// The heuristic, agent by agent: the definition for the SIMD version.
 #include "crowd/steering/heuristic.h"
 
 #include <algorithm>
@@ -22,27 +22,25 @@ float saturated(float x) {
   return x / std::sqrt(std::sqrt(std::sqrt(1 + square(square(square(x))))));
 }
 
-/// The direction in the middle of two, of which the second counts by its length.
+/// Bisector of two directions, of which the second is weighted by its length.
 Eigen::Vector2f between(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const Eigen::Vector2f sum = a + b;
   return sum / std::sqrt(sum.x() * sum.x() + sum.y() * sum.y());
 }
 
-/// Somebody else, as seen by the one who decides.
+/// A neighbour as seen by the deciding agent.
 struct Other {
-  float x_m, y_m;        ///< from there
-  float vx_mps, vy_mps;  ///< as it is
-  float ox_mps, oy_mps;  ///< as it is expected
+  float x_m, y_m;        ///< relative position
+  float vx_mps, vy_mps;  ///< actual velocity
+  float ox_mps, oy_mps;  ///< expected velocity
   float direction_x, direction_y;
   float size;        ///< mean of both
-  float impatience;  ///< the larger of both
+  float impatience;  ///< maximum of both
   float square_m2;
 };
 
-/// What one person makes of the people and walls around.
 class Decision {
  public:
-  /// Of the i-th of those who decide.
   Decision(const SteeringView& people, size_t i, uint32_t slot)
       : p_(people), own_(people.published[slot]), i_(i), slot_(slot) {
     size_ = own_.radius_m / kRadius_m;
@@ -65,7 +63,6 @@ class Decision {
     if (wants_to_move()) {
       const Eigen::Vector2f direction = best_direction();
       preferred = speed_along(direction) * direction;
-      // Those behind push nobody forward.
       const float along = aside.dot(direction);
       if (along > 0) aside -= along * direction;
     }
@@ -88,7 +85,7 @@ class Decision {
       o.x_m = published.x_m - own_.x_m;
       o.y_m = published.y_m - own_.y_m;
       o.square_m2 = o.x_m * o.x_m + o.y_m * o.y_m;
-      // Two in one place part along x, each to its own side.
+      // Agents at one place separate along x, in the order of slots.
       if (o.square_m2 == 0) {
         o.x_m = slot_ < other ? 1e-3f : -1e-3f;
         o.square_m2 = o.x_m * o.x_m;
@@ -113,7 +110,7 @@ class Decision {
     const float walking_apart_m =
         kTuning.apart_m + openness_ * (kTuning.open_apart_m - kTuning.apart_m);
     const float apart_m = wants_to_move() ? walking_apart_m : kTuning.waits_apart_m;
-    // Whoever gets nowhere closes up.
+    // An agent without progress closes up.
     const float drift_mps =
         wants_to_move() ? (1 - own_.impatience) * kTuning.drift_mps : kTuning.waits_drift_mps;
     for (size_t k = 0; k < count_; ++k) {
@@ -132,7 +129,7 @@ class Decision {
                      Eigen::Vector2f(direction_y_, -direction_x_);
   }
 
-  /// 0 where the wall to the right is near, 1 where it is not.
+  /// 0 if the wall to the right is near, 1 if it is not.
   float right_clearance() const {
     float clearance = 1;
     for (uint32_t w = first_wall_; w < end_wall_; ++w) {
@@ -144,7 +141,7 @@ class Decision {
     return clearance;
   }
 
-  /// 1 where enough people come towards one, 0 where nobody does, and for those who stand.
+  /// 0 to 1 with the number of oncoming agents; 0 for standing agents.
   float counterflow() const {
     float oncoming = 0;
     for (size_t k = 0; k < count_; ++k)
@@ -154,19 +151,19 @@ class Decision {
     return std::min(oncoming / kTuning.oncoming, 1.0f);
   }
 
-  /// How much of somebody is made way for. Whoever comes from behind in a crowd keeps clear by
-  /// themselves.
+  /// Weight of a neighbour. In a crowd an agent that comes from behind avoids by itself.
   float visible_share(const Other& o) const {
     if (count_ <= kSixth) return 1;
     const float cosine = (direction_x_ * o.x_m + direction_y_ * o.y_m) / std::sqrt(o.square_m2);
     return std::clamp((cosine - kSeenFrom) / (kSeenWholly - kSeenFrom), 0.0f, 1.0f);
   }
 
-  /// How far one gets on each way before somebody is in it: `free` over `per`, which are compared
-  /// crosswise. With the velocity relative to the other, `nearing` is its product with the offset,
-  /// `passing` its cross product, and both squares together are that velocity's square times the
-  /// offset's. So all is in multiples of such products, and a way costs one root: `before` is how
-  /// much sooner than when they are nearest the other blocks the way.
+  /// Free distance in each direction before a neighbour blocks it: `free` over `per`, compared
+  /// crosswise.
+  /// With the relative velocity, `nearing` is its dot product with the offset and `passing` its
+  /// cross product. Both squares together equal that velocity's square times the offset's square.
+  /// All terms are multiples of such products, and one direction costs one square root. `before` is
+  /// the time between blocking and the closest approach.
   void limit_by_agent(const Other& o, Values& free, Values& per) const {
     const float visible = visible_share(o);
     if (visible <= 0) return;
@@ -201,7 +198,7 @@ class Decision {
     }
   }
 
-  /// The way wanted leads past walls: in the way is one that others lead more into.
+  /// The preferred direction may lead past walls: a wall blocks directions that lead more into it.
   void limit_by_wall(uint32_t w, const Values& x, const Values& y, Values& free_m) const {
     const float distance_m = p_.wall_clearance_m[w] + own_.radius_m;
     const float clear_m = std::min(kTuning.wall_m * size_, 0.95f * distance_m);
@@ -229,7 +226,7 @@ class Decision {
     for (uint32_t w = first_wall_; w < end_wall_; ++w) limit_by_wall(w, x, y, free_m);
     const float keep =
         kTuning.inertia * std::min(1 / preferred_mps_, 1 / std::max(speed_mps_, 1e-3f));
-    // Sides matter when somebody has to be passed, and not to who gets nowhere.
+    // Sides matter for passing an agent, and not for an agent without progress.
     const float straight_m = free_m[Turns::kStraight];
     const float keep_right = straight_m < kFar_m ? (1 - own_.impatience) *
                                                        (kTuning.keep_right * kTuning.horizon_m) /
@@ -254,13 +251,13 @@ class Decision {
     return direction;
   }
 
-  /// 1 of those who go along with a way, 0 of those who go across or against it.
+  /// 1 for agents along a direction, 0 for those across or against it.
   static float alignment(const Eigen::Vector2f& direction, const Other& o) {
     const float cosine = direction.x() * o.direction_x + direction.y() * o.direction_y;
     return std::clamp((cosine - kSameDirection) / (kAligned - kSameDirection), 0.0f, 1.0f);
   }
 
-  /// How much longer a gap is taken to be to somebody so far ahead who is so much faster.
+  /// Extension of the gap to an agent at this distance that is faster by this much.
   float gap_growth_m(float ahead_m, float faster_mps) const {
     const float follows = std::clamp(
         (ahead_m - kTuning.touching_m) / (kTuning.follows_m - kTuning.touching_m), 0.0f, 1.0f);
@@ -268,8 +265,8 @@ class Decision {
     return (kTuning.ahead_s + own_.catch_up * follows * catch_up_s) * faster_mps;
   }
 
-  /// Whoever goes the same way is ahead or aside as seen along the mean of both ways: two who come
-  /// to a door from its sides walk through it beside each other.
+  /// Agents of the same direction are ahead or aside relative to the mean of both directions. Two
+  /// that come to a door from its sides walk through it abreast.
   float speed_along(const Eigen::Vector2f& direction) const {
     float gap_m = kFar_m;
     for (size_t k = 0; k < count_; ++k) {
@@ -284,7 +281,7 @@ class Decision {
       const float shoulders_m =
           (is_met ? kTuning.passing_m * (1 - o.impatience) : kTuning.shoulders_m) * o.size;
       if (ahead_m <= 0 || aside_m >= shoulders_m) continue;
-      // Of two who are ahead of one another, the one that has the other more ahead waits.
+      // If two are ahead of one another, the one with the other more directly ahead waits.
       if (same == 0 && -(o.x_m * o.direction_x + o.y_m * o.direction_y) > ahead_m) continue;
       const float round = std::sqrt(std::sqrt(1 - square(square(aside_m / shoulders_m))));
       gap_m = std::min(gap_m,
@@ -294,8 +291,8 @@ class Decision {
     return preferred_mps_ * saturated(std::max(gap_m, 0.0f) / kTuning.gap_range_m);
   }
 
-  /// What of a wish can be taken up until the next decision: across the way wanted little at once,
-  /// as feet have to follow.
+  /// Part of a preferred velocity that can be reached by the next decision. Changes across the
+  /// preferred direction are small, because feet have to follow.
   Eigen::Vector2f approach(const Eigen::Vector2f& preferred) const {
     const Eigen::Vector2f now(vx_mps_, vy_mps_);
     const bool slows = preferred.squaredNorm() < now.squaredNorm();
@@ -306,7 +303,7 @@ class Decision {
     return now + change - (to_right_mps - std::clamp(to_right_mps, -max_mps, max_mps)) * right;
   }
 
-  /// Nobody changes velocity faster, but for walls.
+  /// Upper bound of accelerations, except for walls.
   Eigen::Vector2f limit_acceleration(const Eigen::Vector2f& velocity) const {
     const Eigen::Vector2f now(vx_mps_, vy_mps_);
     const Eigen::Vector2f change = velocity - now;
@@ -318,8 +315,8 @@ class Decision {
                            now + max_change / length * change, own_.max_speed_mps);
   }
 
-  /// Where another will be when it is nearest: squared cosine of the angle to the ways of both, 1
-  /// straight ahead or behind and 0 beside; the mean of both.
+  /// Squared cosine between the offset at the closest approach and a direction, averaged over both
+  /// agents: 1 straight ahead or behind, 0 to the side.
   float squared_ahead_cosine(const Other& o) const {
     const float vx = vx_mps_ - o.vx_mps, vy = vy_mps_ - o.vy_mps;
     const float nearest_s =
@@ -334,8 +331,8 @@ class Decision {
     return 0.5f * (own + its) / square_m2;
   }
 
-  /// What is nearest to a wish and leads into no wall and nobody's body, and no farther ahead:
-  /// those behind push nobody forward.
+  /// Velocity nearest to a preferred one that leads into no wall and no body. It is no faster,
+  /// because agents behind push no agent forward.
   Eigen::Vector2f avoid_bodies(const Eigen::Vector2f& preferred) const {
     std::array<HalfPlane, kMaxPlanes> planes;
     size_t count = add_walls(p_, i_, kTurned * own_.radius_m, planes.data());
@@ -348,14 +345,14 @@ class Decision {
     Encounter e;
     e.own_velocity_mps = {vx_mps_, vy_mps_};
     e.horizon_s = kTuning.body_horizon_s;
-    e.step_s = kTuning.body_horizon_s;  // nobody jumps out of an overlap
+    e.step_s = kTuning.body_horizon_s;  // avoids jumps out of an overlap
     for (size_t k = 0; k < count_; ++k) {
       const Other& o = others_[k];
       const float body_m =
           body_width_m + (kTuning.body_depth_m - body_width_m) * squared_ahead_cosine(o);
       e.radius_m = body_m * (1 - kTuning.max_compression * o.impatience) * o.size;
       const float reach_m = e.radius_m + kTuning.body_horizon_s * kMaxApproach_mps;
-      if (o.square_m2 > square(reach_m)) break;  // they come nearest first
+      if (o.square_m2 > square(reach_m)) break;  // neighbours are sorted by distance
       e.offset_m = {o.x_m, o.y_m};
       e.other_velocity_mps = {o.vx_mps, o.vy_mps};
       planes[count++] = avoidance_plane(e);

@@ -1,4 +1,4 @@
-// People as lanes: heuristic.cpp, operation for operation.
+// Agents as lanes: heuristic.cpp, operation for operation.
 #include <cstddef>
 #include <cstdint>
 
@@ -59,14 +59,13 @@ HWY_INLINE V saturated(V x) {
   return x / hn::Sqrt(hn::Sqrt(hn::Sqrt(all(1) + square(square(square(x))))));
 }
 
-/// Of every lane the k-th neighbour; those that are not there hold anything.
+/// The k-th neighbour of each lane; absent ones hold arbitrary values.
 struct Others {
   M is_there;
   Vectors offset_m, velocity_mps, expected_mps, direction;
   V size, impatience, square_m2;
 };
 
-/// A Decision a lane.
 class Decisions {
  public:
   HWY_INLINE Decisions(const SteeringView& people, const AgentLanes& own)
@@ -303,7 +302,6 @@ class Decisions {
     return select(bends, bent / length(bent), direction);
   }
 
-  /// parabola_minimum() of every lane.
   static HWY_INLINE V parabola_minimum(V before, V here, V after) {
     constexpr float kMinBend = 1e-6f;
     const V bend = before - all(2) * here + after;
@@ -333,9 +331,9 @@ class Decisions {
       const V shoulders_m = select(is_met, all(kTuning.passing_m) * (all(1) - o.impatience),
                                    all(kTuning.shoulders_m)) *
                             o.size;
-      const M in_way = hn::And(ahead_m > all(0), aside_m < shoulders_m);
+      const M is_ahead = hn::And(ahead_m > all(0), aside_m < shoulders_m);
       const M waits = hn::And(same == all(0), hn::Neg(dot(o.offset_m, o.direction)) > ahead_m);
-      const M counts = hn::And(o.is_there, hn::AndNot(waits, in_way));
+      const M counts = hn::And(o.is_there, hn::AndNot(waits, is_ahead));
       if (hn::AllFalse(D(), counts)) continue;
       const V round = hn::Sqrt(hn::Sqrt(all(1) - square(square(aside_m / shoulders_m))));
       const V faster_mps = hn::Max(other_mps - speed_mps_, all(0));
@@ -390,7 +388,7 @@ class Decisions {
       e.radius_m = body_m * (all(1) - all(kTuning.max_compression) * o.impatience) * o.size;
       const V reach_m = e.radius_m + all(kTuning.body_horizon_s * kMaxApproach_mps);
       near = hn::And(near, hn::And(o.is_there, o.square_m2 <= square(reach_m)));
-      if (hn::AllFalse(D(), near)) break;  // they come nearest first
+      if (hn::AllFalse(D(), near)) break;  // neighbours are sorted by distance
       e.offset_x = o.offset_m.x;
       e.offset_y = o.offset_m.y;
       e.other_x = o.velocity_mps.x;

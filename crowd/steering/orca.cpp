@@ -14,14 +14,14 @@ Vector2f left_of(const Vector2f& v) { return {-v.y(), v.x()}; }
 float dot(const Vector2f& a, const Vector2f& b) { return a.x() * b.x() + a.y() * b.y(); }
 float cross(const Vector2f& a, const Vector2f& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// What to look for: the point nearest to a target, or the one farthest along a direction.
+/// Objective: the point nearest to a target, or the farthest along a direction.
 struct Objective {
   Vector2f vector;
   bool is_direction = false;
 };
 
-/// The best point on the border of planes[index] that meets the planes before it and the speed
-/// limit. False if there is none.
+/// Optimises on the border of planes[index] within the planes before it and the speed limit.
+/// Returns false if there is no such point.
 bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Objective& objective,
                      float max_speed, Vector2f& v) {
   const HalfPlane& plane = planes[index];
@@ -50,8 +50,8 @@ bool solve_on_border(std::span<const HalfPlane> planes, size_t index, const Obje
   return true;
 }
 
-/// Incremental linear program in the plane: returns the index of the first plane that cannot be met
-/// together with those before it (v then meets those), or planes.size().
+/// Incremental linear program in the plane. Returns the index of the first plane that contradicts
+/// those before it (v then satisfies those), or planes.size().
 size_t solve(std::span<const HalfPlane> planes, const Objective& objective, float max_speed,
              Vector2f& v) {
   if (objective.is_direction) {
@@ -68,9 +68,8 @@ size_t solve(std::span<const HalfPlane> planes, const Objective& objective, floa
   return planes.size();
 }
 
-/// From planes[failed] on: lowers the worst violation of the soft planes. A third dimension, the
-/// violation, is eliminated plane by plane: where plane i is the worst, the others are no worse,
-/// which is again a half-plane of velocities for each.
+/// From planes[failed] on: minimises the worst violation of the soft planes, plane by plane. Where
+/// plane i is the worst, the others are no worse: a half-plane of velocities for each.
 void minimise_violation(std::span<const HalfPlane> planes, size_t hard, size_t failed,
                         float max_speed, Vector2f& v) {
   std::array<HalfPlane, kMaxPlanes> others;
@@ -82,7 +81,7 @@ void minimise_violation(std::span<const HalfPlane> planes, size_t hard, size_t f
     for (size_t j = hard; j < i; ++j) {
       const Vector2f difference = planes[j].normal - planes[i].normal;
       const float length = std::sqrt(dot(difference, difference));
-      // Same direction: one of the two is the tighter everywhere, and i is worse than j could be.
+      // Same direction: one of the two is always tighter, and i is worse than j could be.
       if (length <= kTiny_mps) continue;
       others[count++] = {difference / length,
                          (planes[j].offset_mps - planes[i].offset_mps) / length};
@@ -118,15 +117,15 @@ HalfPlane avoidance_plane(const Encounter& e) {
     }
     change_mps = e.radius_m * rate - w_length;
   } else {
-    // One of the cone's legs is.
+    // One of the cone's legs is nearest.
     const float leg = std::sqrt(gap_square - radius_square);
     const float side_leg = cross(e.offset_m, w) > 0 ? leg : -leg;
-    // The leg's direction, turned left.
+    // Direction of the leg, turned left.
     plane.normal = {-(side_leg * e.offset_m.y() + e.radius_m * e.offset_m.x()) / gap_square,
                     (side_leg * e.offset_m.x() - e.radius_m * e.offset_m.y()) / gap_square};
     change_mps = -dot(plane.normal, velocity);
   }
-  // Room to come nearer is always halved: all of it for one would freeze the other.
+  // Clearance to approach is always halved: all of it for one would freeze the other.
   const float share = change_mps > 0 ? e.share : 0.5f;
   plane.offset_mps = dot(plane.normal, e.own_velocity_mps) + share * change_mps;
   return plane;
@@ -172,7 +171,7 @@ void decide_orca_scalar(const SteeringView& p, std::span<const uint32_t> slots, 
       const uint32_t other = p.neighbours[NeighbourGrid::kMaxNeighbours * slot + k];
       const NeighbourState& published = p.published[other];
       e.offset_m = {published.x_m - own.x_m, published.y_m - own.y_m};
-      // Two in one place part along x, each to its own side.
+      // Agents at one place separate along x, in the order of slots.
       if (e.offset_m.x() == 0 && e.offset_m.y() == 0)
         e.offset_m.x() = slot < other ? 1e-6f : -1e-6f;
       e.other_velocity_mps = {published.vx_mps, published.vy_mps};

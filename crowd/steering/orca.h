@@ -1,7 +1,7 @@
-// Optimal reciprocal collision avoidance (van den Berg, Guy, Lin, Manocha 2011): half-planes of
-// velocities that stay clear of others, and the velocity nearest to the wanted one in all of them.
-// One rule: hard planes are never given up; where the others contradict each other, the worst
-// violation is made as small as it can be.
+// ORCA, optimal reciprocal collision avoidance (van den Berg, Guy, Lin, Manocha 2011), chooses the
+// velocity nearest to the preferred one within half-planes of collision-free velocities.
+// Invariant: hard planes are never violated beyond rounding. If the others contradict each other,
+// their worst violation is minimal.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,57 +16,57 @@ struct HalfPlane {
   Eigen::Vector2f normal = Eigen::Vector2f::UnitX();  ///< unit
   float offset_mps = 0;
 
-  /// Positive outside: how far v lies from the half-plane.
+  /// Distance of v from the half-plane; positive outside.
   float violation_mps(const Eigen::Vector2f& v) const {
     return offset_mps - (normal.x() * v.x() + normal.y() * v.y());
   }
 };
 
-/// The other's disc as seen from a walker.
+/// Another agent's disc relative to the deciding agent.
 struct Encounter {
   Eigen::Vector2f offset_m;  ///< other's position - own position
   Eigen::Vector2f own_velocity_mps;
   Eigen::Vector2f other_velocity_mps;
   float radius_m = 0;   ///< sum of both radii
-  float horizon_s = 2;  ///< no collision for so long
-  float step_s = 0.1f;  ///< discs that overlap already part within a step
-  float share = 0.5f;   ///< of the change that avoids a collision; both shares make 1
+  float horizon_s = 2;  ///< time without collision
+  float step_s = 0.1f;  ///< discs that overlap already separate within a step
+  float share = 0.5f;   ///< fraction of the avoiding change; both shares sum to 1
 };
 
-/// What the walker contributes to avoiding the collision.
+/// Half-plane that gives the agent its share of avoiding the collision.
 HalfPlane avoidance_plane(const Encounter& encounter);
 
-/// A wall that cannot move aside: never come nearer to it than the clearance left over the horizon.
-/// `normal` points from the wall to the walker. Standing still is always allowed, so that any
-/// number of walls agree.
+/// Half-plane of a wall: an agent approaches by at most the clearance over the horizon. `normal`
+/// points from the wall to the agent. Standing still is always allowed: walls never contradict.
 HalfPlane wall_plane(const Eigen::Vector2f& normal, float clearance_m, float horizon_s);
 
-/// The velocity of length at most max_speed_mps nearest to `wanted_mps` that satisfies all planes,
-/// at most kMaxPlanes. The first `hard` planes must leave standing still possible. If not all can
-/// be met, the velocity that violates the worst of the others least.
+/// Returns the velocity of length at most max_speed_mps nearest to `preferred_mps` that satisfies
+/// all planes, at most kMaxPlanes.
+/// The first `hard` planes must allow standing still. If the planes contradict each other, the
+/// worst violation of the others is minimal.
 Eigen::Vector2f choose_velocity(std::span<const HalfPlane> planes, int hard,
                                 const Eigen::Vector2f& preferred_mps, float max_speed_mps);
 
-/// Writes what the walls near the i-th of those who decide leave, hard planes, and returns how many
-/// they are: at most kMaxWalls. Discs may come `nearer_m` nearer to them than they are wide.
+/// Writes the hard planes of the walls near the i-th deciding agent; returns their number, at most
+/// kMaxWalls. Discs may come `slack_m` closer to walls than their radii.
 size_t add_walls(const SteeringView& people, size_t i, float slack_m, HalfPlane* planes);
 
-/// Walls, people, and one more.
+/// Walls, neighbours, and one more.
 inline constexpr size_t kMaxPlanes = kMaxWalls + NeighbourGrid::kMaxNeighbours + 1;
 
-/// Rounding of metres a second: below it a plane counts as met, and two directions as one.
+/// Rounding in m/s: below it a plane counts as satisfied, and two directions as equal.
 inline constexpr float kTiny_mps = 1e-5f;
 
-/// The share of somebody who meets another: who has been stuck makes less way.
+/// Share of an agent in avoiding another: an agent that has been stuck avoids less.
 inline float avoidance_share(float own_impatience, float other_impatience) {
   return 0.5f + 0.5f * (other_impatience - own_impatience);
 }
 
-/// The same for all who decide: the definition.
+/// The definition.
 void decide_orca_scalar(const SteeringView& people, std::span<const uint32_t> slots,
                         float* next_x_mps, float* next_y_mps);
 using SteeringFunction = decltype(&decide_orca_scalar);
-/// With people as lanes: the same bits.
+/// Agents as lanes: results are bitwise equal.
 SteeringFunction orca_on(SimdTarget target);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// People as lanes: orca.cpp, operation for operation.
+// Agents as lanes: orca.cpp, operation for operation.
 #include <cstddef>
 #include <cstdint>
 
@@ -16,7 +16,7 @@ namespace throng::HWY_NAMESPACE {
 #if THRONG_HAS_LANES
 namespace {
 
-/// avoid() of the neighbours of people, behind the walls.
+/// avoidance_plane() for the neighbours, after the walls.
 HWY_INLINE void add_people(const SteeringView& p, const AgentLanes& people,
                            const NeighbourLanes& own, PlaneLanes& planes) {
   const D d;

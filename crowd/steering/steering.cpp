@@ -10,7 +10,6 @@
 namespace throng {
 namespace {
 
-/// A model that is one function for each target.
 class FunctionModel : public SteeringModel {
  public:
   FunctionModel(SteeringFunction function, const SteeringTraits& traits)
@@ -39,7 +38,7 @@ std::unique_ptr<const SteeringModel> make_heuristic(SimdTarget target) {
   return std::make_unique<FunctionModel>(heuristic_on(target), kHeuristicTraits);
 }
 
-/// All that anything else knows of a model.
+/// All that other code knows about a model.
 struct Entry {
   SteeringKind kind;
   std::string_view name;
@@ -48,7 +47,7 @@ struct Entry {
 
 constexpr Entry kModels[] = {
     {SteeringKind::kOrca, "orca", make_orca},
-    {SteeringKind::kCollisionFreeSpeed, "speed", make_collision_free_speed},
+    {SteeringKind::kCollisionFreeSpeed, "collision_free_speed", make_collision_free_speed},
     {SteeringKind::kHeuristic, "heuristic", make_heuristic},
 };
 

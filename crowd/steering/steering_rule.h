@@ -1,5 +1,5 @@
-// How the people of a scene steer: which model, and whether density slows them.
-// One rule: a choice of the scene's, part of its content; the models are in steering.h.
+// SteeringRule selects the steering model of a scene, and whether density slows agents.
+// Invariant: part of the scene's content; the models are in steering.h.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,16 @@ enum class SteeringKind {
 
 std::vector<SteeringKind> all_steering_kinds();
 
-/// What scene files, options, content hashes and run ids call it: "orca", "speed".
+/// Name in scene files, options, content hashes and run ids: "orca", "collision_free_speed".
 std::string_view name_of(SteeringKind kind);
 std::optional<SteeringKind> steering_kind_of(std::string_view name);
 std::vector<std::string> steering_names();
-/// The names for a line of help: "orca or speed".
+/// The names as text for help: "orca or heuristic".
 std::string steering_choices();
 
 struct SteeringRule {
   SteeringKind model = SteeringKind::kHeuristic;
-  /// Slower where it is dense ahead, as observed (Weidmann 1993); without it people push on.
+  /// Limits speeds by the density ahead (Weidmann 1993); otherwise agents keep pushing.
   bool density_dependent_speed = false;
 };
 

@@ -10,15 +10,15 @@ namespace {
 
 __extension__ using Wide = __int128;
 
-/// Coordinates have this many bits: a difference one more, a product of two differences 80, their
-/// sums in a cross product 81 and those of its product with a third difference 123 of Wide's 127.
+/// Bits per coordinate. A difference has one more, a product of two differences 80. Their sums in a
+/// cross product have 81, those of its product with a third difference 123. Wide has 127.
 constexpr int kBits = 39;
 
 struct Cross {
   Wide x, y, z;
 };
 
-/// In units of the grid. Exact: all are whole numbers, and differences fit a double.
+/// In units of the grid. Exact, because all are integers and differences fit a double.
 std::array<int64_t, 3> whole(const Eigen::Vector3d& difference, double grid_m) {
   return {static_cast<int64_t>(difference.x() / grid_m),
           static_cast<int64_t>(difference.y() / grid_m),
@@ -56,7 +56,7 @@ void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners, doubl
     visible_for_.clear();
     add_face(0, 1, 2);
   }
-  assert(side(0, points_[3]) < 0 && "the four corners lie in a plane");
+  assert(side(0, points_[3]) < 0 && "the four corners are coplanar");
   add_face(0, 2, 3);
   add_face(0, 3, 1);
   add_face(1, 3, 2);
@@ -66,7 +66,7 @@ void GrowingPolytope::start(const std::array<Eigen::Vector3d, 4>& corners, doubl
   faces_[3].neighbours = {2, 1, 0};
 }
 
-/// A face in a free slot, without its neighbours.
+/// Adds a face in a free slot, without its neighbours.
 uint32_t GrowingPolytope::add_face(uint32_t a, uint32_t b, uint32_t c) {
   uint32_t slot;
   if (free_.empty()) {
@@ -99,7 +99,7 @@ int GrowingPolytope::exact_side(const Face& face, const Eigen::Vector3d& on_grid
   return (sum > 0) - (sum < 0);
 }
 
-/// All faces in front of which the point lies are connected, and the edges around them are a ring.
+/// Finds the faces with the point in front: they are connected, and a ring of edges encloses them.
 void GrowingPolytope::find_horizon(const Eigen::Vector3d& point, uint32_t face) {
   const auto number = static_cast<uint32_t>(points_.size());
   removed_.assign(1, face);

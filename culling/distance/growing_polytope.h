@@ -1,6 +1,6 @@
-// GrowingPolytope is a convex polytope that grows point by point, as triangles with their planes.
-// Invariant: closed and convex whatever the points are, with at most two faces per point; which
-// faces lie in front of a point is decided exactly, on a grid.
+// GrowingPolytope is a convex polytope that grows point by point, stored as triangles with planes.
+// Invariant: it stays closed and convex for any points, with at most two faces per point. An exact
+// test on a grid decides whether a point is in front of a face.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,23 +17,22 @@ class GrowingPolytope {
  public:
   struct Face {
     std::array<uint32_t, 3> corners{};     ///< counter-clockwise from outside
-    std::array<uint32_t, 3> neighbours{};  ///< the face across the edge from corner i to the next
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, outwards
-    Eigen::Vector3d cross = Eigen::Vector3d::Zero();   ///< the same in squares of the grid
+    std::array<uint32_t, 3> neighbours{};  ///< face across the edge from corner i to the next
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit outward normal
+    Eigen::Vector3d cross = Eigen::Vector3d::Zero();   ///< the same normal in squared grid units
   };
 
-  /// Edge of the grid that holds coordinates of up to `reach_m`: 2e-12 to 4e-12 of it.
+  /// Grid spacing for coordinates of up to `reach_m`: 2e-12 to 4e-12 of it.
   static double grid_m(double reach_m);
-  /// The nearest point of a grid.
   static Eigen::Vector3d on_grid(const Eigen::Vector3d& point, double grid_m) {
     return (point / grid_m).array().round().matrix() * grid_m;
   }
 
-  /// Starts with four corners that span a volume on the grid of `reach_m` (asserted), in any order.
-  /// Every point moves to the grid. Keeps its memory.
+  /// Starts with four corners, in any order, that span a volume on the grid of `reach_m`
+  /// (asserted). Moves every point to the grid. Keeps its memory.
   void start(const std::array<Eigen::Vector3d, 4>& corners, double reach_m);
-  /// Makes the polytope the hull of itself and of a point in front of a face; false if the point is
-  /// behind that face or in its plane, or, without a face, behind all of them.
+  /// Extends the polytope to include a point in front of a face. False if the point is behind that
+  /// face or in its plane; without a face: behind all faces.
   bool add(const Eigen::Vector3d& point, uint32_t face);
   bool add(const Eigen::Vector3d& point);
 
@@ -42,19 +41,19 @@ class GrowingPolytope {
   bool is_face(uint32_t slot) const { return distances_[slot] < kFree; }
   /// By slot: inside, normal . x <= distance. Infinite for free slots.
   std::span<const double> distances() const { return distances_; }
-  /// Slots of the faces that the latest add() took away and put in; a slot may be in both.
+  /// Slots of the faces that the latest add() removed and added; a slot may be in both.
   std::span<const uint32_t> removed() const { return removed_; }
   std::span<const uint32_t> added() const { return added_; }
-  /// All points added, on the grid; those that are inside by now are no corners.
+  /// All points added, on the grid, including those that are now inside.
   std::span<const Eigen::Vector3d> points() const { return points_; }
   double grid_m() const { return grid_m_; }
 
-  /// Which side of a face's plane a point of the grid is on, exactly: 1 in front, 0 in it.
+  /// Exact side of a face's plane for a grid point: 1 in front, 0 in the plane, -1 behind.
   int side(uint32_t face, const Eigen::Vector3d& on_grid) const {
     const Face& f = faces_[face];
     const Eigen::Vector3d terms = f.cross.cwiseProduct(on_grid - points_[f.corners[0]]);
     const double sum = terms.sum();
-    // Three products of rounded numbers: off by 5e-16 of them at most.
+    // Three products of rounded numbers: their error is at most 5e-16 of their sum.
     if (std::abs(sum) > 1e-15 * terms.cwiseAbs().sum()) return sum > 0 ? 1 : -1;
     return exact_side(f, on_grid);
   }
@@ -64,7 +63,7 @@ class GrowingPolytope {
 
   struct Edge {
     uint32_t from, to;
-    uint32_t beyond;  ///< the face that stays
+    uint32_t beyond;  ///< remaining face
   };
 
   int exact_side(const Face& face, const Eigen::Vector3d& on_grid) const;
@@ -75,11 +74,12 @@ class GrowingPolytope {
   std::vector<Eigen::Vector3d> points_;
   std::vector<Face> faces_;  // by slot, as the next two
   std::vector<double> distances_;
-  std::vector<uint32_t> visible_for_;  // the number of points when a point was last in front of it
+  // number of points when a point was last in front of the face
+  std::vector<uint32_t> visible_for_;
   std::vector<uint32_t> free_;
-  std::vector<Edge> horizon_;  // of the faces in front of which a point lies
+  std::vector<Edge> horizon_;  // around the faces with the point in front
   std::vector<uint32_t> removed_, added_;
-  std::vector<uint32_t> begins_at_;  // by point: the added face whose horizon edge begins there
+  std::vector<uint32_t> begins_at_;  // by point: added face whose horizon edge begins there
 };
 
 }  // namespace throng

@@ -18,13 +18,13 @@ namespace {
 using Eigen::Vector3d;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// A point this share of the gap from the hull, or from a plane or line that holds all, need not
-/// be a corner; the rest of the gap is for rounding.
+/// Shares of the gap. A point this close to the hull, or to a plane or line of all points, need not
+/// be a corner. The rest of the gap is for rounding.
 constexpr double kInside = 0.9, kFlat = 0.2;
 constexpr uint32_t kNone = 0xffffffff;
 
-/// Up to four points, each the farthest from what the ones before span, and the directions that
-/// they span; fewer where all points lie within `tolerance_m` of it.
+/// Up to four points, each the farthest from the span of those before, and the directions that they
+/// span. Fewer if all points are within `tolerance_m` of the span.
 struct Spread {
   std::vector<Eigen::Index> corners = {0};
   std::array<Vector3d, 3> axes{};
@@ -33,7 +33,7 @@ struct Spread {
 Spread spread_of(const Points& points, double tolerance_m) {
   Spread out;
   const Vector3d origin = points.row(0);
-  Points left = points.rowwise() - origin.transpose();  // less the parts along the axes found
+  Points left = points.rowwise() - origin.transpose();  // without the parts along the axes found
   for (Vector3d& axis : out.axes) {
     Eigen::Index next = 0;
     const double far = std::sqrt(left.rowwise().squaredNorm().maxCoeff(&next));
@@ -45,7 +45,6 @@ Spread spread_of(const Points& points, double tolerance_m) {
   return out;
 }
 
-/// The ends of points on a line.
 std::vector<Eigen::Index> ends_of_line(const Points& points, const Vector3d& axis) {
   const Eigen::VectorXd along = points * axis;
   std::vector<Eigen::Index> out(2);
@@ -54,8 +53,7 @@ std::vector<Eigen::Index> ends_of_line(const Points& points, const Vector3d& axi
   return out;
 }
 
-/// The corners of points in a plane: a monotone chain (Andrew 1979), exact on a grid of 1e-9 of the
-/// size.
+/// Corners of points in a plane: monotone chain (Andrew 1979), exact on a grid of 1e-9 of the size.
 std::vector<Eigen::Index> corners_in_plane(const Points& points, const Vector3d& u,
                                            const Vector3d& v) {
   struct Place {
@@ -94,14 +92,14 @@ std::vector<Eigen::Index> corners_in_plane(const Points& points, const Vector3d&
   return out;
 }
 
-/// Quickhull: each point that is not inside yet is listed with one face that it lies in front of.
+/// Quickhull: each point that is not yet inside is listed with one face that it is in front of.
 class CornerSearch {
  public:
   CornerSearch(const Points& points, double gap_m)
       : size_(static_cast<size_t>(points.rows())), inside_m_(kInside * gap_m), next_(size_, kNone) {
     const Vector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
     const Vector3d middle = 0.5 * (low + high);
-    reach_m_ = (high - low).maxCoeff();  // beyond the middle half of it, and rounding
+    reach_m_ = (high - low).maxCoeff();  // beyond the middle half, with rounding
     const double grid = GrowingPolytope::grid_m(reach_m_);
     places_.reserve(size_);
     for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -113,7 +111,7 @@ class CornerSearch {
     for (size_t i = 0; i < 4; ++i) corners[i] = places_[static_cast<size_t>(start[i])];
     hull_.start(corners, reach_m_);
     for (size_t i = 0; i < 4; ++i)
-      for (const Eigen::Index corner : start)  // it may have changed their order
+      for (const Eigen::Index corner : start)  // the order may have changed
         if (places_[static_cast<size_t>(corner)] == hull_.points()[i])
           corner_of_.push_back(static_cast<uint32_t>(corner));
     lists_.resize(4);
@@ -141,10 +139,10 @@ class CornerSearch {
   /// Points in front of a face.
   struct List {
     uint32_t first = kNone, farthest = kNone;
-    double height_m = 0;  ///< of the farthest
+    double height_m = 0;
   };
 
-  /// Lists a point with the first of the faces that it is in front of, if there is one.
+  /// Lists a point with the first face that it is in front of, if any.
   void list(uint32_t point, std::span<const uint32_t> faces) {
     const Vector3d& place = places_[point];
     for (const uint32_t face : faces) {
@@ -170,8 +168,8 @@ class CornerSearch {
     return (weights[0] * from[0] + weights[1] * from[1] + weights[2] * from[2]).norm();
   }
 
-  /// Makes the farthest point in front of a face a corner, and lists anew those whose faces that
-  /// takes away: what is outside still is in front of an added face.
+  /// Makes the farthest point in front of a face a corner and relists the points of the removed
+  /// faces. Points that are still outside are in front of an added face.
   void push_out(uint32_t face) {
     const uint32_t corner = lists_[face].farthest;
     hull_.add(places_[corner], face);
@@ -187,7 +185,7 @@ class CornerSearch {
     for (const uint32_t point : orphans_) list(point, hull_.added());
   }
 
-  /// Those that are neither within a face nor within an edge by now.
+  /// Corners that are neither within a face nor within an edge.
   std::vector<uint32_t> corners_left() {
     creases_.assign(corner_of_.size(), 0);
     for (uint32_t face = 0; face < hull_.faces().size(); ++face) {
@@ -208,14 +206,14 @@ class CornerSearch {
 
   size_t size_;
   double inside_m_, reach_m_ = 0;
-  std::vector<Vector3d> places_;  // of the points, on the grid around their middle
-  std::vector<uint32_t> next_;    // by point: in a list
+  std::vector<Vector3d> places_;  // points on the grid around their middle
+  std::vector<uint32_t> next_;    // by point: next point of its list
   GrowingPolytope hull_;
-  std::vector<uint32_t> corner_of_;  // by point of the hull
-  std::vector<List> lists_;          // by face
-  std::vector<uint32_t> pending_;    // faces that got a list, the oldest first
+  std::vector<uint32_t> corner_of_;  // by point of the hull: index of the input point
+  std::vector<List> lists_;
+  std::vector<uint32_t> pending_;  // faces with a list, oldest first
   std::vector<uint32_t> orphans_;
-  std::vector<uint32_t> creases_;  // by point of the hull: edges that the surface bends at
+  std::vector<uint32_t> creases_;  // by point of the hull: number of edges where the surface bends
   size_t tests_ = 0;
 };
 

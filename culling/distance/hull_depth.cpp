@@ -13,8 +13,8 @@
 
 namespace throng {
 
-// A hull's corners and points where they are, in a frame that two parts share.
-// One rule: placed as the floats of the pose have it, in double precision.
+// PlacedPoints transforms the corners and points of a hull into a frame that two parts share, in
+// double precision from the float pose.
 
 struct PlacedPoints {
   explicit PlacedPoints(const PlacedHull& placed,
@@ -31,9 +31,9 @@ struct PlacedPoints {
   double extent(const Eigen::Vector3d& direction) const {
     return hull.extent(linear.transpose() * direction) + direction.dot(shift);
   }
-  /// How far from where the part's origin is placed the farthest point is, but for rounding.
+  /// Largest distance of a point from the placed origin of the part, except for rounding.
   double reach_m() const { return scale * hull.reach_m(); }
-  /// By how much at most a point reaches beyond support(), along any unit direction.
+  /// Maximum distance of a point beyond support(), along any unit direction.
   double beyond_support_m() const { return scale * hull.beyond_corners_m(); }
 
   const ConvexHull& hull;
@@ -46,16 +46,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of an angle that a direction may lie beyond the edge of its cell, by rounding.
+/// Maximum angle of a direction beyond the edge of its cell, by rounding, in rad.
 constexpr double kAngleRounding = 1e-9;
 
-/// Where a cell lies: its middle, unit, and the sine of the angle to the farthest of its corners.
+/// Cone around a cell: unit direction of its middle, sine of the angle to its farthest corner.
 struct Cone {
   Vector3d middle;
   double sine;
 };
 
-/// Whether a corner is behind another along every direction of a cone, by the way from the other.
+/// Tests whether a corner is behind another along all directions of a cone, by their difference.
 struct Behind {
   explicit Behind(const Cone& cone) : middle(cone.middle), sine2(cone.sine * cone.sine) {}
   bool operator()(double x, double y, double z) const {
@@ -66,12 +66,11 @@ struct Behind {
   double sine2;
 };
 
-/// Corners that are compared each with each: beyond, the time would grow with their square.
-constexpr size_t kFewToCompare = 256;
+/// Maximum number of corners to compare pairwise, because the time grows with the square.
+constexpr size_t kMaxComparedCorners = 256;
 
 constexpr double kEighth = std::numbers::pi / 4;
 
-/// Unit directions around the middle of a cone, within it and beyond.
 std::vector<Vector3d> directions_of(const Cone& cone) {
   std::vector<Vector3d> out;
   const Vector3d u = cone.middle.unitOrthogonal(), v = cone.middle.cross(u);
@@ -106,10 +105,10 @@ Cone cone_of(size_t cell, int side) {
 
 size_t SupportMap::cell_of(const Vector3d& direction) {
   Eigen::Index axis = 0;
-  const double most = direction.cwiseAbs().maxCoeff(&axis);
-  if (!(most > 0)) return 0;  // along nothing all are as far
+  const double max = direction.cwiseAbs().maxCoeff(&axis);
+  if (!(max > 0)) return 0;  // along a null vector all corners are equal
   const auto along = [&](Eigen::Index other) {
-    const double share = direction[other] / most;  // -1 to 1
+    const double share = direction[other] / max;  // -1 to 1
     return static_cast<size_t>(
         std::clamp(static_cast<int>((share + 1) * (0.5 * kSide)), 0, kSide - 1));
   };
@@ -125,9 +124,9 @@ SupportMap::SupportMap(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
   start_.push_back(static_cast<uint32_t>(corners_.size()));
 }
 
-/// A corner is left out where another is farther along every direction of the cell: the angle from
-/// the way between them to the cell's middle exceeds a right angle by more than the cell's own. It
-/// is compared with all others where they are few, else with the farthest along some directions.
+/// Omits a corner if another is farther along every direction of the cell. Then the angle from the
+/// vector between them to the cell's middle exceeds 90 degrees by more than the cell's own angle.
+/// Few corners are compared pairwise, many only with the farthest along some directions.
 void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points,
                           Eigen::Index corners, size_t cell) {
   const Cone cone = cone_of(cell, kSide);
@@ -159,7 +158,7 @@ void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points
     left.resize(count);
     places.resize(count);
   };
-  if (left.size() > kFewToCompare) {
+  if (left.size() > kMaxComparedCorners) {
     std::vector<Vector3d> ahead;
     for (const Vector3d& direction : directions_of(cone))
       ahead.push_back(*std::max_element(places.begin(), places.end(),
@@ -168,17 +167,16 @@ void SupportMap::add_cell(const Eigen::Matrix<double, Eigen::Dynamic, 3>& points
                                         }));
     leave_out_behind(ahead);
   }
-  if (left.size() <= kFewToCompare) leave_out_behind(std::vector(places));
+  if (left.size() <= kMaxComparedCorners) leave_out_behind(std::vector(places));
   corners_.insert(corners_.end(), left.begin(), left.end());
 }
 
 namespace {
 
-/// Pairs of bodies need some tens, two balls in each other of 10 000 corners each some thousands; a
-/// pair that needs more gets the bounds that were found by then.
+/// Pairs of bodies need some tens, two balls in each other with 10 000 corners each some thousands.
+/// A pair that needs more gets the bounds found by then.
 constexpr size_t kMaxCorners = 20'000;
 
-/// The corner of the cube that lies farthest along a direction.
 Eigen::Vector3d cube_corner(const Eigen::Vector3d& direction, double half_m) {
   return direction.unaryExpr([half_m](double x) { return x < 0 ? -half_m : half_m; });
 }
@@ -188,7 +186,7 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 Eigen::Index farthest(const Points& points, Eigen::Index count, const Eigen::Vector3d& direction) {
   constexpr Eigen::Index kBlock = 64;
   std::array<double, kBlock> along;
-  double most = -std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
   Eigen::Index best = 0;
   for (Eigen::Index first = 0; first < count; first += kBlock) {
     const Eigen::Index block = std::min(kBlock, count - first);
@@ -199,8 +197,8 @@ Eigen::Index farthest(const Points& points, Eigen::Index count, const Eigen::Vec
       along[static_cast<size_t>(i)] =
           direction.x() * x[i] + direction.y() * y[i] + direction.z() * z[i];
     for (Eigen::Index i = 0; i < block; ++i) {
-      if (along[static_cast<size_t>(i)] <= most) continue;
-      most = along[static_cast<size_t>(i)];
+      if (along[static_cast<size_t>(i)] <= max) continue;
+      max = along[static_cast<size_t>(i)];
       best = first + i;
     }
   }
@@ -219,7 +217,7 @@ ConvexHull::ConvexHull(std::span<const Eigen::Vector3f> points)
   reach_m_ = std::sqrt(points_.rowwise().squaredNorm().maxCoeff());
   const std::vector<Eigen::Index> corners = hull_corners(points_, beyond_corners_m_).indices;
   corner_count_ = static_cast<int>(corners.size());
-  for (size_t i = 0; i < corners.size(); ++i)  // ascending, so that none is moved away
+  for (size_t i = 0; i < corners.size(); ++i)  // ascending, so that none is overwritten
     points_.row(static_cast<Eigen::Index>(i)).swap(points_.row(corners[i]));
   supports_ = SupportMap(points_, corner_count_);
 }
@@ -227,11 +225,11 @@ ConvexHull::ConvexHull(std::span<const Eigen::Vector3f> points)
 Eigen::Vector3d ConvexHull::support(const Eigen::Vector3d& direction) const {
   if (supports_.is_empty()) return points_.row(farthest(points_, corner_count_, direction));
   Eigen::Index best = 0;
-  double most = -std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
   for (const uint16_t corner : supports_.along(direction)) {
     const double along = points_.row(corner).dot(direction);
-    if (along <= most) continue;
-    most = along;
+    if (along <= max) continue;
+    max = along;
     best = corner;
   }
   return points_.row(best);
@@ -243,7 +241,7 @@ double ConvexHull::extent(const Eigen::Vector3d& direction) const {
 
 namespace {
 
-/// Of A and of B, whose difference is where the face lies nearest to the origin.
+/// Points of A and B whose difference is the point of the face nearest to the origin.
 NearestPoints points_of(const GrowingPolytope::Face& face,
                         std::span<const Eigen::Vector3d> differences,
                         std::span<const Eigen::Vector3d> on_a) {
@@ -260,12 +258,12 @@ NearestPoints points_of(const GrowingPolytope::Face& face,
 
 }  // namespace
 
-/// How finely a depth is looked for.
-struct DepthFinder::Fineness {
-  /// How much farther than a face the hull may reach and count as known there.
+/// Tolerances of the search for a depth, in metres.
+struct DepthFinder::Tolerances {
+  /// Distance that the hull may exceed a face that counts as final.
   double gap_m;
-  /// Half the edge of a cube that is added to the difference of the hulls, so that there is a
-  /// volume even where both are flat. Gap and half its diagonal together bound the error.
+  /// Half edge of the cube added to the difference of the hulls, so that flat hulls also span a
+  /// volume. Gap and half the cube's diagonal together bound the error.
   double cube_m;
 };
 
@@ -277,15 +275,16 @@ uint32_t DepthFinder::lowest_face() {
   return lowest_.front().slot;
 }
 
-// An expanding polytope (van den Bergen 2001) with two changes. It lies inside the difference of
-// the hulls from the start, but need not hold the origin: the face whose plane is lowest is pushed
-// out, and where the difference ends before the origin does, the hulls are apart. And a small cube
-// is added to the difference, so that flat hulls need no cases of their own.
-Depth DepthFinder::find(const PlacedPoints& a, const PlacedPoints& b, const Fineness& fineness) {
-  const double reach_m = 2 * (a.reach_m() + b.reach_m() + fineness.cube_m) +
-                         (b.shift - a.shift).norm();  // floats turn a little askew
+// An expanding polytope (van den Bergen 2001) with two changes. It is inside the difference of the
+// hulls from the start, but need not contain the origin. The face whose plane is lowest is pushed
+// out; if the difference ends before the origin does, the hulls are apart. A small cube is added to
+// the difference, so that flat hulls need no special cases.
+Depth DepthFinder::find(const PlacedPoints& a, const PlacedPoints& b,
+                        const Tolerances& tolerances) {
+  const double reach_m = 2 * (a.reach_m() + b.reach_m() + tolerances.cube_m) +
+                         (b.shift - a.shift).norm();  // float rotations are slightly askew
   const double grid_m = GrowingPolytope::grid_m(reach_m);
-  const double cube_m = std::max(fineness.cube_m, 4 * grid_m);
+  const double cube_m = std::max(tolerances.cube_m, 4 * grid_m);
   const auto cube = [&](const Eigen::Vector3d& n) { return cube_corner(n, cube_m); };
   const auto put = [&](uint32_t slot) {
     lowest_.push_back({inside_.distances()[slot], slot});
@@ -300,27 +299,27 @@ Depth DepthFinder::find(const PlacedPoints& a, const PlacedPoints& b, const Fine
   lowest_.clear();
   for (uint32_t slot = 0; slot < 4; ++slot) put(slot);
   Depth out;
-  double least = std::numeric_limits<double>::infinity();
+  double min_reach = std::numeric_limits<double>::infinity();
   for (;;) {
     const uint32_t lowest = lowest_face();
     const Eigen::Vector3d normal = inside_.faces()[lowest].normal;
     const double inner = inside_.distances()[lowest];
     const Eigen::Vector3d far_on_a = a.support(normal);
     const Eigen::Vector3d far = far_on_a - b.support(-normal);
-    if (const double reach = normal.dot(far); reach < least) {
-      least = reach;
+    if (const double reach = normal.dot(far); reach < min_reach) {
+      min_reach = reach;
       out.direction = normal;
     }
     const Eigen::Vector3d corner = far + cube(normal);
-    const bool is_known = normal.dot(corner) - inner <= fineness.gap_m;
-    if (least > 0 && !is_known && inside_.points().size() < kMaxCorners &&
+    const bool is_known = normal.dot(corner) - inner <= tolerances.gap_m;
+    if (min_reach > 0 && !is_known && inside_.points().size() < kMaxCorners &&
         inside_.add(corner, lowest)) {
       on_a_.push_back(far_on_a);
       for (const uint32_t slot : inside_.added()) put(slot);
       continue;
     }
     out.min_depth_m = std::max(0.0, inner - std::sqrt(3.0) * (cube_m + grid_m));
-    // The corners left out count, too.
+    // Includes the corners left out.
     out.depth_m = std::max(0.0, a.extent(out.direction) + b.extent(-out.direction));
     out.points_m = points_of(inside_.faces()[lowest], inside_.points(), on_a_);
     return out;
@@ -329,13 +328,13 @@ Depth DepthFinder::find(const PlacedPoints& a, const PlacedPoints& b, const Fine
 
 Depth DepthFinder::depth(const PlacedHull& a, const PlacedHull& b,
                          const Eigen::Vector3f& a_to_b_m) {
-  constexpr Fineness kCoarse{4e-4, 2e-5};
-  // For depths that may be none at all.
-  constexpr Fineness kFine{1e-7, 1e-7};
-  constexpr double kMayBeNone_m = 1e-3;
+  constexpr Tolerances kCoarse{4e-4, 2e-5};
+  // For depths that may be 0.
+  constexpr Tolerances kFine{1e-7, 1e-7};
+  constexpr double kMaxShallowDepth_m = 1e-3;
   const PlacedPoints placed_a(a), placed_b(b, a_to_b_m.cast<double>());
   Depth coarse = find(placed_a, placed_b, kCoarse);
-  if (coarse.depth_m == 0 || coarse.depth_m > kMayBeNone_m) return coarse;
+  if (coarse.depth_m == 0 || coarse.depth_m > kMaxShallowDepth_m) return coarse;
   return find(placed_a, placed_b, kFine);
 }
 
@@ -366,13 +365,13 @@ HullGap hull_gap(const PlacedHull& a, const PlacedHull& b, const Eigen::Vector3f
   out.corner_distance_m = out.distance_m = std::numeric_limits<double>::max();
   Simplex simplex;
   Vector3d towards = direction;
-  double most = -std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMaxSteps; ++step) {
     simplex.add(there_a.support(towards), there_b.support(-towards));
     const Vector3d& between = simplex.corners[static_cast<size_t>(simplex.count - 1)].between;
     out.corner_distance_m = std::min(out.corner_distance_m, between.norm());
-    if (const double gap = towards.dot(between); gap > most) {
-      most = gap;
+    if (const double gap = towards.dot(between); gap > max) {
+      max = gap;
       out.direction = towards;
     }
     const Vector3d nearest = simplex.reduce();
@@ -384,10 +383,10 @@ HullGap hull_gap(const PlacedHull& a, const PlacedHull& b, const Eigen::Vector3f
     if (!(distance < out.distance_m)) break;
     out.distance_m = distance;
     out.points_m = points_of(simplex);
-    if (distance - most < kConverged_m) break;
+    if (distance - max < kConverged_m) break;
     towards = nearest / distance;
   }
-  out.lo_m = std::max(0.0, most - there_a.beyond_support_m() - there_b.beyond_support_m());
+  out.lo_m = std::max(0.0, max - there_a.beyond_support_m() - there_b.beyond_support_m());
   return out;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bounds that doubles have found are rounded outwards by as much as their frames' floats do.
+/// Bounds found in double precision are rounded outwards by the float rounding of their frames.
 constexpr double kShare = 1e-6, kRounding_m = 1e-7;
 
 PlacedHull hull_of(const PartRef& part) {
@@ -25,7 +25,7 @@ PlacedSurface surface_of(const PartRef& part) {
           part.scale};
 }
 
-/// From the middle of part a to that of part b: where to begin.
+/// Vector from the middle of part a to that of part b, as initial direction.
 Vector3d middle_to_middle(const PartPair& pair) {
   const auto middle = [](const PartRef& part) -> Vector3d {
     const Eigen::Vector3f origin(part.volumes->tables()[part.part].origin);
@@ -43,7 +43,7 @@ HullGap gap_of_hulls(const PartPair& pair) {
 double lo_m(const HullGap& gap) { return gap.lo_m * (1 - kShare) - kRounding_m; }
 double hi_m(const HullGap& gap) { return gap.corner_distance_m * (1 + kShare) + kRounding_m; }
 
-/// Of parts that do not touch: within what is known already, whatever the margin is.
+/// Distance of parts that do not touch, within the known bounds; independent of the margin.
 std::optional<SurfaceGap> gap_of_surfaces(const PartPair& pair, const ProximityCandidate& candidate,
                                           const HullGap& hulls, ProximityCounters& counters) {
   const double known_m = std::max({0.0, static_cast<double>(candidate.lo_m), lo_m(hulls)});
@@ -59,7 +59,6 @@ bool touches(const PartPair& pair, TouchState known, ProximityCounters& counters
 
 }  // namespace
 
-/// All, or, where there are triangles, their corners.
 std::vector<Eigen::Vector3f> BodyType::Volumes::points_on(const PartShape& part) {
   if (part.triangles.empty()) return part.points;
   std::vector<char> is_corner(part.points.size(), 0);
@@ -93,14 +92,14 @@ void ProximityCandidates::find_bounds(const MidPhaseFrame& frame) {
   std::fill_n(bounds_.data(), count, GapBounds{kFar_m, kFar_m});
   std::fill_n(overlaps_.data(), count, uint8_t{0});
   parts_.for_each_bucket(
-      [&](size_t a, size_t b, std::span<uint32_t> some) {
+      [&](size_t a, size_t b, std::span<uint32_t> bucket) {
         const ShapePart part_a = shape_part(frame, a), part_b = shape_part(frame, b);
         frame.kernels->ordop_gaps(part_a.table(), part_b.table(), part_a.nearby_points(),
                                   part_b.nearby_points(), pairs().data(), bodies_->poses(),
-                                  candidates().data(), some.data(), some.size(), margin_m_,
+                                  candidates().data(), bucket.data(), bucket.size(), margin_m_,
                                   bounds_.data(), overlaps_.data());
       },
-      [&](uint32_t one) {  // shapes beyond the buckets: rare
+      [&](uint32_t one) {  // shapes without buckets are rare
         const Candidate& c = candidates()[one];
         const auto &a = frame.types[pairs()[c.pair].type_a]->volumes(),
                    &b = frame.types[pairs()[c.pair].type_b]->volumes();
@@ -166,7 +165,7 @@ DistanceResult TriangleQuery::decide_touch(const PartPair& pair, TouchState know
 
 DistanceResult TriangleQuery::touching(const PartPair& pair, ProximityCounters& counters) {
   const Depth depth = depths_.depth(hull_of(pair.a), hull_of(pair.b), pair.a_to_b_m);
-  // Nothing only if rounding has it otherwise here.
+  // Null only if rounding has a different result here.
   const Vector3d point =
       contact_point(surface_of(pair.a), surface_of(pair.b), pair.a_to_b_m,
                     0.5 * (depth.points_m.on_a + depth.points_m.on_b), counters.primitives)

@@ -1,6 +1,6 @@
-// The parts of two bodies that may be within a margin of each other: boxes, then or-DOPs and a few
-// points of each, then hulls and triangles.
-// One rule: a pair of parts is dropped only by a proof that it is farther apart.
+// ProximityCandidates lists the parts of two bodies that may be within a margin. It tests boxes,
+// or-DOPs and a few points of each, then hulls and triangles.
+// Invariant: a pair of parts is dropped only by a proof that it is farther apart.
 #pragma once
 
 #include <array>
@@ -18,30 +18,30 @@
 
 namespace throng {
 
-/// Makes what is read here of a type; once, before steps.
+/// Fits the data of a type that candidates read. Call once, before steps.
 void fit_for_proximity(const BodyType& type);
 
-/// The float next to a bound that holds it.
+/// Nearest float that preserves a lower or upper bound.
 inline float rounded_down(double x) {
-  const float near = static_cast<float>(x);
-  return static_cast<double>(near) > x ? std::nextafter(near, 0.0f) : near;
+  const float rounded = static_cast<float>(x);
+  return static_cast<double>(rounded) > x ? std::nextafter(rounded, 0.0f) : rounded;
 }
 inline float rounded_up(double x) {
-  const float near = static_cast<float>(x);
-  return static_cast<double>(near) < x
-             ? std::nextafter(near, std::numeric_limits<float>::infinity())
-             : near;
+  const float rounded = static_cast<float>(x);
+  return static_cast<double>(rounded) < x
+             ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
+             : rounded;
 }
 
-/// What triangles have said already.
+/// Earlier result of the triangle test.
 enum class TouchState : uint8_t { kUntested, kNo, kYes };
 
-/// Two parts that may be near: what is proven of their distance.
+/// Two parts that may be within the margin, with distance bounds.
 struct ProximityCandidate {
   float lo_m, hi_m;
   uint8_t part_a, part_b;
   TouchState touch;
-  bool is_inner;  ///< within the inner margin of a search with two
+  bool is_inner;  ///< within the inner margin of a search with two margins
   uint16_t parts() const { return static_cast<uint16_t>(PairKey::parts_of(part_a, part_b)); }
 };
 
@@ -51,7 +51,7 @@ struct ProximityCounters {
   TriangleCounters primitives;
 };
 
-/// Candidates of a task by boxes and or-DOPs. One a worker.
+/// Candidates of a task, by boxes and or-DOPs. Use one instance per worker.
 class ProximityCandidates {
  public:
   void begin(const MidPhaseFrame& frame, const PosedBodies& bodies, float margin_m);
@@ -59,18 +59,18 @@ class ProximityCandidates {
            std::span<const uint8_t> inner) {
     parts_.add(frame, pairs, inner);
   }
-  /// Candidates by boxes, then what or-DOPs and points say of them.
+  /// Finds candidates by boxes, then their bounds by or-DOPs and points.
   void find_candidates(const MidPhaseFrame& frame) { parts_.find(frame); }
   void find_bounds(const MidPhaseFrame& frame);
 
   const PosedBodies& posed() const { return *bodies_; }
   const PartCandidates& parts() const { return parts_; }
   std::span<const BodyPair> pairs() const { return parts_.pairs(); }
-  /// Those of a pair are consecutive and sorted, pairs in their order.
+  /// Candidates of a pair are consecutive and sorted; pairs are in the order of add().
   std::span<const Candidate> candidates() const { return parts_.candidates(); }
-  /// One a candidate; infinite for those that are farther apart than the margin.
+  /// Bounds per candidate; infinite if proven farther apart than the margin.
   std::span<const GapBounds> bounds() const { return {bounds_.data(), parts_.candidates().size()}; }
-  /// Whether the or-DOPs of each overlap, as without a margin.
+  /// Flag per candidate: the or-DOPs overlap, as without a margin.
   std::span<const uint8_t> overlaps() const {
     return {overlaps_.data(), parts_.candidates().size()};
   }
@@ -89,16 +89,16 @@ class ProximityCandidates {
   GrowBuffer<uint8_t> overlaps_;
 };
 
-/// Both bounds by the convex hulls: within 0.2 mm of each other where the parts are convex and a
-/// corner of each is nearest to the other.
+/// Tightens both bounds by the convex hulls. They are within 0.2 mm of each other if the parts are
+/// convex and a corner of each is nearest to the other.
 void tighten_by_hulls(const PartPair& pair, ProximityCandidate& candidate);
-/// Both bounds by the triangles, which both parts have: within 1 mm of each other.
+/// Tightens both bounds by the triangles, which both parts must have: within 1 mm of each other.
 void tighten_by_triangles(const PartPair& pair, ProximityCandidate& candidate,
                           ProximityCounters& counters);
 
-/// What triangles say of a candidate.
+/// Result of the triangle tests of a candidate.
 struct DistanceResult {
-  bool is_within = false;  ///< false: proven farther apart than asked
+  bool is_within = false;  ///< false: proven farther apart than requested
   bool touches = false;
   double lo_m = 0, hi_m = 0;
   Eigen::Vector3d on_a_m, on_b_m;  ///< relative to a's root, in world axes
@@ -106,13 +106,13 @@ struct DistanceResult {
   double depth_m = 0;
 };
 
-/// Asks the triangles. One a thread: keeps memory.
+/// Computes distances between triangle meshes. Keeps scratch memory: use one instance per thread.
 class TriangleQuery {
  public:
-  /// What is proven of a pair that is near does not depend on `within_m`.
+  /// The bounds of a pair within the distance do not depend on `within_m`.
   DistanceResult decide(const PartPair& pair, const ProximityCandidate& candidate, double within_m,
                         ProximityCounters& counters);
-  /// Of those that touch alone; all others are not near.
+  /// As decide(), for touching parts only; all others are not within the distance.
   DistanceResult decide_touch(const PartPair& pair, TouchState known, ProximityCounters& counters);
 
  private:

@@ -59,14 +59,14 @@ void PreviousPoses::archive(Archive& a) {
 }
 
 void PreviousPoses::restore(Archive& a, uint64_t count) {
-  if (count > PairKey::kMaxId) a.refuse("as many bodies as there can be", "more");
+  if (count > PairKey::kMaxId) a.refuse("a supported number of bodies", "a larger number");
   begin_frame(1);
   Task& task = tasks_[current_][0];
   constexpr uint32_t kMaxPartCount = 256;
   for (size_t i = 0; i < count; ++i) {
     Body body{};
     a(body.id, body.parts, body.scale, body.root_m);
-    if (body.parts > kMaxPartCount) a.refuse("as many parts as a body can have", "more");
+    if (body.parts > kMaxPartCount) a.refuse("a supported number of parts", "a larger number");
     task.bodies.grow(i + 1, i);
     task.bodies[task.body_count++] = body;
     task.poses.grow(task.pose_count + body.parts, task.pose_count);
@@ -90,7 +90,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Wider intervals by volumes are narrowed by hulls, and where that is not enough by triangles.
+/// Wider bounds by volumes are tightened by hulls and, if still wide, by triangles.
 constexpr float kWide_m = 0.1f;
 
 template <typename T>
@@ -101,7 +101,7 @@ void append(GrowBuffer<T>& to, size_t& count, const T& what) {
 
 std::array<double, 3> to_array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Where the material at a point, relative to the root, is on the part.
+/// Position of a point (relative to the root) in the part's frame.
 Vector3d on_part(const PartPose& pose, float scale, const Vector3d& point_m) {
   const Eigen::Isometry3d there = to_isometry(pose);
   return there.linear().transpose() * (point_m - there.translation()) / static_cast<double>(scale);
@@ -111,7 +111,7 @@ Vector3d placed(const PartPose& pose, float scale, const Vector3d& on_part) {
   return to_isometry(pose) * (static_cast<double>(scale) * on_part);
 }
 
-/// What the hash says of a row. `kind`: 1 for pairs of parts, 2 for the nearest of two bodies.
+/// Adds a row to the hash. `kind`: 1 for pairs of parts, 2 for the closest parts of two bodies.
 void add_to(EventSum& sum, const ProximityPair& row, uint64_t kind) {
   const uint64_t interval =
       uint64_t{std::bit_cast<uint32_t>(row.lo_m)} << 32 | std::bit_cast<uint32_t>(row.hi_m);
@@ -124,10 +124,10 @@ void add_to(EventSum& sum, const DistanceBounds& interval, uint64_t kind) {
   add_to(sum, interval.row(), kind);
 }
 
-/// Nothing: events say which pairs touch.
+/// Contact points are not hashed: events include their pairs.
 void add_to(EventSum&, const ContactPoint&, uint64_t) {}
 
-/// Calls visit(pair, first, end) for the candidates of two bodies after another.
+/// Calls visit(pair, first, end) for the candidates of each pair of bodies.
 template <typename Visit>
 void for_pairs(std::span<const Candidate> candidates, const Visit& visit) {
   for (size_t i = 0; i < candidates.size();) {
@@ -138,8 +138,8 @@ void for_pairs(std::span<const Candidate> candidates, const Visit& visit) {
   }
 }
 
-/// Writes those that their volumes do not prove farther apart than `within_m`; returns how many.
-/// There is room for all. No branch: which are near is hard to foretell.
+/// Writes the candidates that volumes do not prove farther apart than `within_m`; returns their
+/// number. `out` must hold all candidates. Without branches, because results are not predictable.
 template <typename TouchOf, typename InnerOf>
 size_t write_candidates(const ProximityCandidates& parts, size_t first, size_t end, float within_m,
                         ProximityCandidate* out, const TouchOf& touch_of, const InnerOf& inner_of) {
@@ -221,7 +221,7 @@ void ProximitySearch::finish(int worker, size_t index, std::span<const uint8_t> 
     take_candidates(parts, touches, task);
     if (!options_.has_budget()) decide(task);
   }
-  // Under a deadline all tasks have the same bodies.
+  // With a budget all tasks have the same bodies.
   if (needs_previous_poses() && (!options_.has_budget() || index == 0))
     record_poses(index, parts.posed());
   task.counters.ns += watch.lap_ns();
@@ -248,8 +248,8 @@ void ProximitySearch::list_intervals(const ProximityCandidates& parts, Task& tas
   });
 }
 
-/// Hulls bound what volumes leave wide, and triangles what hulls leave: at a wall no corner is
-/// near. Returns how many are near, which come first.
+/// Tightens wide bounds of volumes by hulls, and those of hulls by triangles: at a wall no corner
+/// is near. Returns the number of candidates within the margin, which are moved to the front.
 size_t ProximitySearch::tighten(const BodyPair& bodies, std::span<ProximityCandidate> candidates,
                                 Task& task) const {
   bool is_tightened = false;
@@ -304,8 +304,8 @@ void ProximitySearch::take_candidates(const ProximityCandidates& parts,
   });
 }
 
-/// Under a deadline the two bodies that may be nearest come first, wholly, as long as the budget
-/// lasts: tests of triangles, at most one a candidate; or the time, which is looked at in decide().
+/// With a budget, plans complete pairs of bodies by increasing lower bound until the budget is used
+/// up. A budget of tests counts one triangle test per candidate; decide() checks the time.
 void ProximitySearch::plan_budget() {
   if (!options_.exact) return;
   size_t count = 0;
@@ -324,7 +324,7 @@ void ProximitySearch::plan_budget() {
   }
 }
 
-/// Of two bodies the nearest pair of parts, where a margin asks for it.
+/// Finds the closest parts of two bodies if closest_margin_m is set.
 class ProximitySearch::ClosestParts {
  public:
   ClosestParts(const ProximitySearch& search, const Pair& pair)
@@ -336,7 +336,7 @@ class ProximitySearch::ClosestParts {
     nearest_.lo_m = nearest_.hi_m = std::numeric_limits<float>::max();
   }
 
-  /// What is farther apart is not the nearest; below 0: none is asked for.
+  /// Distance beyond which a pair is not the closest; below 0 if none is requested.
   float within_m() const { return margin_m_ > 0 ? std::min(margin_m_, nearest_.hi_m) : -1; }
   bool may_be(const ProximityCandidate& c) const {
     return c.lo_m <= within_m() && (c.is_inner || !needs_inner_);
@@ -356,10 +356,11 @@ class ProximitySearch::ClosestParts {
   bool needs_inner_;
   float margin_m_;
   ProximityPair nearest_;
-  float min_distance_m_ = std::numeric_limits<float>::max();  ///< no two parts are nearer
+  /// lower bound of the distance of all parts
+  float min_distance_m_ = std::numeric_limits<float>::max();
 };
 
-/// The candidates of two bodies, the one that may be nearest first.
+/// Candidates of two bodies, by increasing lower bound.
 std::span<ProximityCandidate> ProximitySearch::sorted(const Pair& pair, Task& task) {
   const std::span<ProximityCandidate> out(task.candidates.data() + pair.first, pair.count);
   std::sort(out.begin(), out.end(), [](const ProximityCandidate& p, const ProximityCandidate& q) {
@@ -384,14 +385,13 @@ void ProximitySearch::decide(Task& task) {
   }
 }
 
-/// Whether a row of a pair of parts may be listed, by its volumes: the same with and without
-/// another margin.
+/// True if a pair of parts is listed, by its volumes. Independent of another margin.
 bool ProximitySearch::is_listed(const ProximityCandidate& candidate) const {
   return candidate.lo_m <= options_.proximity.margin_m &&
          (candidate.is_inner || options_.proximity.margin_m != margins_.inner_m);
 }
 
-/// By volumes alone, which prove of nothing that it touches.
+/// Lists candidates by volumes only, which never prove a contact.
 void ProximitySearch::list_undecided(const Pair& pair, Task& task) {
   for (const ProximityCandidate& each :
        std::span(task.candidates.data() + pair.first, pair.count)) {
@@ -403,8 +403,7 @@ void ProximitySearch::list_undecided(const Pair& pair, Task& task) {
   task.rows.end_run(pair.bodies);
 }
 
-/// Candidates as list() sorts them, for the nearest of two bodies: as long as one can be nearer
-/// than the nearest yet.
+/// Lists the closest candidate of two bodies, in the order of list() until none can be closer.
 void ProximitySearch::list_nearest_undecided(const Pair& pair, Task& task) {
   ClosestParts nearest(*this, pair);
   for (ProximityCandidate& c : sorted(pair, task)) {
@@ -418,7 +417,7 @@ void ProximitySearch::list_nearest_undecided(const Pair& pair, Task& task) {
   nearest.list(task);
 }
 
-/// The rows of two bodies that triangles decide. The candidates that may be nearest come first.
+/// Lists the rows of two bodies by triangles, by increasing lower bound.
 void ProximitySearch::list(const Pair& pair, Task& task) {
   ClosestParts nearest(*this, pair);
   const float margin_m = options_.proximity.margin_m;
@@ -476,7 +475,7 @@ ProximityPair ProximitySearch::decided(const Task& task, const BodyPair& bodies,
   return row;
 }
 
-/// The material of each part at the point, where it was in the last frame.
+/// Tracks the material of each part at the point back to its position in the last frame.
 float ProximitySearch::closing_speed_mps(const Task& task, const BodyPair& bodies,
                                          const ProximityCandidate& candidate,
                                          const DistanceResult& result) const {
@@ -508,7 +507,7 @@ void ProximitySearch::end_frame(StageCounters& counters) {
   }
   hash_.add_frame(frame_number_++, take_rows());
   if (needs_previous_poses()) previous_.end_frame();
-  for (ProximityCandidates& parts : parts_)  // any worker may get any task next time
+  for (ProximityCandidates& parts : parts_)  // any worker may run any task next time
     for (const ProximityCandidates& other : parts_) parts.reserve_like(other);
   counters = {.volume = options_.exact ? "triangles" : "ordop26"};
   for (size_t i = 0; i < task_count_; ++i) {
@@ -533,7 +532,7 @@ PartCandidates::Counters ProximitySearch::box_counters() const {
   return sum;
 }
 
-/// Brings what the tasks have found into order. Returns the sum of what the hash is of.
+/// Sorts the rows of all tasks. Returns the sum for the hash.
 EventSum ProximitySearch::take_rows() {
   EventSum sum;
   const auto as_it_is = [](size_t, size_t, const auto& row) { return row; };

@@ -1,7 +1,7 @@
-// Distances of a frame: every pair of parts within a margin, of each two bodies the nearest pair,
-// and where parts touch. Works in the tasks of the narrow phase, on the bodies that it has posed.
-// Its bounds also say which or-DOPs overlap, so that nobody needs to test them again.
-// One rule: rows are the same for any number of threads, SIMD target and pair search.
+// ProximitySearch lists pairs of parts within a margin, the closest parts of bodies, and contact
+// points of a frame. It runs in the tasks of the mid phase, on the bodies posed there. Its bounds
+// also decide which or-DOPs overlap, so that they are tested only once.
+// Invariant: rows are the same for any number of threads, SIMD target and pair search.
 #pragma once
 
 #include <algorithm>
@@ -27,14 +27,12 @@
 
 namespace throng {
 
-// Rows that tasks find, pair of bodies by pair of bodies, and all of them in the order of their
-// keys. One rule: what a task has found stays where it is until the rows have been taken.
+// TaskRows collects rows of tasks, per pair of bodies; OrderedRows sorts those of all tasks by key.
+// Invariant: rows of a task stay in place until they have been taken.
 
-/// What one task finds.
 template <typename Item>
 class TaskRows {
  public:
-  /// Those of two bodies.
   struct Run {
     uint32_t body_a, body_b, first, count;
   };
@@ -44,15 +42,15 @@ class TaskRows {
     items_.grow(item_count_ + 1, item_count_);
     items_[item_count_++] = item;
   }
-  /// What was added since the last run ended; to be sorted by key.
+  /// Rows added since the last run ended. The caller sorts them by key.
   std::span<Item> open() { return {items_.data() + open_, item_count_ - open_}; }
-  /// Room for more, to be written from the end of open() on; `count` of them are then added.
+  /// Reserves memory for more rows, at the end of open(). add(count) then appends them.
   Item* reserve(size_t more) {
     items_.grow(item_count_ + more, item_count_);
     return items_.data() + item_count_;
   }
   void commit(size_t count) { item_count_ += count; }
-  /// open() are the rows of these two.
+  /// Ends a run: open() are the rows of these two bodies.
   void end_run(const BodyPair& bodies) {
     if (open_ == item_count_) return;
     runs_.grow(run_count_ + 1, run_count_);
@@ -71,16 +69,16 @@ class TaskRows {
   size_t item_count_ = 0, run_count_ = 0, open_ = 0;
 };
 
-/// Those of all tasks. Items become rows where they are put in order.
+/// Rows of all tasks. Items are converted to rows when they are sorted.
 template <typename Row, typename Item = Row>
 class OrderedRows {
  public:
-  /// each_task(visit) calls visit(found rows of a task), the same each time; row_of(body a, body b,
-  /// item); add(sum, row) adds a row to a sum. Returns the sum of all.
+  /// each_task(visit) calls visit(rows of a task), identically on each call. row_of(body a, body b,
+  /// item) converts an item; add(sum, row) adds a row. Returns the sum of all rows.
   template <typename EachTask, typename RowOf, typename Add>
   EventSum take(size_t bodies, Workers& workers, const EachTask& each_task, const RowOf& row_of,
                 const Add& add);
-  /// Leaves out all that leave_out(row) names.
+  /// Removes all rows for which leave_out(row) is true.
   template <typename LeaveOut>
   void remove(const LeaveOut& leave_out) {
     Row* const first = rows_.data();
@@ -130,13 +128,12 @@ EventSum OrderedRows<Row, Item>::take(size_t bodies, Workers& workers, const Eac
   return sum;
 }
 
-// Where bodies were in the last frame, part by part, for the speeds at which they come nearer.
-// One rule: a task notes all bodies that it has posed, also those that another has: what is kept,
-// and how much room it takes, depends on the frame alone.
+// PreviousPoses keeps the part poses of the last frame, for closing speeds.
+// Invariant: a task records all bodies that it has posed, including those of other tasks; content
+// and memory depend on the frame alone.
 
 class PreviousPoses {
  public:
-  /// A body that was posed.
   struct Body {
     uint32_t id, parts;
     float scale;
@@ -145,14 +142,14 @@ class PreviousPoses {
   };
 
   void begin_frame(size_t tasks);
-  /// Of a frame's bodies, those posed for a task; parts_of(type) is 0 for those that never move.
+  /// Records bodies that a task has posed; parts_of(type) is 0 for static bodies.
   template <typename PartsOf>
   void record(size_t task, std::span<const PosedBody> bodies, const PartPose* poses,
               const BodiesView& view, const PartsOf& parts_of);
-  /// From now on they are past.
+  /// Makes the recorded poses the previous ones.
   void end_frame();
 
-  /// Null for a body that was not noted in the last frame.
+  /// Body in the last frame, or null if it was not recorded.
   const Body* find(uint32_t id) const;
   void archive(Archive& a);
   uint64_t times_grown() const;
@@ -167,9 +164,9 @@ class PreviousPoses {
 
   void restore(Archive& a, uint64_t count);
 
-  std::array<Tasks, 2> tasks_;  // of this frame and of the last, in turn
+  std::array<Tasks, 2> tasks_;  // this frame and the last, alternating
   size_t current_ = 0, task_count_ = 0;
-  GrowBuffer<Body> previous_;  // by id, none twice
+  GrowBuffer<Body> previous_;  // by id, without duplicates
   size_t previous_count_ = 0;
 };
 
@@ -189,65 +186,62 @@ void PreviousPoses::record(size_t task, std::span<const PosedBody> bodies, const
   }
 }
 
-/// What bodies are searched within.
+/// Margins of the broad phase for these options.
 Margins margins_of(const ProximityOptions& options);
 
 class ProximitySearch {
  public:
   /// Keeps references to `types` and `workers`.
   ProximitySearch(BodyTypes types, const CullerOptions& options, Workers& workers);
-  /// Somebody else counts what boxes do, see box_counters().
+  /// Disables counting of boxes, for callers that count box_counters() themselves.
   void share_boxes() { shares_boxes_ = true; }
 
-  /// A frame: begin_frame(), every task once on any worker, end_frame(). Spans returned earlier
-  /// become invalid.
+  /// Frame: begin_frame(), every task once on any worker, end_frame(). Invalidates earlier spans.
   void begin_frame(const MidPhaseFrame& frame, const BodiesView& bodies, size_t tasks);
-  /// A task: begin() with the posed bodies, add() pairs of their slots, bound(), finish(). Under a
-  /// deadline the bodies stay posed until end_frame().
+  /// Runs a task: begin() with the posed bodies, add() for pairs of their slots, bound(), finish().
+  /// With a budget the bodies must stay posed until end_frame().
   void begin(int worker, const PosedBodies& bodies);
-  /// `inner`: as BroadPhase has it of the pairs.
+  /// `inner`: flags of the pairs as in BroadPhase::inner().
   void add(int worker, std::span<const SlotPair> pairs, std::span<const uint8_t> inner);
   void bound(int worker, size_t task);
-  /// `touches`: of each candidate, where triangles have been asked already; else empty.
+  /// `touches`: triangle result per candidate if triangles were tested already; otherwise empty.
   void finish(int worker, size_t task, std::span<const uint8_t> touches);
-  /// Behind bound(), until the next begin().
+  /// Candidates of a worker's task, from bound() until the next begin().
   const ProximityCandidates& parts(int worker) const { return parts_[static_cast<size_t>(worker)]; }
   void end_frame(StageCounters& counters);
-  /// Of a frame, over all workers.
+  /// Counters of a frame, over all workers.
   PartCandidates::Counters box_counters() const;
 
-  /// Behind end_frame(): leaves out contact points of pairs that are not among these, sorted. Under
-  /// a deadline the narrow phase may have got no farther than whole bodies.
+  /// After end_frame(): drops contact points of pairs that are not in `touching` (sorted). With a
+  /// budget the narrow phase may have stopped at whole bodies.
   void keep_contact_points(std::span<const PairKey> touching);
 
-  /// Sorted by their keys.
+  /// Pairs of parts, sorted by key.
   ProximityRows pairs() const {
     return lists_bounds_only() ? ProximityRows(intervals_.all()) : ProximityRows(pairs_.all());
   }
-  /// One for each two bodies, sorted.
+  /// Closest parts, one row per pair of bodies, sorted.
   ProximityRows bodies() const { return nearest_.all(); }
-  /// Of those that touch, sorted.
+  /// Contact points, sorted by key.
   std::span<const ContactPoint> contact_points() const { return contacts_.all(); }
-  /// Of every row so far: its key, its interval and its level.
+  /// Hash of all rows so far: key, distance bounds and level.
   uint64_t hash() const { return hash_.value(); }
-  /// The hash, and where bodies were, which closing speeds depend on.
+  /// Reads or writes the hash and the previous poses, which closing speeds depend on.
   void archive(Archive& a);
   uint64_t times_grown() const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Two bodies and their candidates.
   struct Pair {
     BodyPair bodies;
-    float min_distance_m;  ///< no two parts of theirs are nearer
+    float min_distance_m;  ///< lower bound of the distance of their parts
     uint32_t first, count;
-    bool is_decided;  ///< by triangles
+    bool is_decided;  ///< true: by triangles
   };
   struct Urgent {
     Pair* pair;
   };
-  /// What a task finds.
   struct Task {
     const PosedBodies* posed = nullptr;
     GrowBuffer<Pair> pairs;
@@ -257,12 +251,11 @@ class ProximitySearch {
     TaskRows<ProximityPair> rows, nearest;
     TaskRows<ContactPoint> contacts;
     ProximityCounters counters;
-    TriangleQuery
-        decider;  // a task's, not a worker's: whoever runs it finds the memory that it needs
+    TriangleQuery decider;  // owned by the task, so that any worker finds its memory
     uint64_t times_grown() const;
   };
 
-  /// By volumes alone, with nothing more to find out of a pair of bodies.
+  /// True if volumes alone decide and no closest parts are requested.
   bool lists_bounds_only() const {
     return !options_.exact && options_.proximity.closest_margin_m == 0;
   }
@@ -303,32 +296,32 @@ class ProximitySearch {
   CullerOptions options_;
   Margins margins_;
   Workers& workers_;
-  std::vector<ProximityCandidates> parts_;  // one a worker
+  std::vector<ProximityCandidates> parts_;  // by worker
   bool shares_boxes_ = false;
-  // Of the frame.
   MidPhaseFrame frame_{};
   BodiesView bodies_{};
   Clock::time_point deadline_;
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
 
-  GrowBuffer<Urgent> urgent_;  // under a deadline: the nearest first
+  GrowBuffer<Urgent> urgent_;  // with a budget: nearest first
   PreviousPoses previous_;
   OrderedRows<DistanceBounds, ProximityCandidate>
-      intervals_;  // instead of pairs_, see lists_bounds_only()
+      intervals_;  // replaces pairs_, see lists_bounds_only()
   OrderedRows<ProximityPair> pairs_, nearest_;
   OrderedRows<ContactPoint> contacts_;
   EventHash hash_;
   uint64_t frame_number_ = 0;
 };
 
-// Distances under a deadline: searched and posed beside the narrow phase, which refines only what
-// it has time for. All that is near is listed, and triangles are asked as long as the budget lasts.
-// One rule: what the narrow phase does is not changed.
+// BudgetedProximity computes distances within a budget. It searches and poses separately from the
+// narrow phase, which refines only a part of the pairs. All pairs within the margin are listed;
+// triangles are tested until the budget is used up.
+// Invariant: contacts are the same with and without distances.
 
 class BudgetedProximity {
  public:
-  /// Keeps references to all three.
+  /// Keeps references to `types`, `workers` and `search`.
   BudgetedProximity(BodyTypes types, const CullerOptions& options, Workers& workers,
                     ProximitySearch& search);
 

@@ -9,14 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of the point of a segment nearest to the origin: how far from a to b it lies.
+/// Position on a segment nearest to the origin: 0 at a, 1 at b.
 double share_of_nearest(const Vector3d& a, const Vector3d& b) {
   const Vector3d along = b - a;
   const double length2 = along.squaredNorm();
   return length2 > 0 ? std::clamp(-a.dot(along) / length2, 0.0, 1.0) : 0.0;
 }
 
-/// A point of a simplex by its weights.
 struct Nearest {
   std::array<double, 4> weights{};
   double squared = std::numeric_limits<double>::infinity();
@@ -38,7 +37,7 @@ class Finder {
     take({{a, weights[0]}, {b, weights[1]}, {c, weights[2]}});
   }
 
-  /// True if the origin is inside, as far as rounding lets it be known.
+  /// True if the origin is inside, up to rounding.
   bool holds_origin() const {
     const auto side = [&](int a, int b, int c, int beyond) {
       const Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a));
@@ -74,7 +73,7 @@ class Finder {
 
 }  // namespace
 
-/// By the signs that say beyond which edge or corner the origin lies.
+/// Decides by the signs that give the edge or corner next to the origin.
 std::array<double, 3> weights_of_nearest(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a;
   const double d1 = -ab.dot(a), d2 = -ac.dot(a);
@@ -88,14 +87,14 @@ std::array<double, 3> weights_of_nearest(const Vector3d& a, const Vector3d& b, c
     const double sum = va + vb + vc;
     return {va / sum, vb / sum, vc / sum};
   }
-  // Beyond an edge, or flat.
+  // Beyond an edge, or degenerate.
   std::array<double, 3> best{};
-  double least = std::numeric_limits<double>::infinity();
+  double min_squared = std::numeric_limits<double>::infinity();
   const auto try_edge = [&](const Vector3d& p, const Vector3d& q, size_t i, size_t j) {
     const double share = share_of_nearest(p, q);
     const double squared = ((1 - share) * p + share * q).squaredNorm();
-    if (!(squared < least)) return;
-    least = squared;
+    if (!(squared < min_squared)) return;
+    min_squared = squared;
     best = {};
     best[i] = 1 - share;
     best[j] = share;

@@ -18,33 +18,33 @@
 
 namespace throng {
 
-// The point of a surface that is nearest to another point.
-// One rule: the point lies on a triangle, so its distance is never below the true one.
+// SurfacePoint is the point of a surface nearest to another point. It lies on a triangle, so its
+// distance is never below the true one.
 
 struct SurfacePoint {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  double squared = 0;  ///< of its distance
+  double squared = 0;
 };
 
-/// In the part's own frame. No allocation.
+/// `to`: in the part's own frame. Does not allocate.
 SurfacePoint nearest_on_surface(const TriangleBvh& surface, const Eigen::Vector3d& to,
                                 TriangleCounters& counters);
 
-// The triangles of a surface that are foremost along a direction: all that can be near to what lies
-// beyond.
-// One rule: whoever is left out lies farther behind the foremost point than asked.
+// FrontTriangles collects the foremost triangles of a surface along a direction: all that can be
+// near a part beyond.
+// Invariant: omitted triangles are farther behind the foremost point than requested.
 
 struct FrontTriangles {
   struct Triangle {
     uint32_t index;
-    double behind;  ///< its foremost corner, behind the foremost of all
+    double behind;  ///< distance of its foremost corner behind the foremost of all
   };
   static constexpr size_t kMaxTriangles = 256;
-  std::array<Triangle, kMaxTriangles> triangles;  ///< the foremost first
+  std::array<Triangle, kMaxTriangles> triangles;  ///< foremost first
   size_t count = 0;
 
-  /// Those at most `behind` behind `ends`, where the surface ends along the direction; false where
-  /// they are too many. No allocation.
+  /// Collects triangles at most `behind` behind `ends`, the end of the surface along the direction.
+  /// False if there are too many. Does not allocate.
   bool gather(const TriangleBvh& surface, const Eigen::Vector3d& direction, double ends,
               double behind);
 };
@@ -54,20 +54,19 @@ namespace {
 using Eigen::Vector3d;
 using Node = TriangleBvh::Node;
 
-/// Poses are rounded to float, so that lengths differ by a few units in the last place from one
-/// frame to another; a bound in A's frame counts for this share of itself.
-constexpr double kOfFrames = 1 - 1e-6;
+/// Poses are rounded to float, so lengths in two frames differ by a few units in the last place. A
+/// bound in A's frame is scaled by this factor.
+constexpr double kFrameRounding = 1 - 1e-6;
 
 constexpr int kMaxWalks = 8;
-/// A walk that comes no nearer than by this share of what an interval may be wide is the last.
-constexpr double kWorthwhile = 0.25;
+/// A walk that gains less than this share of the allowed bound width is the last.
+constexpr double kMinGain = 0.25;
 
-/// How far apart two boxes with the same axes are at least; `between` their centres.
+/// Lower bound of the distance of two boxes with the same axes; `between`: vector between centres.
 double gap(const Vector3d& between, const Vector3d& reach) {
   return (between.cwiseAbs() - reach).cwiseMax(0).norm();
 }
 
-/// A ball around a triangle.
 struct Ball {
   Vector3d middle;
   double radius;
@@ -77,11 +76,10 @@ struct Ball {
   }
 };
 
-/// The triangles of a front and balls around them, a column a coordinate.
 struct FrontBalls {
   std::array<Triangle, FrontTriangles::kMaxTriangles> triangles;
   std::array<double, FrontTriangles::kMaxTriangles> x, y, z, radius;
-  std::array<double, FrontTriangles::kMaxTriangles> overlap;  ///< below 0: none
+  std::array<double, FrontTriangles::kMaxTriangles> overlap;  ///< below 0: apart
 
   void set(size_t i, const Triangle& triangle) {
     const Ball ball(triangle);
@@ -91,7 +89,7 @@ struct FrontBalls {
     z[i] = ball.middle.z();
     radius[i] = ball.radius;
   }
-  /// Of each of the first `count` with a ball, squared and by sign.
+  /// Computes the overlap of each of the first `count` balls with a ball, squared, with sign.
   void find_overlaps(size_t count, const Vector3d& middle, double reach) {
     for (size_t i = 0; i < count; ++i) {
       const double dx = x[i] - middle.x(), dy = y[i] - middle.y(), dz = z[i] - middle.z(),
@@ -118,8 +116,8 @@ class Search {
         max_(within_m / static_cast<double>(a.scale)),
         counters_(counters) {}
 
-  /// From a point near A, to the nearest on B, from there to the nearest on A, and so on: where the
-  /// parts bulge towards each other, that is most of the way, and no pair of boxes is looked at.
+  /// Walks from a point near A to the nearest on B, to the nearest on A, and so on. Where the parts
+  /// bulge towards each other this covers most of the path without testing pairs of boxes.
   void walk_from(const Vector3d& near_a) {
     Vector3d on_a = near_a;
     for (int walk = 0; walk < kMaxWalks && !has_converged(); ++walk) {
@@ -128,21 +126,20 @@ class Search {
           a_from_b_.linear * nearest_on_surface(b_, in_b, counters_).point + a_from_b_.offset;
       on_a = nearest_on_surface(a_, on_b, counters_).point;
       const double apart = (on_b - on_a).norm();
-      const bool is_far = apart > max_ - kWorthwhile * slack_;
+      const bool is_far = apart > max_ - kMinGain * slack_;
       if (apart <= max_) take({on_a, on_b}, apart);
       if (is_far) break;
     }
   }
 
-  /// Along the known direction B lies beyond A, so what can be nearer than the best lies at A's
-  /// front and at B's: a few triangles each, each of A's against each of B's. False where they are
-  /// too many.
+  /// Tests the foremost triangles of A and B along the known direction. B lies beyond A, so only
+  /// these can be closer than the best pair. False if there are too many.
   bool sweep() {
     if (has_converged()) return true;
     const double a_ends = hull_a_.support_bound(along_),
                  b_ends = hull_b_.support_bound(-along_in_b_);
-    const double between = (along_.dot(a_from_b_.offset) - b_ends - a_ends) * kOfFrames;
-    const double behind = matters() - between;
+    const double between = (along_.dot(a_from_b_.offset) - b_ends - a_ends) * kFrameRounding;
+    const double behind = search_limit() - between;
     FrontTriangles front_a, front_b;
     if (!front_a.gather(a_, along_, a_ends, behind) ||
         !front_b.gather(b_, -along_in_b_, b_ends, behind))
@@ -153,25 +150,25 @@ class Search {
     for (size_t i = 0; i < front_a.count && !has_converged(); ++i) {
       const Triangle of_a = in_own_frame(a_.triangles()[front_a.triangles[i].index]);
       const Ball ball(of_a);
-      // Those of A lie ever farther behind, and so fewer of B's are near enough.
-      const double left = matters() - between - front_a.triangles[i].behind;
+      // Later triangles of A are farther behind, so fewer of B's are close enough.
+      const double left = search_limit() - between - front_a.triangles[i].behind;
       while (count_b > 0 && front_b.triangles[count_b - 1].behind > left) --count_b;
-      balls_b.find_overlaps(count_b, ball.middle, matters() / kOfFrames + ball.radius);
+      balls_b.find_overlaps(count_b, ball.middle, search_limit() / kFrameRounding + ball.radius);
       for (size_t j = 0; j < count_b; ++j)
         if (balls_b.overlap[j] >= 0) compare(of_a, balls_b.triangles[j]);
     }
     return true;
   }
 
-  /// Depth first, the nearer of two nodes first, so that little is left by the time it is looked
-  /// at; until what is found is as near as the surfaces are known to be.
+  /// Depth first, the nearer of two nodes first, which leaves few nodes to open. Stops when the
+  /// points found are as close as the lower bound allows.
   void run() {
     Pair stack[2 * TriangleBvh::kMaxDepth + 2];
     int top = 0;
     stack[top++] = pair(0, 0);
     while (top > 0 && !has_converged()) {
       const Pair at = stack[--top];
-      if (at.bound * kOfFrames > matters()) continue;
+      if (at.bound * kFrameRounding > search_limit()) continue;
       const Node& node_a = a_.nodes()[at.a];
       const Node& node_b = b_.nodes()[at.b];
       if (node_a.count > 0 && node_b.count > 0) {
@@ -188,20 +185,20 @@ class Search {
   }
 
   bool found() const { return found_; }
-  /// In A's unit of length; nothing where the search ended early.
-  double lo() const { return has_converged() ? 0 : std::min(lo_, matters()) * kOfFrames; }
+  /// Lower bound in A's unit of length; 0 if the search ended early.
+  double lo() const { return has_converged() ? 0 : std::min(lo_, search_limit()) * kFrameRounding; }
   const NearestPoints& points() const { return points_; }  ///< in A's frame
 
  private:
   struct Pair {
     uint32_t a, b;
-    double bound;     ///< all of it is at least as far apart, in A's unit of length
-    double between2;  ///< squared, from middle to middle
+    double bound;     ///< lower bound of its distance in A's unit of length
+    double between2;  ///< squared distance of the middles
   };
 
   bool has_converged() const { return found_ && max_ <= enough_; }
-  /// What is farther apart need not be looked at: the interval may be as wide as slack_.
-  double matters() const { return found_ ? max_ - slack_ : max_; }
+  /// Pairs farther apart need not be tested: the bounds may be slack_ apart.
+  double search_limit() const { return found_ ? max_ - slack_ : max_; }
 
   Pair pair(uint32_t a, uint32_t b) {
     ++counters_.node_tests;
@@ -210,7 +207,7 @@ class Search {
     const Vector3d half_a = to_double(node_a.half_m), half_b = to_double(node_b.half_m);
     const Vector3d t = a_from_b_.linear * to_double(node_b.centre_m) + a_from_b_.offset -
                        to_double(node_a.centre_m);
-    // The box of each, and the box with its axes around the other's.
+    // Each box against the other's enclosing box with the same axes.
     const double by_a = gap(t, half_a + a_from_b_.linear_abs * half_b);
     const double by_b = gap(a_from_b_.inverse * t, half_b + a_from_b_.inverse_abs * half_a);
     const double by_known =
@@ -236,20 +233,20 @@ class Search {
       const Triangle tb = placed_b(j);
       const double from = min_along(along_, tb);
       for (uint32_t i = 0; i < node_a.count; ++i) {
-        // Farther apart than matters, along the known direction or from middle to middle: most are.
-        if ((from - reach[i]) * kOfFrames <= matters()) compare(own[i], tb);
+        // Most are farther apart, along the known direction or between the middles.
+        if ((from - reach[i]) * kFrameRounding <= search_limit()) compare(own[i], tb);
       }
     }
   }
 
-  /// Farther apart than matters along the line through the nearest points so far, or through their
-  /// middles; costs a tenth of a distance.
+  /// True if farther apart than search_limit() along the line through the nearest points so far, or
+  /// through the middles. Costs a tenth of a distance.
   bool is_apart(const Triangle& a, const Triangle& b) const {
-    if (found_ && gap_along(found_along_, a, b) * kOfFrames > matters()) return true;
+    if (found_ && gap_along(found_along_, a, b) * kFrameRounding > search_limit()) return true;
     const Vector3d between =
         (b.corner[0] + b.corner[1] + b.corner[2]) - (a.corner[0] + a.corner[1] + a.corner[2]);
     const double length = between.norm();
-    return length > 0 && gap_along(between / length, a, b) * kOfFrames > matters();
+    return length > 0 && gap_along(between / length, a, b) * kFrameRounding > search_limit();
   }
 
   void compare(const Triangle& a, const Triangle& b) {
@@ -275,14 +272,14 @@ class Search {
   const ConvexHull &hull_a_, &hull_b_;
   const RelativeFrame& a_from_b_;
   double ratio_;                 ///< B's unit of length in A's
-  Vector3d along_, along_in_b_;  ///< the known direction, in A's frame and pulled back to B's
-  double slack_;                 ///< in A's unit of length, as the next
-  double enough_;                ///< what is found may stay
-  double max_;                   ///< nothing farther apart than this matters
+  Vector3d along_, along_in_b_;  ///< known direction, in A's frame and pulled back to B's
+  double slack_;                 ///< in A's unit of length, as enough_ and max_
+  double enough_;                ///< upper bound at which the search stops
+  double max_;                   ///< pairs farther apart do not matter
   double lo_ = std::numeric_limits<double>::infinity();
   bool found_ = false;
   NearestPoints points_;
-  Vector3d found_along_ = Vector3d::UnitX();  ///< unit, from one to the other
+  Vector3d found_along_ = Vector3d::UnitX();  ///< unit vector from one point to the other
   TriangleCounters& counters_;
 };
 
@@ -293,8 +290,8 @@ std::optional<SurfaceGap> surface_gap(const PlacedSurface& a, const PlacedSurfac
                                       const KnownGap& known, TriangleCounters& counters) {
   assert(a.scale > 0 && b.scale > 0);
   const RelativeFrame a_from_b(*a.pose, a.scale, *b.pose, b.scale, a_to_b_m);
-  // What is within the margin by a hair is found.
-  Search search(a, b, a_from_b, within_m / kOfFrames, known, counters);
+  // Includes points barely within the margin.
+  Search search(a, b, a_from_b, within_m / kFrameRounding, known, counters);
   const Eigen::Matrix3d linear = scaled_rotation(*a.pose, a.scale);
   const Vector3d shift = translation(*a.pose);
   search.walk_from(linear.inverse() * (known.guess_m - shift));
@@ -311,7 +308,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Sums up where the edges of one triangle go through the other.
+/// Adds the points where the edges of one triangle cross the other.
 struct Crossings {
   Vector3d sum = Vector3d::Zero();
   int count = 0;
@@ -334,8 +331,8 @@ struct Crossings {
   }
 };
 
-/// Of two triangles that touch: the middle of the segment that they share, or, where they lie in
-/// one plane or touch by a corner, of their nearest points.
+/// Point shared by two touching triangles: the middle of their common segment. If they are coplanar
+/// or touch in a corner, the middle of their nearest points.
 Vector3d shared_point(const Triangle& a, const Triangle& b) {
   Crossings crossings;
   crossings.add(a, b);
@@ -345,15 +342,15 @@ Vector3d shared_point(const Triangle& a, const Triangle& b) {
   return 0.5 * (nearest.on_a + nearest.on_b);
 }
 
-/// The nearest to a target first.
+/// Orders pairs by distance to a target.
 struct NearestFirst {
   struct Rank {
-    double a2 = 0, b2 = 0;  ///< squared, to the box of each, in A's unit of length
+    double a2 = 0, b2 = 0;  ///< squared distances to the two boxes, in A's unit of length
     double both() const { return std::max(a2, b2); }
   };
-  Vector3d in_a, in_b;    ///< the target in the frame of each
+  Vector3d in_a, in_b;    ///< target in the frame of each
   double a_from_b2;       ///< squared: B's unit of length in A's
-  const double& nearer2;  ///< squared: only what is nearer is looked at
+  const double& nearer2;  ///< squared: farther pairs are skipped
 
   Rank with_a(Rank rank, const TriangleBvh::Node& node) const {
     return {squared_to_box(node, in_a), rank.b2};
@@ -399,8 +396,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The directions that are asked are those of doubles; boxes and corners are of floats: their sums
-/// round by less.
+/// Directions are doubles, boxes and corners are floats: the rounding of their sums is below this.
 constexpr double kSumRounding = 1e-12;
 
 double reach_along(const TriangleBvh::Node& node, const Vector3d& direction,
@@ -414,11 +410,11 @@ double foremost_corner(const std::array<Eigen::Vector3f, 3>& corners, const Vect
   return std::max({along(0), along(1), along(2)});
 }
 
-/// Calls visit(index, how far its foremost corner reaches) for the triangles of all leaves that may
-/// reach least(), which may grow meanwhile; the foremost of two nodes first.
-template <typename Least, typename Visit>
-void for_foremost(const TriangleBvh& surface, const Vector3d& direction, const Least& least,
-                  const Visit& visit) {
+/// Calls visit(index, extent of its foremost corner) for the triangles of all leaves that may reach
+/// min_extent(), which may grow meanwhile. The foremost of two nodes comes first.
+template <typename MinExtent, typename Visit>
+void for_foremost(const TriangleBvh& surface, const Vector3d& direction,
+                  const MinExtent& min_extent, const Visit& visit) {
   const Vector3d direction_abs = direction.cwiseAbs();
   struct Waiting {
     uint32_t node;
@@ -432,7 +428,7 @@ void for_foremost(const TriangleBvh& surface, const Vector3d& direction, const L
   stack[top++] = waiting(0);
   while (top > 0) {
     const Waiting at = stack[--top];
-    if (at.reach < least()) continue;
+    if (at.reach < min_extent()) continue;
     const TriangleBvh::Node& node = surface.nodes()[at.node];
     for (uint32_t i = node.first; i < node.first + node.count; ++i)
       visit(i, foremost_corner(surface.triangles()[i], direction));
@@ -469,7 +465,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The point of a triangle nearest to `to`, less that.
+/// Point of a triangle nearest to `to`, minus `to`.
 Vector3d nearest_on_triangle(const std::array<Eigen::Vector3f, 3>& corners, const Vector3d& to) {
   const Vector3d a = corners[0].cast<double>() - to, b = corners[1].cast<double>() - to,
                  c = corners[2].cast<double>() - to;

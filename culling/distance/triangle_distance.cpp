@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The nearest so far.
 struct NearestPair {
   NearestPoints points;
   double squared = std::numeric_limits<double>::infinity();
@@ -24,14 +23,13 @@ struct NearestPair {
   }
 };
 
-/// Calls visit(corner, point) with each corner of `from` that lies over the face of `to`, and the
-/// point of the face below it.
+/// Calls visit(corner, point below it) for each corner of `from` above the face of `to`.
 template <typename Visit>
 void for_corners_over(const Triangle& from, const Triangle& to, const Visit& visit) {
   const Vector3d u = to.corner[1] - to.corner[0], v = to.corner[2] - to.corner[0];
   const double uu = u.squaredNorm(), uv = u.dot(v), vv = v.squaredNorm();
   const double determinant = uu * vv - uv * uv;
-  if (!(determinant > 0)) return;  // a segment: its edges say it all
+  if (!(determinant > 0)) return;  // a segment: its edges suffice
   for (const Vector3d& corner : from.corner) {
     const Vector3d r = corner - to.corner[0];
     const double ru = r.dot(u), rv = r.dot(v);
@@ -54,7 +52,7 @@ double gap_along(const Vector3d& unit, const Triangle& a, const Triangle& b) {
   return std::max(0.0, min_along(unit, b) - max_along(unit, a));
 }
 
-/// Two triangles apart are nearest at two edges, or at a corner and a face.
+/// Two disjoint triangles are nearest at two edges, or at a corner and a face.
 TriangleGap triangle_gap(const Triangle& a, const Triangle& b) {
   NearestPair nearest;
   for (int i = 0; i < 3; ++i) {

@@ -1,6 +1,5 @@
-// How far apart two triangles are, and where they are nearest.
-// One rule: both bounds are proven: a pair of points of theirs, and a direction along which they
-// lie apart.
+// triangle_gap() computes the distance between two triangles and their nearest points.
+// Invariant: both bounds are proven, by a pair of points and by a gap along a direction.
 #pragma once
 
 #include "culling/triangles/triangle_test.h"
@@ -9,19 +8,19 @@ namespace throng {
 
 struct TriangleGap {
   NearestPoints points;  ///< one of each triangle
-  double hi = 0;         ///< their distance
-  double lo = 0;         ///< the gap along the line through them, at least 0; hi but for rounding
+  double hi = 0;         ///< distance of the points
+  /// gap along the line through the points, at least 0; equals hi except for rounding
+  double lo = 0;
 };
 
-/// How far a triangle lies along a direction.
+/// Extent of a triangle along a direction.
 double min_along(const Eigen::Vector3d& axis, const Triangle& t);
 double max_along(const Eigen::Vector3d& axis, const Triangle& t);
 
-/// Along any direction the gap proves a distance: 0 where the triangles overlap along it.
+/// Gap along a unit direction, a lower bound of the distance: 0 if the triangles overlap along it.
 double gap_along(const Eigen::Vector3d& unit, const Triangle& a, const Triangle& b);
 
-/// Of triangles that do not touch: those that do have lo 0. May be degenerate: a segment or a
-/// point.
+/// Distance of triangles that do not touch (lo is 0 if they do). Segments and points are valid.
 TriangleGap triangle_gap(const Triangle& a, const Triangle& b);
 
 }  // namespace throng

@@ -1,6 +1,5 @@
-// What is tested before or-DOPs with Highway, compiled once a target: boxes of bodies of one type,
-// or of the parts of a body; spheres and rectangles of whole bodies. Included by kernels_simd.cpp
-// only.
+// kernels_boxes-inl.h implements the tests before or-DOPs with Highway: boxes of bodies and parts,
+// spheres and rectangles of bodies. Compiled once per target; included by kernels_simd.cpp only.
 #if defined(THRONG_CULLING_KERNELS_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_CULLING_KERNELS_BOXES_INL_H_
 #undef THRONG_CULLING_KERNELS_BOXES_INL_H_
@@ -19,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 
-/// Stores rows of four parts, a body a lane, at `offset` of each body's block.
+/// Stores rows of four parts, one body per lane, at `offset` of each body's block.
 HWY_INLINE void store_parts(const V (&by_part)[4], float* const* blocks, size_t offset,
                             size_t bodies) {
   V by_body[4];
@@ -93,7 +92,7 @@ HWY_NOINLINE void part_boxes(const OrdopTable* tables, size_t parts, const PartP
   }
 }
 
-/// Low and high corner of a box, the same in every lane.
+/// Low and high corner of a box, equal in all lanes.
 struct Box {
   V low[3], high[3];
 };
@@ -108,10 +107,9 @@ HWY_INLINE Box splat(const float* low, const float* high) {
   return b;
 }
 
-/// The boxes of sixteen parts.
 class SixteenBoxes {
  public:
-  /// rows: of the first of them; moved by shift, then widened.
+  /// `rows`: rows of the first part. Boxes are moved by `shift` and then widened.
   HWY_INLINE SixteenBoxes(const float* rows, size_t padded, const V (&shift)[3], V wider) {
     const Lanes d;
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -122,7 +120,7 @@ class SixteenBoxes {
       }
     }
   }
-  /// Bit p: part p overlaps the box.
+  /// Bit p is set if part p overlaps the box.
   HWY_INLINE uint32_t overlapping(const Box& box) const {
     uint32_t bits = 0;
     for (size_t i = 0; i < kRegisters; ++i) {
@@ -139,8 +137,7 @@ class SixteenBoxes {
   V low_[3][kRegisters], high_[3][kRegisters];
 };
 
-/// Where the body boxes of a pair overlap, a's widened, in a's coordinates; false where they do
-/// not.
+/// Overlap of the body boxes of a pair, a's widened, in a's coordinates; false if there is none.
 struct Overlap {
   float low[3], high[3];
 };
@@ -157,7 +154,7 @@ HWY_INLINE bool body_overlap(const float* a, const float* b, const float* shift,
   return !apart;
 }
 
-/// The box of one part, widened, in every lane.
+/// Widened box of one part in every lane.
 HWY_INLINE Box part_box(const float* rows, size_t padded, size_t part, float margin_m) {
   const Lanes d;
   Box b;
@@ -177,8 +174,8 @@ class CandidateWriter {
         all_have_buckets_(bucket_.first_a() + frame.type_parts[pair.type_a] <= bucket_.shapes() &&
                           bucket_.first_b() + frame.type_parts[pair.type_b] <= bucket_.shapes()) {}
 
-  /// Part a with those of sixteen parts of b, from first_b on, that have a bit. May write beyond
-  /// the new end, kBoxLanes candidates from `out` at most.
+  /// Adds part a with those of the sixteen parts of b from first_b on whose bit is set. May write
+  /// up to kBoxLanes candidates from `out`, beyond the new end.
   HWY_INLINE Candidate* add(uint32_t part_a, uint32_t first_b, uint32_t hits,
                             Candidate* out) const {
     if (kLanes == kBoxLanes && all_have_buckets_) return add_row(part_a, first_b, hits, out);
@@ -191,7 +188,7 @@ class CandidateWriter {
   }
 
  private:
-  /// The same without a branch on the bits: the last one ends a loop where no predictor expects it.
+  /// The same without a branch on the bits: the end of a loop over bits is not predictable.
   HWY_INLINE Candidate* add_row(uint32_t part_a, uint32_t first_b, uint32_t hits,
                                 Candidate* out) const {
     const LaneBits d;
@@ -199,7 +196,7 @@ class CandidateWriter {
     const uint32_t shapes = bucket_.shapes(), shape_a = bucket_.first_a() + part_a;
     const auto part_b = counting_from(first_b);
     const auto a = hn::Set(d, shape_a), b = hn::Add(part_b, hn::Set(d, bucket_.first_b()));
-    // BucketRule: the lower shape times their number plus the higher.
+    // BucketRule: lower shape times the number of shapes, plus the higher shape.
     const auto bucket =
         hn::Add(hn::Min(hn::Set(d, shape_a * shapes), b * hn::Set(d, shapes)), hn::Max(a, b));
     const auto turn = hn::IfThenElseZero(hn::Lt(b, a), hn::Set(d, uint32_t{Candidate::kSwapped}));
@@ -242,7 +239,7 @@ HWY_INLINE Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint
   const V still[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   const V none = hn::Zero(d), wider = hn::Set(d, frame.margin_m);
   const CandidateWriter writer(frame, pair, index);
-  if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all in registers
+  if (padded_a == kBoxLanes && padded_b == kBoxLanes) {  // all boxes fit into registers
     const SixteenBoxes boxes_a(rows_a, padded_a, still, wider),
         boxes_b(rows_b, padded_b, shift, none);
     const uint32_t inside_b = boxes_b.overlapping(overlap);
@@ -281,11 +278,10 @@ HWY_NOINLINE size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size
   return i;
 }
 
-// Spheres and rectangles of whole bodies with Highway, compiled once a target: slots as lanes.
-//
+// Tests of spheres and rectangles of bodies with Highway, slots as lanes. Compiled once per target.
 
-/// Loads a row's numbers at slots: the same slot in every lane, or consecutive ones from j on. The
-/// rows are padded, so a full load is safe.
+/// Loads numbers of a row: the same slot in every lane, or consecutive slots from j on. Rows are
+/// padded, so a full load is safe.
 HWY_INLINE auto in_every_lane(uint32_t i) {
   return [i](const float* row) { return hn::Set(Lanes(), row[i]); };
 }
@@ -293,7 +289,6 @@ HWY_INLINE auto from(uint32_t j) {
   return [j](const float* row) { return hn::LoadU(Lanes(), row + j); };
 }
 
-/// A sphere and cylinder a lane.
 struct UprightSphere {
   template <typename Load>
   HWY_INLINE UprightSphere(const SphereRows& s, const Load& load)
@@ -313,7 +308,6 @@ HWY_INLINE M overlapping(const UprightSphere& a, const UprightSphere& b) {
   return hn::And(spheres, hn::Le(flat2, hn::Mul(around, around)));
 }
 
-/// A rectangle a lane.
 struct Rectangle {
   template <typename Load>
   HWY_INLINE Rectangle(const RectangleRows& r, const Load& load)
@@ -326,8 +320,7 @@ struct Rectangle {
   V mid_x, mid_y, axis_x, axis_y, half_x, half_y;
 };
 
-/// Separating axes along the sides of both. Every sum is formed so that exchanging the two changes
-/// a sign at most.
+/// Tests separating axes along the sides of both. Exchanging them changes only signs of sums.
 HWY_INLINE M overlapping(const Rectangle& a, const Rectangle& b) {
   const V dx = hn::Sub(b.mid_x, a.mid_x), dy = hn::Sub(b.mid_y, a.mid_y);
   const V c = hn::Abs(hn::Add(hn::Mul(a.axis_x, b.axis_x), hn::Mul(a.axis_y, b.axis_y)));
@@ -346,7 +339,6 @@ HWY_INLINE M overlapping(const Rectangle& a, const Rectangle& b) {
   return hn::And(hn::And(one, two), hn::And(three, four));
 }
 
-/// The first `count` lanes.
 HWY_INLINE M first_lanes(uint32_t count) {
   return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), count));
 }
@@ -354,7 +346,7 @@ HWY_INLINE M first_lanes(uint32_t count) {
 /// Writes the pair (i, others) of every lane that hits.
 HWY_INLINE size_t append(uint32_t i, U others, M hits, SlotPair* out) {
   const LaneBits d;
-  if constexpr (kLanes == 16) {  // whole registers: nothing branches on how many hit
+  if constexpr (kLanes == 16) {  // whole registers, without branches on the number of hits
     hn::StoreInterleaved2(hn::Set(d, i), Packing(hits)(others), d, &out->a);
     return hn::CountTrue(Lanes(), hits);
   }
@@ -377,7 +369,6 @@ HWY_NOINLINE size_t sphere_run(const SphereRows& s, uint32_t i, uint32_t begin, 
   return found;
 }
 
-/// A sphere and a rectangle a lane.
 struct UprightBody {
   template <typename Load>
   HWY_INLINE UprightBody(const SphereRows& s, const RectangleRows& r, const Load& load)
@@ -386,12 +377,11 @@ struct UprightBody {
   Rectangle rectangle;
 };
 
-/// What body_runs finds.
 class FoundPairs {
  public:
   HWY_INLINE explicit FoundPairs(SlotPair* out) : out_(out) {}
-  /// Tests slot i against others in the lanes of the mask. Both tests at once: which lanes hit is
-  /// hard to foretell, a branch would cost more.
+  /// Tests slot i against others in the lanes of the mask. Both tests run at once: hits are not
+  /// predictable, and a branch would cost more.
   HWY_INLINE void test(uint32_t i, const UprightBody& own, U slots, const UprightBody& others,
                        M lanes) {
     const M hits = hn::And(overlapping(own.sphere, others.sphere), lanes);
@@ -407,10 +397,10 @@ class FoundPairs {
   size_t count_ = 0, spheres_ = 0;
 };
 
-/// Loads several runs into one register, one behind the other.
+/// Loads several consecutive runs into one register.
 class RunsInLanes {
  public:
-  /// Whether they fit. A run is loaded from before its begin, which must be memory of the row's.
+  /// True if the runs fit. A run is loaded from before its begin, which must be memory of the row.
   HWY_INLINE static bool fit(const SlotRun* runs, size_t count) {
     uint32_t lanes = 0;
     bool fits = count <= kMaxRuns;

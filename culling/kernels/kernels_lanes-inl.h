@@ -1,5 +1,5 @@
-// What the culling kernels keep in registers, compiled once a target: vectors and poses a lane.
-// Included by kernels_simd.cpp only.
+// kernels_lanes-inl.h defines vectors and poses per lane for the culling kernels. Compiled once per
+// target; included by kernels_simd.cpp only.
 #if defined(THRONG_CULLING_KERNELS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_CULLING_KERNELS_LANES_INL_H_
 #undef THRONG_CULLING_KERNELS_LANES_INL_H_
@@ -16,7 +16,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace throng::HWY_NAMESPACE {
 
-/// A vector in every lane.
 struct V3 {
   V x, y, z;
 };
@@ -33,8 +32,7 @@ HWY_INLINE V dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-/// The poses of one part a lane: rotation by columns (the part's axes in the world) and
-/// translation.
+/// Pose of one part per lane: rotation by columns (the part's axes in the world) and translation.
 struct Poses {
   V3 column[3];
   V3 translation;
@@ -51,7 +49,7 @@ HWY_INLINE Poses load_poses(const PoseOf& pose_of) {
   return p;
 }
 
-/// Rotation times vector, rows summed x, y, z.
+/// Rotates a vector; rows are summed x, y, z.
 HWY_INLINE V3 rotated(const Poses& p, const V3& v) {
   const V3 row_x = {p.column[0].x, p.column[1].x, p.column[2].x};
   const V3 row_y = {p.column[0].y, p.column[1].y, p.column[2].y};
@@ -62,14 +60,13 @@ HWY_INLINE V3 operator*(const V3& v, V factor) {
   return {hn::Mul(v.x, factor), hn::Mul(v.y, factor), hn::Mul(v.z, factor)};
 }
 
-// Slabs::bound with Highway, compiled once a target: a direction a lane, the same or-DOP in all.
-//
+// Slabs::bound with Highway, compiled once per target: a direction per lane, the same or-DOP.
 
-/// table[index] in every lane, index in 0..7.
+/// table[index] in every lane, index from 0 to 7.
 HWY_INLINE V lookup8(const float* HWY_RESTRICT table, U index) {
   const Lanes d;
   if constexpr (kLanes == 4) {
-    // Two halves of four, then choose: SSE4 has no lookup in eight floats.
+    // Looks up two halves of four and selects: SSE4 has no lookup in eight floats.
     const LaneBits du;
     const auto in_half = hn::IndicesFromVec(d, hn::And(index, hn::Set(du, 3)));
     const V low = hn::TableLookupLanes(hn::Load(d, table), in_half);
@@ -81,12 +78,12 @@ HWY_INLINE V lookup8(const float* HWY_RESTRICT table, U index) {
   }
 }
 
-/// Centre and half width of an or-DOP along a direction that differs from lane to lane.
+/// Centre and half width of an or-DOP along the direction of each lane.
 struct Interval {
   V centre, half;
 };
 
-/// A direction's components by size, and where they came from.
+/// Components of a direction by size, and their axes.
 struct Sorted {
   V largest, middle, smallest;
   M largest_is_x, largest_is_y, smallest_is_z, smallest_is_y;
@@ -133,10 +130,10 @@ HWY_INLINE Interval edge_without(const OrdopTable& t, int axis, U signs) {
   return {lookup8(t.edge_centre + axis * 8, signs), lookup8(t.edge_half + axis * 8, signs)};
 }
 
-/// The edge without the axis of the smallest component.
+/// Slab of the edge without the axis of the smallest component.
 HWY_INLINE Interval edge_without_smallest(const OrdopTable& t, const Sorted& s) {
 #if HWY_TARGET <= HWY_AVX3
-  // One lookup in two registers, which Highway 1.0 has no name for.
+  // One lookup in two registers, which Highway 1.0 does not provide.
   const LaneBits bits;
   const auto y_or_x = hn::IfThenElseZero(hn::RebindMask(bits, s.smallest_is_y), hn::Set(bits, 8));
   const auto index = hn::Or(
@@ -163,8 +160,8 @@ HWY_INLINE Interval operator+(const Interval& a, const Interval& b) {
   return {hn::Add(a.centre, b.centre), hn::Add(a.half, b.half)};
 }
 
-/// How wide an or-DOP is along its three axes: equally in units of the part's box, which saves to
-/// look for the largest component's.
+/// Half widths of an or-DOP along its three axes. They are equal in units of the part's box, which
+/// avoids a lookup for the largest component.
 enum class AxisSlabs { kEqual, kDiffer };
 
 /// Slabs::bound<K> in every lane, by the same operations in the same order.
@@ -183,10 +180,9 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
   } else if constexpr (K == 18) {
     const Interval e[3] = {edge_without(t, 0, s.signs), edge_without(t, 1, s.signs),
                            edge_without(t, 2, s.signs)};
-    const auto pick = [&](V x, V y, V z, int rank) {  // the edge without the axis of that rank
+    const auto pick = [&](V x, V y, V z, int rank) {  // edge without the axis of that rank
       if (rank == 0) return by_largest(s, x, y, z);
       if (rank == 2) return by_smallest(s, x, y, z);
-      // The middle axis is the one that is neither.
       const M x_taken = hn::Or(s.largest_is_x, hn::Not(hn::Or(s.smallest_is_z, s.smallest_is_y)));
       const M y_largest = hn::AndNot(s.largest_is_x, s.largest_is_y);
       const M y_smallest = hn::AndNot(s.smallest_is_z, s.smallest_is_y);
@@ -223,7 +219,7 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
     };
     const V middle_half = middle_of(axes.x, axes.y, axes.z);
     const Interval corner = {lookup8(t.corner_centre, s.signs), lookup8(t.corner_half, s.signs)};
-    // The corner with the sign of the smallest component turned round.
+    // Corner with the sign of the smallest component flipped.
     const M small_y = hn::AndNot(s.smallest_is_z, s.smallest_is_y);
     const V flip_bit = hn::IfThenElse(s.smallest_is_z, hn::BitCast(tag, hn::Set(bits, 4u)),
                                       hn::IfThenElse(small_y, hn::BitCast(tag, hn::Set(bits, 2u)),
@@ -244,7 +240,7 @@ HWY_INLINE Interval bound(const OrdopTable& t, const V3& d) {
   }
 }
 
-/// Where the origin of a table's slabs lies, relative to the body's root.
+/// Origin of a table's slabs, relative to the body's root.
 HWY_INLINE V3 centre_of(const OrdopTable& t, const Poses& pose, V scale) {
   const Lanes d;
   const V3 origin = {hn::Mul(scale, hn::Set(d, t.origin[0])),

@@ -1,5 +1,5 @@
-// or-DOP against or-DOP with Highway, compiled once a target: pairs of the same two part shapes as
-// lanes. Included by kernels_simd.cpp only.
+// kernels_ordop-inl.h tests or-DOPs with Highway, pairs of the same two part shapes as lanes.
+// Compiled once per target; included by kernels_simd.cpp only.
 #if defined(THRONG_CULLING_KERNELS_ORDOP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef THRONG_CULLING_KERNELS_ORDOP_INL_H_
 #undef THRONG_CULLING_KERNELS_ORDOP_INL_H_
@@ -19,20 +19,20 @@ namespace throng::HWY_NAMESPACE {
 
 HWY_INLINE M nowhere() { return hn::RebindMask(Lanes(), hn::FirstN(LaneBits(), 0)); }
 
-/// Separating axes along the directions of one or-DOP ("own") against another ("other"), in units
-/// of own's half sides and scale, so that own's slabs are constants.
+/// Tests separating axes along the directions of one or-DOP ("own") against another ("other"), in
+/// units of own's half sides and scale. Own's slabs are then constants.
 template <int K>
 struct HalfTest {
   const OrdopTable& own;
   const OrdopTable& other;
   V3 column[3];  ///< own's axes in other's frame and units
   V3 offset;     ///< other's centre in own's frame and units
-  V margin;      ///< over own's scale
+  V margin;      ///< divided by own's scale
 
-  /// The two along direction `index` of own, `d` in other's frame; tau = direction . offset.
+  /// Both or-DOPs along direction `index` of own; `d`: in other's frame; tau = direction . offset.
   struct Along {
-    V apart;  ///< their middles
-    V reach;  ///< their half widths together
+    V apart;  ///< distance of the middles
+    V reach;  ///< sum of the half widths
   };
   HWY_INLINE Along along(size_t index, const V3& d, V tau) const {
     const Lanes tag;
@@ -42,11 +42,10 @@ struct HalfTest {
     if (index >= kAxisDirections) between = hn::Sub(between, hn::Set(tag, near.centre));
     return {hn::Abs(between), hn::Add(hn::Set(tag, near.half), far.half)};
   }
-  /// How far apart their middles may be without being separated.
+  /// Maximum distance of the middles that does not separate.
   HWY_INLINE V with_margin(size_t index, V reach) const {
     return hn::Add(reach, hn::Mul(margin, hn::Set(Lanes(), own.length[index])));
   }
-  /// True where the direction separates.
   HWY_INLINE M separates(size_t index, const V3& d, V tau) const {
     const Along there = along(index, d, tau);
     return hn::Gt(there.apart, with_margin(index, there.reach));
@@ -96,7 +95,7 @@ struct HalfTest {
     return out;
   }
 
-  /// How many times as far as own reaches other's centre lies: at most 1 inside own.
+  /// Distance of other's centre over own's extent in that direction: at most 1 inside own.
   HWY_INLINE V centre_over_reach() const {
     const Lanes tag;
     const auto in_units = [&](size_t index, V tau) {
@@ -104,8 +103,8 @@ struct HalfTest {
                      hn::Mul(tau, hn::Set(tag, own.per_reach_down[index])));
     };
     const V3& o = offset;
-    V most = hn::Max(in_units(0, o.x), hn::Max(in_units(1, o.y), in_units(2, o.z)));
-    const auto extend = [&](size_t index, V tau) { most = hn::Max(most, in_units(index, tau)); };
+    V max = hn::Max(in_units(0, o.x), hn::Max(in_units(1, o.y), in_units(2, o.z)));
+    const auto extend = [&](size_t index, V tau) { max = hn::Max(max, in_units(index, tau)); };
     const V plus = hn::Add(o.x, o.y), minus = hn::Sub(o.x, o.y);
     if constexpr (K != 14) {
       extend(3, hn::Add(o.y, o.z)), extend(4, hn::Sub(o.y, o.z));
@@ -116,14 +115,13 @@ struct HalfTest {
       extend(9, hn::Add(plus, o.z)), extend(10, hn::Sub(plus, o.z));
       extend(11, hn::Add(minus, o.z)), extend(12, hn::Sub(minus, o.z));
     }
-    return most;
+    return max;
   }
 };
 
-/// True where the line from centre to centre leaves one or-DOP in the other: they share a point,
-/// so no direction separates them and the rest need not be tried. It settles most pairs that
-/// overlap (docs/culling.md). Of the line, own holds the first 1 / m, so both hold a point if 1 /
-/// m_a + 1 / m_b >= 1. What rounding can make of this is less than the margin.
+/// True if the line between the centres proves a common point, so that no direction separates. This
+/// decides most overlapping pairs (docs/culling.md). Own contains the first 1 / m of the line, so
+/// both contain a point if 1 / m_a + 1 / m_b >= 1. The margin exceeds the rounding.
 template <int K>
 HWY_INLINE M share_a_point(const HalfTest<K>& from_a, const HalfTest<K>& from_b) {
   if (!from_a.own.holds_origin || !from_b.own.holds_origin) return nowhere();
@@ -133,11 +131,11 @@ HWY_INLINE M share_a_point(const HalfTest<K>& from_a, const HalfTest<K>& from_b)
   return hn::Le(hn::Mul(beyond_a, beyond_b), one);
 }
 
-/// Candidates are worked on in chunks: those that the box directions and the line between the
-/// centres leave undecided are collected, because most lanes would otherwise wait for the others.
+/// Number of candidates per chunk. Candidates undecided by the box directions and the line between
+/// the centres are collected, because most lanes would otherwise wait for the others.
 inline constexpr size_t kChunk = 128;
 
-/// Where the lanes of a chunk find their input: part a of the bucket first, turned or not.
+/// Inputs of the lanes of a chunk: the bucket's part a first, swapped or not.
 struct ChunkInput {
   const BodyPair* pair[kChunk + kLanes];
   uint32_t pose_a[kChunk + kLanes], pose_b[kChunk + kLanes];
@@ -167,7 +165,7 @@ struct ChunkInput {
   }
 };
 
-/// The parts of a register's candidates where they are, the bucket's part a first.
+/// Poses of the parts of a register's candidates, the bucket's part a first.
 struct PairLanes {
   Poses a, b;
   V3 shift;  ///< root of b minus root of a
@@ -190,14 +188,14 @@ struct PairLanes {
   }
 };
 
-/// One part seen from the other, all that both halves of the test need.
+/// Relative pose of two parts, for both halves of the test.
 struct Relative {
   static constexpr size_t kRows = 19;
   V axes[3][3];  ///< [i][j]: axis i of b . axis j of a
   V3 offset_a;   ///< b's centre in a's frame and units
   V3 offset_b;   ///< a's centre in b's frame and units
   V margin_a, margin_b;
-  V b_over_a, a_over_b;  ///< scales
+  V b_over_a, a_over_b;
 
   Relative() = default;
   Relative(const OrdopTable& a, const OrdopTable& b, const PairLanes& there) {
@@ -221,7 +219,7 @@ struct Relative {
     margin_b = hn::Mul(there.margin, per_b);
   }
 
-  /// Calls visit(row number, register) for everything above.
+  /// Calls visit(row number, register) for all members above.
   template <typename Visit>
   HWY_INLINE void each_row(const Visit& visit) {
     for (size_t i = 0; i < 9; ++i) visit(i, axes[i / 3][i % 3]);
@@ -263,8 +261,8 @@ struct Relative {
   }
 };
 
-/// The candidates of a chunk that are left undecided by the box directions, which separate three in
-/// four of all that are apart, and what is kept of each.
+/// Candidates of a chunk that the box directions leave undecided, and their data. The box
+/// directions separate three quarters of all separable pairs.
 template <typename Kept>
 struct Undecided {
   HWY_ALIGN float rows[Kept::kRows][kChunk + kLanes];
@@ -274,7 +272,7 @@ struct Undecided {
   HWY_INLINE void add(Kept& kept, const uint32_t* order, M left) {
     const Lanes d;
     const LaneBits bits;
-    const size_t end = count;  // a register's: the stores might be to `count`
+    const size_t end = count;  // a register, because the stores might alias `count`
     const Packing packed(left);
     // Whole registers: a masked store costs several times as much.
     kept.each_row([&](size_t row, V v) HWY_ATTR { hn::StoreU(packed(v), d, rows[row] + end); });
@@ -331,10 +329,9 @@ HWY_NOINLINE void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const Bo
   }
 }
 
-// One or-DOP against one other with Highway, compiled once a target: the directions of one as
-// lanes.
+// One or-DOP against another with Highway, compiled once per target: directions as lanes.
 
-/// True if a direction of own separates; the operations are those of the scalar reference.
+/// True if a direction of own separates. The operations are those of the scalar reference.
 template <int K>
 HWY_INLINE bool half_separates(const OrdopLanes& own, const OrdopTable& other,
                                const OrdopHalf& half) {
@@ -368,33 +365,32 @@ HWY_NOINLINE bool ordop_pair(const OrdopLanes& a, const PartPose& pose_a, float 
          !half_separates<K>(b, a.table, halves.from_b);
 }
 
-// How far apart parts are, with Highway, compiled once a target: pairs of the same two part shapes
-// as lanes.
+// Distance bounds with Highway, compiled once per target: pairs of the same part shapes as lanes.
 
-/// How far apart two or-DOPs are along directions of own, the ones that part them most.
+/// Largest gap of two or-DOPs along directions of own.
 struct Gap {
-  V widest;         ///< over own's scale; below 0 where none parts them
-  V beyond_margin;  ///< above 0 where one separates them, see HalfTest::separates()
+  V widest;         ///< divided by own's scale; below 0 if no direction separates
+  V beyond_margin;  ///< above 0 if a direction separates, see HalfTest::separates()
 };
 template <typename Each>
 HWY_INLINE Gap gap_along(const HalfTest<26>& half, const Each& each) {
   const Lanes tag;
-  Gap most = {hn::Set(tag, -kEmptyLow), hn::Set(tag, -kEmptyLow)};
+  Gap max_gap = {hn::Set(tag, -kEmptyLow), hn::Set(tag, -kEmptyLow)};
   each(half, [&](size_t index, const V3& d, V tau) HWY_ATTR {
     const auto [apart, reach] = half.along(index, d, tau);
     const V gap = hn::Mul(hn::Sub(apart, reach), hn::Set(tag, half.own.per_length[index]));
-    most.widest = hn::Max(most.widest, gap);
-    most.beyond_margin =
-        hn::Max(most.beyond_margin, hn::Sub(apart, half.with_margin(index, reach)));
+    max_gap.widest = hn::Max(max_gap.widest, gap);
+    max_gap.beyond_margin =
+        hn::Max(max_gap.beyond_margin, hn::Sub(apart, half.with_margin(index, reach)));
   });
-  return most;
+  return max_gap;
 }
 
-/// Part b from part a, all that a distance of points is found from, and what is known of it.
+/// Relative pose of part b to part a for distances of points, with the bounds so far.
 struct PointLanes {
   static constexpr size_t kRows = 17;
   V axes[3][3];  ///< [i][j]: axis i of b . axis j of a
-  V3 root;       ///< of b, from a's, in a's frame
+  V3 root;       ///< from root of a to root of b, in a's frame
   V scale_a, scale_b, margin;
   V lo, beyond_margin;  ///< see GapLanes
 
@@ -407,13 +403,13 @@ struct PointLanes {
   }
 };
 
-/// Two parts, all that their gap is found from.
+/// Relative pose of two parts for their gap.
 struct GapLanes {
   static constexpr size_t kRows = Relative::kRows + 8;
   Relative relative;
-  V3 root;  ///< of b, from a's, in a's frame
+  V3 root;  ///< from root of a to root of b, in a's frame
   V scale_a, scale_b, margin;
-  V widest, beyond_margin;  ///< of the gaps so far
+  V widest, beyond_margin;  ///< maxima of the gaps so far
 
   GapLanes() = default;
   GapLanes(const OrdopTable& a, const OrdopTable& b, const PairLanes& there)
@@ -449,7 +445,7 @@ struct GapLanes {
             beyond_margin};
   }
 
-  /// Along some directions of both.
+  /// Includes gaps along some directions of both.
   template <typename Each>
   HWY_INLINE void widen(const OrdopTable& a, const OrdopTable& b, const Each& each) {
     const Gap along_a = gap_along(relative.from_a<26>(a, b), each);
@@ -464,7 +460,7 @@ struct GapLanes {
   }
 };
 
-/// A point of the part near `to`, in its frame.
+/// Point of the part near `to`, in its frame.
 HWY_INLINE V3 nearby(const NearbyPoints& on, const V3& to) {
   const Lanes d;
   const auto cells_along = [&](const NearbyPoints::Axis& axis, V x) HWY_ATTR {
@@ -482,7 +478,7 @@ HWY_INLINE V3 nearby(const NearbyPoints& on, const V3& to) {
   return {point[0], point[1], point[2]};
 }
 
-/// From the middle of b to a point of a, from there to one of b's, and from there to one of a's.
+/// Distance of a point on a from one on b. Looks up three points: from b's middle on a, b, a.
 HWY_INLINE V point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b,
                             const OrdopTable& table_b, const PointLanes& there) {
   const Lanes tag;
@@ -490,7 +486,7 @@ HWY_INLINE V point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b,
   const V per_a = hn::Div(one, there.scale_a), per_b = hn::Div(one, there.scale_b);
   const V3& root = there.root;
   const auto& axes = there.axes;
-  const auto from_a = [&](const V3& b) HWY_ATTR {  // metres, not yet over a's scale
+  const auto from_a = [&](const V3& b) HWY_ATTR {  // in metres, not yet divided by a's scale
     const V3 scaled_b = b * there.scale_b;
     const V3 turned_b = {dot({axes[0][0], axes[1][0], axes[2][0]}, scaled_b),
                          dot({axes[0][1], axes[1][1], axes[2][1]}, scaled_b),
@@ -513,8 +509,8 @@ HWY_INLINE V point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b,
   return hn::Sqrt(dot(apart, apart));
 }
 
-/// The box directions first, then the others, then points: each for those that the ones before
-/// leave within margin_m, packed into full registers.
+/// Tests the box directions, then the other directions, then points. Each stage runs on the
+/// candidates still within margin_m, packed into full registers.
 HWY_NOINLINE void ordop_gaps(const OrdopTable& a, const OrdopTable& b, const NearbyPoints& on_a,
                              const NearbyPoints& on_b, const BodyPair* pairs, const PartPose* poses,
                              const Candidate* candidates, const uint32_t* order, size_t count,

@@ -20,7 +20,6 @@ bool spheres_overlap(const SphereRows& s, uint32_t i, uint32_t j) {
   return flat2 + dz * dz <= reach * reach && flat2 <= around * around;
 }
 
-/// Separating axes along the sides of both rectangles.
 bool rectangles_overlap(const RectangleRows& s, uint32_t i, uint32_t j) {
   const float dx = s.mid_x[j] - s.mid_x[i], dy = s.mid_y[j] - s.mid_y[i];
   const float ax = s.axis_x[i], ay = s.axis_y[i], bx = s.axis_x[j], by = s.axis_y[j];
@@ -54,7 +53,7 @@ size_t body_runs(const SphereRows& s, const RectangleRows& r, SlotRun own, const
   return found;
 }
 
-/// Where the origin of a table's slabs lies, relative to the body's root.
+/// Origin of a table's slabs, relative to the body's root.
 Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
   const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
                                scale * table.origin[2]);
@@ -92,7 +91,7 @@ void part_boxes(const OrdopTable* tables, size_t parts, const PartPose* poses, c
   }
 }
 
-/// Part boxes of a, widened, against part boxes of b, all of them, one by one, in a's coordinates.
+/// Tests all widened part boxes of a against all part boxes of b, in a's coordinates.
 Candidate* box_pair(const BoxFrame& frame, const BodyPair& pair, uint32_t index, Candidate* out) {
   const size_t parts_a = frame.type_parts[pair.type_a], padded_a = padded_parts(parts_a);
   const size_t parts_b = frame.type_parts[pair.type_b], padded_b = padded_parts(parts_b);
@@ -129,13 +128,13 @@ size_t box_pairs(const BoxFrame& frame, const BodyPair* pairs, size_t first, siz
   return i;
 }
 
-/// One or-DOP's directions against the other's bound, in units of its own half sides and scale.
+/// Directions of one or-DOP against the other's bound, in units of its own half sides and scale.
 struct HalfTest {
   const OrdopTable& own;
   const OrdopTable& other;
   Eigen::Matrix3f other_from_own;  // directions of own in units of other
-  Eigen::Vector3f offset;          // of other's centre, in own's frame and units
-  float margin;                    // over own's scale
+  Eigen::Vector3f offset;          // other's centre, in own's frame and units
+  float margin;                    // divided by own's scale
 
   HalfTest(const OrdopTable& own_table, const OrdopTable& other_table, const Eigen::Matrix3f& axes,
            float other_over_own, const Eigen::Vector3f& offset_m, float per_own, float margin_m)
@@ -147,7 +146,7 @@ struct HalfTest {
     for (int j = 0; j < 3; ++j) offset[j] = (offset_m[j] * per_own) * own.per_half_box[j];
   }
 
-  /// Along a direction of own's, in its units: from middle to middle, and what lies in between.
+  /// Along a direction of own, in its units: distance of the middles, and sum of the half widths.
   struct Along {
     float gap, reach;
   };
@@ -171,26 +170,23 @@ struct HalfTest {
     return false;
   }
 
-  /// How far apart the two are along the direction of own's that parts them most, over own's scale;
-  /// below 0 where none does.
+  /// Largest gap along a direction of own, divided by own's scale; below 0 if none separates.
   float widest_gap() const {
-    float most = -kEmptyLow;
+    float widest = -kEmptyLow;
     for (size_t i = 0; i < kDirections.size(); ++i) {
       const Along at = along_direction<26>(i);
-      most = std::max(most, (at.gap - at.reach) * own.per_length[i]);
+      widest = std::max(widest, (at.gap - at.reach) * own.per_length[i]);
     }
-    return most;
+    return widest;
   }
 };
 
-/// One part of a pair of bodies.
 struct Side {
   const OrdopTable& table;
   const PartPose& pose;
   float scale;
 };
 
-/// Both halves of a test.
 struct Halves {
   HalfTest from_a, from_b;
 
@@ -212,7 +208,7 @@ struct Halves {
   }
 };
 
-/// Calls visit(candidate's index, the bucket's part a, its part b, root to root, margin).
+/// Calls visit(candidate's index, bucket's part a, its part b, vector between roots, margin).
 template <typename Visit>
 void for_sides(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs,
                const PartPose* poses, const Candidate* candidates, std::span<const uint32_t> order,
@@ -244,7 +240,7 @@ void ordop_pairs(const OrdopTable& a, const OrdopTable& b, const BodyPair* pairs
             });
 }
 
-/// From the middle of b to a point of a, from there to one of b's, and from there to one of a's.
+/// Distance of a point on a from one on b. Looks up three points: from b's middle on a, b, a.
 float point_to_point(const NearbyPoints& on_a, const NearbyPoints& on_b, const Side& side_a,
                      const Side& side_b, const Eigen::Vector3f& a_to_b) {
   const float per_a = 1.0f / side_a.scale, per_b = 1.0f / side_b.scale;

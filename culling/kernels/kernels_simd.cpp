@@ -1,7 +1,7 @@
 #include "base/simd/dispatch.h"
 #include "culling/kernels/kernels.h"
 
-// One compilation a target; Highway includes this file once for each.
+// One compilation per target; Highway includes this file once for each.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "culling/kernels/kernels_simd.cpp"
 #include <hwy/foreach_target.h>

@@ -13,8 +13,8 @@ namespace throng {
 namespace {
 
 constexpr size_t kTaskBodies = 1024;
-constexpr size_t kMaxLarge = 1024;  // large bodies are asked one by one
-constexpr float kLargeRatio = 2;    // times the mean sphere of what moves
+constexpr size_t kMaxLarge = 1024;  // large bodies are tested one by one
+constexpr float kLargeRatio = 2;    // relative to the mean sphere of moving bodies
 
 float half_of(float margin_m) { return 0.5f * margin_m * (1 + 0x1p-20f); }
 
@@ -42,7 +42,7 @@ BroadPhase::BroadPhase(std::span<const std::shared_ptr<const BodyType>> types,
   counters_.volume = "sphere";
   for (const auto& type : types) {
     const RootSphere& sphere = type->sphere();
-    // The cylinder stands around the sphere's centre, the type's around the root.
+    // The cylinder is around the sphere's centre, that of the type around the root.
     sizes_of_type_.push_back({sphere.centre_m, sphere.radius_m,
                               sphere.upright_radius_m + sphere.centre_m.head<2>().norm(),
                               body_margin_m(reach_m(*type)), type->is_static()});
@@ -80,7 +80,7 @@ void BroadPhase::place(const BodiesView& bodies, const PoseSource& source) {
   if (has_inner_) placed_inner_.resize(body_count_);
   sizes_.resize(static_cast<size_t>(tasks_of(body_count_)));
   if (body_count_ == 0) return;
-  // Relative to where one of the bodies is: small numbers, wherever the crowd walks.
+  // Relative to one of the bodies, to keep numbers small wherever the crowd is.
   origin_m_ = bodies.roots[body_count_ / 2].position_m;
   workers_.for_blocks(tasks_of(body_count_), [&](int task, int) {
     constexpr size_t kBatch = PoseSource::kMaxBatch;
@@ -151,7 +151,6 @@ void BroadPhase::place_body(const RootPose& root, float scale, const TypeSize& t
   }
 }
 
-/// The radius of a placed body without a margin.
 float BroadPhase::own_radius(size_t body, const BodiesView& bodies) const {
   const PlacedBody& placed = placed_[body];
   if (half_margin_m_ == 0) return placed.radius;
@@ -199,12 +198,12 @@ void BroadPhase::search_small(const Slots& slots) {
     block.found = searcher_.search_block(kernels_, static_cast<size_t>(index), block.pairs);
     block.count = block.found.pairs;
     if (!any_static_ && filter_.sides_of_body.empty()) return;
-    const auto nobody_asks = [&](const SlotPair& pair) {
+    const auto is_excluded = [&](const SlotPair& pair) {
       return !passes_filter(pair.a, pair.b, slots);
     };
     SlotPair* const pairs = block.pairs.data();
     block.count =
-        static_cast<size_t>(std::remove_if(pairs, pairs + block.found.pairs, nobody_asks) - pairs);
+        static_cast<size_t>(std::remove_if(pairs, pairs + block.found.pairs, is_excluded) - pairs);
     block.found.spheres -= block.found.pairs - block.count;
   });
   Block& last = blocks_[block_count_ - 1];
@@ -212,7 +211,7 @@ void BroadPhase::search_small(const Slots& slots) {
   last.found = {};
 }
 
-/// Not of two that never move, nor what a filter leaves out.
+/// False for two static bodies and for pairs that the filter rejects.
 bool BroadPhase::passes_filter(size_t slot_a, size_t slot_b, const Slots& slots) const {
   return !(slots.is_static(slot_a) && slots.is_static(slot_b)) &&
          filter_.includes_bodies(slots.id(slot_a), slots.id(slot_b));
@@ -238,7 +237,7 @@ void BroadPhase::search_large(const PoseSource& source, const Slots& slots) {
     for (size_t other = slot + 1; other < slots.count(); ++other) {
       if (!passes_filter(slot, other, slots)) continue;
       ++last.found.tests;
-      add(last, slot, other);  // both boxes are known: the next stage decides at once
+      add(last, slot, other);  // both boxes are known, so the next stage decides
     }
   }
 }
@@ -251,7 +250,7 @@ void BroadPhase::find_inner(const Slots& slots) {
   });
 }
 
-/// By the test that lists a pair, to the bit.
+/// Uses the test that lists pairs, bit for bit.
 bool BroadPhase::is_inner(const SlotPair& pair, const Slots& slots) const {
   const PlacedBody &a = placed_inner_[slots.body(pair.a)], &b = placed_inner_[slots.body(pair.b)];
   const bool large_a = pair.a >= small_count_, large_b = pair.b >= small_count_;
@@ -276,14 +275,14 @@ bool BroadPhase::is_inner(const SlotPair& pair, const Slots& slots) const {
                                     {0, 1}, &other, 1, found, &spheres) > 0;
 }
 
-/// The box of a large body, as the spheres are placed.
+/// Box of a large body in the coordinates of the placed spheres.
 void BroadPhase::box_of(size_t slot, const Slots& slots, float half_margin_m, Eigen::Vector3f& low,
                         Eigen::Vector3f& high) const {
   const float* box = posed_large_.box_of(posed_large_.of_slot(static_cast<uint32_t>(slot)));
   const Eigen::Vector3f root = (slots[slot].root() - origin_m_).cast<float>();
   low = root + Eigen::Vector3f(box[0], box[1], box[2]);
   high = root + Eigen::Vector3f(box[4], box[5], box[6]);
-  // Rounding of the three sums; the crowd's radii hold their own.
+  // Rounding of the three sums; the radii of the crowd include their own.
   const Eigen::Vector3f slack = Eigen::Vector3f::Constant(
       0x1p-21f * (root.cwiseAbs().maxCoeff() + (high - low).maxCoeff()) + half_margin_m);
   low -= slack;
@@ -306,7 +305,6 @@ float BroadPhase::depth_m(const SlotPair& pair, const Slots& slots) const {
   return (large_a ? b : a).radius - (centre - centre.cwiseMax(low).cwiseMin(high)).norm();
 }
 
-/// The box of a large body against the spheres around it.
 void BroadPhase::test_against_small(size_t slot, const Eigen::Vector3f& low,
                                     const Eigen::Vector3f& high, const Slots& slots) {
   const auto visit = [&](uint32_t first, uint32_t end) {

@@ -1,8 +1,6 @@
-// Broad phase: where every body stands, and the pairs of slots that may touch.
-// One rule: bodies of usual size go through the pair search; the few large ones (walls, stands)
-// meet the crowd with their boxes, because their spheres would touch everybody.
-// Invariant: which bodies are large, and what is listed within a margin, depends on no other
-// margin.
+// BroadPhase places every body and lists pairs of slots that may touch. Few large bodies (walls,
+// stands) are tested with their boxes, because their spheres would overlap all others.
+// Invariant: the large bodies, and the pairs listed for one margin, do not depend on other margins.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,42 +17,39 @@
 
 namespace throng {
 
-/// How near bodies and parts have to be.
+/// Distances within which bodies and parts are listed.
 struct Margins {
   float reach_m = 0;
-  /// Of two margins the smaller one; 0: there is one, or none.
+  /// The smaller of two margins; 0 if fewer than two are set.
   float inner_m = 0;
 };
 
 class BroadPhase {
  public:
-  /// Bodies within the margins' reach of each other are listed, too; of all, those that the filter
-  /// asks for. Keeps a reference to it.
+  /// Also lists bodies within the margins. Keeps references to `workers` and `filter`.
   BroadPhase(std::span<const std::shared_ptr<const BodyType>> types, const Kernels& kernels,
              Workers& workers, PairSearch kind, const PairFilter& filter, const Margins& margins);
 
-  /// Places the bodies, fills `slots` in the order of the search and lists the pairs.
+  /// Places the bodies, fills `slots` in search order and lists the pairs.
   void run(const BodiesView& bodies, const PoseSource& source, Slots& slots);
 
-  /// Pairs by the slot of the body that is not large; the last block has those of two large ones.
+  /// Pairs by the slot of the body that is not large; last, pairs of two large bodies.
   size_t block_count() const { return block_count_; }
   std::span<const SlotPair> block(size_t i) const {
     return {blocks_[i].pairs.data(), blocks_[i].count};
   }
 
-  /// One a pair of the block: whether it would be listed with the inner margin as its reach; empty
-  /// where there is none.
+  /// Flag per pair of the block: also listed for the inner margin. Empty without an inner margin.
   std::span<const uint8_t> inner(size_t i) const {
     return {blocks_[i].inner.data(), has_inner_ ? blocks_[i].count : 0};
   }
 
-  /// How deep two bodies of a listed pair overlap by what listed them: their spheres, or a large
-  /// body's box. Not negative beyond rounding.
+  /// Overlap of the two bodies of a listed pair by the test that listed them: spheres, or a large
+  /// body's box. Not negative except for rounding.
   float depth_m(const SlotPair& pair, const Slots& slots) const;
 
-  /// Every body's sphere, over pairs of bodies.
   const StageCounters& counters() const { return counters_; }
-  /// Pairs whose spheres overlap, but not what bounds() says of their bodies.
+  /// Pairs with overlapping spheres whose bounds() boxes do not overlap.
   uint64_t apart_by_bounds() const { return counters_.passed - listed_; }
   uint32_t times_grown() const;
 
@@ -65,17 +60,15 @@ class BroadPhase {
     size_t count = 0;
     PairSearcher::BlockCounts found;
   };
-  /// What placing reads of a type.
   struct TypeSize {
     Eigen::Vector3f centre_m;
     float radius_m, upright_m, margin_m;
     bool is_static;
   };
-  /// Sums over the bodies of a task.
   struct Sizes {
-    double radii = 0;  ///< of what moves, without a margin, as the next but one
+    double radii = 0;  ///< sum of radii of moving bodies, without a margin
     size_t moving = 0;
-    float widest_m = 0;
+    float widest_m = 0;  ///< largest radius of all bodies, without a margin
   };
 
   void place(const BodiesView& bodies, const PoseSource& source);
@@ -99,22 +92,23 @@ class BroadPhase {
   Workers& workers_;
   PairSearch kind_;
   const PairFilter& filter_;
-  float half_margin_m_;  // by how much every body is widened
+  float half_margin_m_;  // added to the radius of every body
   bool has_inner_;
-  float half_inner_m_;  // by how much for the inner margin
+  float half_inner_m_;  // the same for the inner margin
   std::vector<TypeSize> sizes_of_type_;
   bool any_static_ = false;
-  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // of the coordinates of placed_
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  // origin of the coordinates of placed_
   size_t body_count_ = 0;
   GrowBuffer<PlacedBody> placed_;        // by body
-  GrowBuffer<PlacedBody> placed_inner_;  // the same for the inner margin
+  GrowBuffer<PlacedBody> placed_inner_;  // by body, for the inner margin
   GrowBuffer<Sizes> sizes_;              // by task of place()
   GrowBuffer<uint32_t> small_, large_;   // bodies, ascending
   size_t small_count_ = 0, large_count_ = 0;
-  float widest_m_ = 0;  // at least the largest sphere among the small bodies
+  float widest_m_ = 0;  // upper bound of the small bodies' radii
   PairSearcher searcher_;
   PosedBodies posed_large_;
-  std::vector<Block> blocks_;  // of the pair search; the last holds the pairs of two large bodies
+  // by block of the pair search; the last holds pairs of two large bodies
+  std::vector<Block> blocks_;
   size_t block_count_ = 0;
   uint64_t listed_ = 0;
   StageCounters counters_;

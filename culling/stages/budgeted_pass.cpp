@@ -13,15 +13,14 @@ namespace throng {
 namespace {
 
 constexpr uint32_t kNotTouched = 1u << 31;
-/// Groups of a millimetre of overlap each: fine enough that a group is soon sorted. What overlaps
-/// deeper than the last shares it.
+/// Groups of 1/1024 m of overlap are quick to sort. Deeper overlaps share the last group.
 constexpr float kGroupsPerMetre = 1024;
 constexpr uint32_t kGroupsOfKind = 4096;
 constexpr uint32_t kGroups = 2 * kGroupsOfKind;
 
-/// Ascending with falling depth; not-touching ones after all touching ones.
+/// Ascending with falling depth; pairs that did not touch follow all that did.
 uint32_t rank_of(bool touched, float depth_m) {
-  // The bits of a float from 0 on ascend with it.
+  // The bits of non-negative floats are ordered as the floats.
   const uint32_t bits = std::bit_cast<uint32_t>(std::max(depth_m, 0.0f));
   return (touched ? 0 : kNotTouched) | (~kNotTouched - bits);
 }
@@ -63,7 +62,7 @@ void UrgencyQueue::fill(const BodiesView& bodies, const BroadPhase& broad, const
   scatter_by_group();
 }
 
-/// Both lists ascend by id, so one walk finds where each body's pairs begin.
+/// Finds the first pair of each body. Both lists ascend by id, so one walk suffices.
 void UrgencyQueue::mark_touched(const BodiesView& bodies, std::span<const PairKey> touched) {
   first_touched_.resize(bodies.ids.size());
   size_t next = 0;
@@ -84,7 +83,7 @@ bool UrgencyQueue::touched_before(uint32_t body_a, uint32_t body_b, const Bodies
 void UrgencyQueue::scatter_by_group() {
   pairs_.resize(count_);
   group_start_.resize(kGroups + 2);
-  // Counted one group late, so that after scattering group_start_[i] is where group i begins.
+  // Counts are shifted by one group: after scattering, group_start_[i] is the start of group i.
   std::fill_n(group_start_.data(), kGroups + 2, 0u);
   for (size_t i = 0; i < count_; ++i) ++group_start_[group_of(found_[i].rank) + 2];
   std::partial_sum(group_start_.data(), group_start_.data() + kGroups + 2, group_start_.data());
@@ -92,7 +91,7 @@ void UrgencyQueue::scatter_by_group() {
     pairs_[group_start_[group_of(found_[i].rank) + 1]++] = found_[i];
 }
 
-/// Where the group ends that holds the pair before `at`.
+/// End of the group of the pair before `at`.
 size_t UrgencyQueue::group_end(size_t at) const {
   return at == 0 ? 0 : group_start_[group_of(pairs_[at - 1].rank) + 1];
 }
@@ -127,18 +126,18 @@ uint64_t UrgencyQueue::times_grown() const {
 
 namespace {
 
-constexpr size_t kWaveTaskPairs = 512;  // pairs of bodies a task
-constexpr size_t kWaveTasks = 16;       // as many for any number of threads
+constexpr size_t kWaveTaskPairs = 512;  // pairs of bodies per task
+constexpr size_t kWaveTasks = 16;       // the same for any number of threads
 constexpr size_t kMaxInWave = kWaveTaskPairs * kWaveTasks;
 constexpr size_t kMinInWave = 16;
 constexpr size_t kMinByClock = 64;
-constexpr size_t kSortBodies = 4096;  // bodies a task when keys are sorted
-/// Without a number yet: what a pair of bodies takes to the part volume, roughly.
-constexpr double kFirstGuess_ns = 200;
+constexpr size_t kSortBodies = 4096;  // bodies per task when keys are sorted
+/// Initial estimate of the time to refine a pair of bodies to part volumes.
+constexpr double kInitialPair_ns = 200;
 constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
 
-/// Tests that the dearest pair of bodies can take: two boxes, then all parts at every stage.
-uint64_t worst_tests(BodyTypes types, const CullerOptions& options) {
+/// Maximum number of tests per pair of bodies: two boxes, then all parts at every stage.
+uint64_t max_tests_per_pair(BodyTypes types, const CullerOptions& options) {
   uint64_t parts = 0;
   for (const auto& type : types) parts = std::max(parts, static_cast<uint64_t>(type->part_count()));
   return 1 + parts * parts * (options.exact ? 3 : 2);
@@ -153,8 +152,8 @@ BudgetedPass::BudgetedPass(BodyTypes types, const CullerOptions& options, Worker
       stages_(kWaveTasks),
       max_exact_(kWaveTasks),
       decided_(kWaveTasks),
-      worst_tests_(worst_tests(types, options)),
-      pair_ns_(kFirstGuess_ns) {}
+      max_tests_per_pair_(max_tests_per_pair(types, options)),
+      pair_ns_(kInitialPair_ns) {}
 
 void BudgetedPass::run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
                        CullingCounters& counters) {
@@ -179,14 +178,12 @@ bool BudgetedPass::time_is_up() const {
   return options_.budget_ms.has_value() && Clock::now() >= deadline_;
 }
 
-/// From here the frame's clock runs.
 void BudgetedPass::begin_budget() {
   tests_left_ = options_.budget_tests.value_or(kNoLimit);
   deadline_ = Clock::now() + std::chrono::nanoseconds(static_cast<int64_t>(
                                  options_.budget_ms.value_or(0) * 1e6 - events_ns_));
 }
 
-/// Refines the pairs that the search found until the budget is up.
 void BudgetedPass::refine(const BodiesView& bodies, const PoseSource& source) {
   const Slots& slots = shared_.slots();
   for (MidPhase& stage : stages_) stage.clear_counters();
@@ -204,7 +201,7 @@ void BudgetedPass::refine(const BodiesView& bodies, const PoseSource& source) {
   }
 }
 
-/// Pairs that were decided to touch, not those that nobody had time for.
+/// Collects pairs that were decided to touch, without undecided ones.
 void BudgetedPass::find_touched() {
   const auto last = static_cast<uint8_t>(last_level(options_));
   touched_.resize(current_.count);
@@ -213,7 +210,7 @@ void BudgetedPass::find_touched() {
     if (current_.levels[i] == last) touched_[touched_count_++] = current_.keys[i];
 }
 
-/// As many pairs as the budget surely covers, in groups, or a few in their exact order.
+/// Returns as many pairs as the budget surely covers, in groups, or a few in exact order.
 std::span<const UrgentPair> BudgetedPass::next_wave(const Slots& slots) {
   size_t target_count = kMaxInWave;
   if (options_.budget_ms) {
@@ -222,9 +219,9 @@ std::span<const UrgentPair> BudgetedPass::next_wave(const Slots& slots) {
     const double half = std::clamp(0.5 * left_ns / pair_ns_, 0.0, double{kMaxInWave});
     target_count = std::max(kMinByClock, static_cast<size_t>(half));
   }
-  // What the clock cuts is not repeatable anyway: the groups are order enough.
+  // Results with a time budget are not repeatable, so the order of groups suffices.
   if (!options_.budget_tests) return queue_.peek_sorted(target_count);
-  const uint64_t covered = tests_left_ / worst_tests_;
+  const uint64_t covered = tests_left_ / max_tests_per_pair_;
   if (!queue_.sorting()) {
     const auto groups = queue_.peek(target_count);
     if (groups.size() <= std::min<uint64_t>(covered, kMaxInWave)) return groups;
@@ -265,7 +262,7 @@ void BudgetedPass::pose(const Frame& frame, std::span<const UrgentPair> wave) {
   bodies_.pose(frame.posing, workers_);
 }
 
-/// Box against box of every pair of bodies in the wave; returns the number of tasks.
+/// Tests the body boxes of every pair in the wave; returns the number of tasks.
 size_t BudgetedPass::test_bodies(const Frame& frame, std::span<const UrgentPair> wave) {
   wave_pairs_.resize(wave.size());
   for (size_t i = 0; i < wave.size(); ++i) wave_pairs_[i] = wave[i].slots;
@@ -281,7 +278,7 @@ size_t BudgetedPass::test_bodies(const Frame& frame, std::span<const UrgentPair>
   return tasks;
 }
 
-/// Leaves out the pairs of bodies whose part boxes nobody has time to test.
+/// Drops pairs of bodies whose part boxes exceed the budget.
 void BudgetedPass::cut_pairs(const Frame& frame, size_t tasks) {
   bool stop = time_is_up();
   for (size_t task = 0; task < tasks; ++task) {
@@ -301,7 +298,7 @@ void BudgetedPass::cut_pairs(const Frame& frame, size_t tasks) {
   }
 }
 
-/// Leaves out the pairs of parts whose volumes nobody has time to test.
+/// Drops pairs of parts whose volumes exceed the budget.
 void BudgetedPass::cut_candidates(size_t tasks) {
   const bool stop = time_is_up();
   for (size_t task = 0; task < tasks; ++task) {
@@ -316,7 +313,6 @@ void BudgetedPass::cut_candidates(size_t tasks) {
   }
 }
 
-/// Shares out the triangle tests that are left.
 void BudgetedPass::cut_triangles(size_t tasks) {
   if (!options_.exact) return;
   const bool stop = time_is_up();
@@ -337,8 +333,7 @@ void BudgetedPass::report(const MidPhase& stage, size_t decided) {
       add(stage.parts().key_of(candidates[i]), i < decided ? last : PairLevel::kPartVolume);
 }
 
-/// By body a with a counting sort, then each body's few by comparison; then from body indices to
-/// ids, which ascend together.
+/// Counting sort by body a, then comparisons by body b. Replaces indices by ids, ordered alike.
 void BudgetedPass::sort_found(size_t bodies) {
   start_of_body_.resize(bodies + 2);
   std::fill_n(start_of_body_.data(), bodies + 2, 0u);
@@ -381,7 +376,8 @@ void BudgetedPass::archive(Archive& a, std::span<const PairKey> touching) {
   std::vector<uint8_t> last(levels().begin(), levels().end());
   a.resized(last, touching.size());
   if (!a.is_reading()) return;
-  if (last.size() != touching.size()) a.refuse("a level for every pair", "another number");
+  if (last.size() != touching.size())
+    a.refuse("a level for every pair", "another number of levels");
   for (const uint8_t level : last)
     if (level >= kPairLevels) a.refuse("a level", std::to_string(level));
   current_.count = touching.size();
@@ -398,7 +394,7 @@ void BudgetedPass::finish(PairEvents& events) {
   level_events(events);
 }
 
-/// Events and both frames' pairs are sorted alike: one walk.
+/// Events and the pairs of both frames have the same order, so one walk suffices.
 void BudgetedPass::level_events(PairEvents& events) const {
   size_t current = 0, previous = 0;
   for (PairEvent& event : events.events_to_level()) {

@@ -1,8 +1,8 @@
-// The narrow phase under a deadline (time-critical collision handling after Hubbard, Approximating
-// Polyhedra with Spheres for Time-Critical Collision Detection, ACM ToG 15(3), 1996): the most
-// urgent pairs of bodies are refined first, and what is left is reported as far as it came.
-// One rule: nothing is dropped; a budget of tests gives the same answer for any number of threads,
-// SIMD target and pair search.
+// BudgetedPass refines the most urgent pairs of bodies within a budget per frame. It reports the
+// other pairs at the level they reached. Method: Hubbard, Approximating Polyhedra with Spheres for
+// Time-Critical Collision Detection, ACM ToG 15(3), 1996.
+// Invariant: no pair is dropped; with a budget of tests the result is the same for any number of
+// threads, SIMD target and pair search.
 #pragma once
 
 #include <array>
@@ -25,11 +25,11 @@
 
 namespace throng {
 
-// The order in which a deadline lets pairs of bodies be refined: who touched in the last frame
-// first, then whose spheres overlap deepest.
-// One rule: what is taken depends on the pairs alone, not on the order in which they were found.
+// UrgencyQueue orders pairs of bodies: first those that touched in the last frame, then those whose
+// spheres overlap deepest.
+// Invariant: the order depends only on the pairs, not on the order in which they were found.
 
-/// Two bodies whose spheres overlap; the smaller the rank, the more urgent.
+/// Two bodies with overlapping spheres. A smaller rank is more urgent.
 struct UrgentPair {
   SlotPair slots;
   uint32_t rank;
@@ -37,22 +37,20 @@ struct UrgentPair {
 
 class UrgencyQueue {
  public:
-  /// The frame's pairs of bodies. `touched`: pairs of parts, sorted, whose bodies go first.
+  /// Sets the pairs of bodies of a frame; first those of `touched`, sorted pairs of parts.
   void fill(const BodiesView& bodies, const BroadPhase& broad, const Slots& slots,
             std::span<const PairKey> touched, Workers& workers);
 
   bool empty() const { return next_ == count_; }
-  /// Everything that was not taken.
   std::span<const UrgentPair> rest() const { return {pairs_.data() + next_, count_ - next_}; }
 
-  /// The next pairs, at least `target_count` if there are as many, cut only where the order between
-  /// them does not matter: for who refines all of them.
+  /// Next pairs, at least `target_count` if available, up to a group border.
   std::span<const UrgentPair> peek(size_t target_count) const;
-  /// Brings the next `target_count` pairs into their exact order.
+  /// Sorts the next `target_count` pairs exactly.
   void sort_next(size_t target_count, const Slots& slots);
-  /// The next `target_count` pairs, in exact order as far as sort_next() went.
+  /// Next `target_count` pairs, in exact order up to the last sort_next().
   std::span<const UrgentPair> peek_sorted(size_t target_count) const;
-  /// True while sort_next() has begun a group that is not yet taken.
+  /// True if sort_next() has begun a group that is not yet taken.
   bool sorting() const { return next_ < sorted_; }
   void take(size_t count) { next_ += count; }
 
@@ -65,13 +63,13 @@ class UrgencyQueue {
   void scatter_by_group();
   size_t group_end(size_t at) const;
 
-  GrowBuffer<UrgentPair> found_, pairs_;  // as the search lists them; by group
+  GrowBuffer<UrgentPair> found_, pairs_;  // in search order; by group
   GrowBuffer<size_t> first_of_block_;
-  GrowBuffer<uint32_t> first_touched_;  // by body: where its pairs begin in `touched`
+  GrowBuffer<uint32_t> first_touched_;  // by body: start of its pairs in `touched`
   GrowBuffer<uint32_t> group_start_;
   size_t count_ = 0;
-  size_t next_ = 0;    // first pair not taken
-  size_t sorted_ = 0;  // pairs before it are in exact order or taken
+  size_t next_ = 0;    // index of the first pair not taken
+  size_t sorted_ = 0;  // pairs before this index are in exact order or taken
 };
 
 class BudgetedPass final : public Pass {
@@ -81,7 +79,7 @@ class BudgetedPass final : public Pass {
   void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
            CullingCounters& counters) override;
   void finish(PairEvents& events) override;
-  /// The levels of the last frame's pairs, on which the next frame's order depends.
+  /// Levels of the last frame's pairs, which determine the order of the next frame.
   void archive(Archive& a, std::span<const PairKey> touching) override;
   std::span<const uint8_t> levels() const override {
     return {current_.levels.data(), current_.count};
@@ -94,13 +92,12 @@ class BudgetedPass final : public Pass {
     PairKey key;
     uint8_t level;
   };
-  /// A frame's pairs, sorted, with the level of each.
+  /// Sorted pairs of a frame and their levels.
   struct Reported {
     GrowBuffer<PairKey> keys;
     GrowBuffer<uint8_t> levels;
     size_t count = 0;
   };
-  /// What a frame refines with.
   struct Frame {
     PosedBodies::Frame posing;
     MidPhaseFrame parts;
@@ -129,18 +126,17 @@ class BudgetedPass final : public Pass {
   Workers& workers_;
   SharedStages shared_;
   UrgencyQueue queue_;
-  std::vector<MidPhase> stages_;     // one a task of a wave, whoever runs it
-  std::vector<uint64_t> max_exact_;  // by task: triangle tests that it may make
-  std::vector<size_t> decided_;      // by task: candidates whose answer is final
-  PosedBodies bodies_;               // posed so far in this frame
+  std::vector<MidPhase> stages_;     // by task of a wave, independent of the worker
+  std::vector<uint64_t> max_exact_;  // by task: maximum number of triangle tests
+  std::vector<size_t> decided_;      // by task: number of candidates with a final result
+  PosedBodies bodies_;               // bodies posed so far in this frame
   GrowBuffer<SlotPair> wave_pairs_;
 
-  // The budget of the frame.
   uint64_t tests_left_ = 0;
-  uint64_t worst_tests_;  // that a pair of bodies can take
+  uint64_t max_tests_per_pair_;
   Clock::time_point deadline_;
-  double pair_ns_ = 0;    // of the latest wave
-  double events_ns_ = 0;  // of the last frame's sorting and merging: kept back for this one's
+  double pair_ns_ = 0;    // time per pair in the latest wave
+  double events_ns_ = 0;  // time of the last frame's sorting and merging, reserved in this frame
 
   GrowBuffer<KeyWithLevel> found_, sorted_;
   size_t found_count_ = 0;

@@ -35,7 +35,7 @@ void MidPhase::finish(const MidPhaseFrame& frame, PartPairs& out) {
   write_runs(out);
 }
 
-/// Boxes that are apart decide before volumes do: volumes that are said to overlap are not, then.
+/// Boxes that are apart overrule the given result of the volumes.
 void MidPhase::finish(const MidPhaseFrame& frame, const PartCandidates& wider,
                       std::span<const uint8_t> overlaps, PartPairs& out) {
   Stopwatch watch;
@@ -52,11 +52,11 @@ void MidPhase::finish(const MidPhaseFrame& frame, const PartCandidates& wider,
   write_runs(out);
 }
 
-/// Candidates of a pair are consecutive and sorted, and so are its parts. No branch: which
-/// candidates overlap, and where a pair ends, is hard to foretell.
+/// Candidates of a pair are consecutive and sorted, and so are its parts. Without branches: neither
+/// overlaps nor the ends of pairs are predictable.
 void MidPhase::write_runs(PartPairs& out) const {
   const std::span<const Candidate> candidates = tested_->candidates();
-  out.parts.resize(candidates.size() + 1);  // one more: written before it is known to count
+  out.parts.resize(candidates.size() + 1);  // one extra element, written before its flag is known
   out.runs.resize(candidates.empty() ? 0 : tested_->pairs().size());
   uint16_t* const parts = out.parts.data();
   PartRun* run = out.runs.data();
@@ -64,11 +64,11 @@ void MidPhase::write_runs(PartPairs& out) const {
   for (size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
     const bool is_next = c.pair != pair;
-    run += is_next & (count != first);  // one without parts is overwritten
+    run += is_next & (count != first);  // a run without parts is overwritten
     first = is_next ? count : first;
     pair = c.pair;
     parts[count] = static_cast<uint16_t>(PairKey::parts_of(c.part_a, c.part_b));
-    count += overlaps_[i];  // NOLINT(clang-analyzer-*): one a candidate, all are written
+    count += overlaps_[i];  // NOLINT(clang-analyzer-*): one flag per candidate, all written
     *run = {pair, 0, first, count - first};
   }
   out.run_count = static_cast<size_t>(run - out.runs.data()) + (count != first);
@@ -124,14 +124,14 @@ template <typename Volume>
 void MidPhase::test_by_kernel(const MidPhaseFrame& frame) {
   const Kernels::OrdopPairs test = frame.kernels->*KernelsOf<Volume>::kPairs;
   parts_.for_each_bucket(
-      [&](size_t a, size_t b, std::span<uint32_t> some) {
+      [&](size_t a, size_t b, std::span<uint32_t> bucket) {
         test(table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
-             parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
+             parts_.candidates().data(), bucket.data(), bucket.size(), overlaps_.data());
       },
       [&](uint32_t one) { test_by_reference<Volume>(frame, one); });
 }
 
-/// Shapes beyond the buckets: rare, so one by one with the reference.
+/// Shapes without buckets are rare, so the scalar reference tests them.
 template <typename Volume>
 void MidPhase::test_by_reference(const MidPhaseFrame& frame, uint32_t candidate) {
   const Candidate& c = parts_.candidates()[candidate];
@@ -142,11 +142,11 @@ void MidPhase::test_by_reference(const MidPhaseFrame& frame, uint32_t candidate)
             bodies_->poses(), parts_.candidates().data(), &candidate, 1, overlaps_.data());
 }
 
-/// Two parts with different volumes are apart if either kind of volume says so: the one that comes
-/// first in the list is asked first, then the other.
+/// Two parts with different volumes are apart if either volume proves it. The volume that comes
+/// first in the list is tested first.
 void MidPhase::test_mixture(const MidPhaseFrame& frame) {
   parts_.for_each_bucket(
-      [&](size_t a, size_t b, std::span<uint32_t> some) {
+      [&](size_t a, size_t b, std::span<uint32_t> bucket) {
         const auto volume = [&](size_t shape) {
           const uint16_t type = frame.shape_type[shape];
           return frame.volume_of(type, shape - frame.type_first_shape[type]);
@@ -157,14 +157,14 @@ void MidPhase::test_mixture(const MidPhaseFrame& frame) {
             if constexpr (KernelsOf<Volume>::kExist)
               (frame.kernels->*KernelsOf<Volume>::kPairs)(
                   table_of(frame, a), table_of(frame, b), parts_.pairs().data(), bodies_->poses(),
-                  parts_.candidates().data(), some.data(), some.size(), overlaps_.data());
+                  parts_.candidates().data(), bucket.data(), bucket.size(), overlaps_.data());
             else
-              test_scalar<Volume>(frame, some);
+              test_scalar<Volume>(frame, bucket);
           });
         };
         decide(std::min(of_a, of_b));
         if (of_a == of_b) return;
-        some = still_overlapping(some);
+        bucket = still_overlapping(bucket);
         decide(std::max(of_a, of_b));
       },
       [&](uint32_t one) {
@@ -185,7 +185,6 @@ void MidPhase::test_mixture(const MidPhaseFrame& frame) {
       });
 }
 
-/// Moves them to the front.
 std::span<uint32_t> MidPhase::still_overlapping(std::span<uint32_t> candidates) const {
   size_t kept = 0;
   for (const uint32_t candidate : candidates)
@@ -226,13 +225,13 @@ void MidPhase::test_parts(const MidPhaseFrame& frame) {
     });
   }
   counters_.part_volume.tests += parts_.candidates().size();
-  // Every candidate lies in a bucket or in the rest: each has been written, 0 or 1.
+  // Every candidate is in a bucket or in the rest, so each flag has been written.
   for (size_t i = 0; i < parts_.candidates().size(); ++i)
     counters_.part_volume.passed += overlaps_[i];  // NOLINT(clang-analyzer-*)
   counters_.part_volume.test_ns += watch.lap_ns();
 }
 
-/// Before triangles decide, which write over what the volumes said.
+/// Must run before triangles overwrite the results of the volumes.
 void MidPhase::tally_tests(const MidPhaseFrame& frame) {
   const auto block_of = [&](const BodyPair& pair) -> PartTally::Block& {
     return tally_->block(pair.type_a, pair.type_b, frame.type_parts[pair.type_a],
@@ -249,7 +248,7 @@ void MidPhase::tally_tests(const MidPhaseFrame& frame) {
   }
 }
 
-/// What truly touches: as the triangles have decided, or judged here, aside from the answer.
+/// Counts contacts as decided by triangles, or tests triangles here without changing the result.
 void MidPhase::tally_touching(const MidPhaseFrame& frame) {
   TriangleCounters aside;
   for (size_t i = 0; i < parts_.candidates().size(); ++i) {

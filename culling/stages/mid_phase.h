@@ -1,6 +1,5 @@
-// Narrow phase: from pairs of bodies whose spheres overlap to pairs of parts.
-// One rule: works on one task at a time with buffers of its own, so that tasks can run on any
-// thread in any order.
+// MidPhase refines pairs of bodies with overlapping spheres to pairs of parts.
+// Invariant: it uses only its own buffers; tasks may run on any thread in any order.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,20 +13,19 @@
 
 namespace throng {
 
-/// N and time of one worker; summed up in any order.
+/// Counts and times of one worker. Sums do not depend on the order.
 struct MidPhaseCounters {
   StageCounters body_box, part_box, part_volume, triangles;
   uint64_t primitive_tests = 0;
   void add(const MidPhaseCounters& other);
 };
 
-/// The overlapping parts of one pair of bodies, consecutive and sorted.
+/// Overlapping parts of one pair of bodies, consecutive and sorted.
 struct PartRun {
   uint32_t body_a, body_b;  ///< indices into the BodiesView, a < b
   uint32_t first, count;
 };
 
-/// What a task yields.
 struct PartPairs {
   GrowBuffer<uint16_t> parts;  ///< PairKey::parts_of()
   GrowBuffer<PartRun> runs;
@@ -35,13 +33,12 @@ struct PartPairs {
   uint32_t times_grown() const { return parts.times_grown() + runs.times_grown(); }
 };
 
-/// Makes what the stage will read of a type, for each of `volumes`.
+/// Fits the volumes of a type that the stage reads, for each of `volumes`. Call before steps.
 void fit_for_mid_phase(const BodyType& type, std::span<const VolumeKind> volumes, bool exact);
 
-/// The scratch of one worker.
 class MidPhase {
  public:
-  /// A task: begin() with the posed bodies, add() pairs of their slots, finish().
+  /// Runs a task: begin() with the posed bodies, add() for pairs of their slots, finish().
   void begin(const MidPhaseFrame& frame, const PosedBodies& bodies) {
     bodies_ = &bodies;
     tested_ = &parts_;
@@ -51,37 +48,37 @@ class MidPhase {
     parts_.add(frame, pairs);
   }
   void finish(const MidPhaseFrame& frame, PartPairs& out);
-  /// finish() without add(): candidates that somebody has found within a margin, and which of their
-  /// volumes overlap. Nothing is counted by pair of parts.
+  /// finish() without add(), for candidates found within a margin. `overlaps`: flag per candidate,
+  /// whether the part volumes overlap. Nothing is counted per pair of parts.
   void finish(const MidPhaseFrame& frame, const PartCandidates& wider,
               std::span<const uint8_t> overlaps, PartPairs& out);
 
-  /// finish() step by step, for who may have to stop in between: find_candidates(), test_parts(),
-  /// then, where asked, decide_by_triangles().
+  /// Steps of finish(), for callers that may stop in between: find_candidates(), test_parts(), then
+  /// decide_by_triangles() if enabled.
   void find_candidates(const MidPhaseFrame& frame) { parts_.find(frame); }
   void test_parts(const MidPhaseFrame& frame);
-  /// Decides the first `most` candidates that overlap; returns how many candidates are decided.
+  /// Decides the first `max_count` overlapping candidates; returns how many candidates are decided.
   size_t decide_by_triangles(const MidPhaseFrame& frame, uint64_t max_count);
 
-  /// What is left to be refined, and may be made less in between.
+  /// Candidates to refine. Callers may remove some between steps.
   PartCandidates& parts() { return parts_; }
   const PartCandidates& parts() const { return parts_; }
-  /// One a candidate, after test_parts().
+  /// Flag per candidate, after test_parts().
   std::span<const uint8_t> overlaps() const {
     return {overlaps_.data(), tested_->candidates().size()};
   }
-  /// One a candidate, after finish(): what triangles say. Empty where they were not asked.
+  /// Result of triangles per candidate, after finish(). Empty if triangles were not tested.
   std::span<const uint8_t> touches(const MidPhaseFrame& frame) const {
     return frame.exact ? overlaps() : std::span<const uint8_t>();
   }
 
-  /// From now on finish() counts by pair of parts, too.
+  /// Makes finish() count per pair of parts from now on.
   void tally_parts() { tally_ = std::make_unique<PartTally>(); }
   const PartTally* tally() const { return tally_.get(); }
 
   MidPhaseCounters counters() const;
   void clear_counters();
-  /// Makes room for what another worker's task needed: any worker may get that task next time.
+  /// Reserves the memory that another worker's task needed: any worker may run that task next time.
   void reserve_like(const MidPhase& other);
   uint32_t times_grown() const;
 
@@ -104,14 +101,13 @@ class MidPhase {
 
   const PosedBodies* bodies_ = nullptr;
   PartCandidates parts_;
-  const PartCandidates* tested_ = nullptr;  // parts_, or somebody's
-  GrowBuffer<uint8_t> overlaps_;            // one a candidate of tested_
-  std::unique_ptr<PartTally> tally_;        // null: nobody asks
-  MidPhaseCounters counters_;               // of volumes and triangles
+  const PartCandidates* tested_ = nullptr;  // parts_ or the caller's candidates
+  GrowBuffer<uint8_t> overlaps_;            // flag per candidate of tested_
+  std::unique_ptr<PartTally> tally_;        // null: off
+  MidPhaseCounters counters_;               // counters of volumes and triangles
 };
 
-// Two parts that a candidate names, and what is asked of them one by one.
-// One rule: for the part stage alone; a pair is made where it is tested and kept nowhere.
+// PartPair refers to two parts of a candidate for a single test. It is not stored.
 
 struct PartRef {
   const BodyType::Volumes* volumes;
@@ -120,7 +116,7 @@ struct PartRef {
   float scale;
 };
 
-/// Two parts that a candidate names, and how far apart their roots are.
+/// Two parts of a candidate and the vector between their roots.
 struct PartPair {
   PartRef a, b;
   Eigen::Vector3f a_to_b_m;
@@ -140,7 +136,7 @@ inline PartPair part_pair(const MidPhaseFrame& frame, const PartPose* poses, con
   return part_pair(frame, poses, pair, c.part_a, c.part_b);
 }
 
-/// Updates both volumes, then tests them: two updates a test, as the paper counts.
+/// Updates both volumes, then tests them: two updates per test, as in the paper.
 template <typename Volume>
 bool placed_overlap(const PartPair& p) {
   const auto place = [&](const PartRef& part) {
@@ -155,7 +151,7 @@ inline bool parts_touch(const PartPair& p, TriangleCounters& primitive) {
                       primitive);
 }
 
-/// A shape that has buckets, as a part of its type.
+/// Shape with buckets, as a part of its type.
 struct ShapePart {
   const BodyType::Volumes& volumes;
   size_t part;

@@ -49,7 +49,7 @@ void PairEvents::finish() {
     persisting_ += blocks_[i].persisting;
   }
   std::swap(touching_, incoming_);
-  incoming_.match(touching_);  // they change places in every frame
+  incoming_.match(touching_);  // the two are swapped in every frame
   touching_count_ = incoming_count_;
 }
 

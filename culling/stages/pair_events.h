@@ -1,5 +1,4 @@
-// Begin / persist / end: a frame's pairs against the last frame's.
-// One rule: both come sorted, so a walk over both is all it takes.
+// PairEvents compares the pairs of a frame with those of the last frame. Events are sorted.
 #pragma once
 
 #include <cstddef>
@@ -11,38 +10,39 @@
 
 namespace throng {
 
-/// Merges each frame's sorted pairs with the last frame's. The pairs of a frame come in blocks,
-/// each written and compared by one thread, so that it is compared while it is still in the cache.
+/// Merges each frame's sorted pairs with the last frame's. Pairs come in blocks. One thread writes
+/// and compares a block while it is in the cache.
 class PairEvents {
  public:
-  /// Events have this level, unless events_to_level() is used to give them others.
+  /// `level`: level of all events that events_to_level() does not change.
   explicit PairEvents(PairLevel level = PairLevel::kPartVolume) : level_(level) {}
 
   /// Begins a frame of `count` pairs in `blocks` blocks.
   void begin(size_t count, size_t blocks);
-  /// Where the caller writes the pairs of this frame, sorted and unique.
+  /// Buffer for the pairs of this frame. The caller writes them sorted and unique.
   PairKey* incoming() { return incoming_.data(); }
-  /// Compares the incoming pairs [first, end) with the last frame's; both of the keys from `low`
-  /// on, less than `high`. Blocks may come on any thread in any order.
+  /// Compares the incoming pairs [first, end) with those of the last frame with keys in [low,
+  /// high). Different blocks may run on any threads in any order.
   void compare(size_t block, size_t first, size_t end, PairKey low, PairKey high);
-  /// When every block has been compared.
+  /// Completes the frame after all blocks have been compared.
   void finish();
-  /// All three for pairs that lie elsewhere; order asserted.
+  /// Runs all three steps for pairs in the caller's memory; order asserted.
   void advance(std::span<const PairKey> pairs);
-  /// Goes on behind a frame in which these touched; sorted and unique (asserted).
+  /// Continues from a frame with these pairs; sorted and unique (asserted).
   void resume(std::span<const PairKey> touching);
 
-  /// Begins and ends of this frame, sorted.
+  /// Begin and end events of this frame, sorted.
   std::span<const PairEvent> events() const { return {events_.data(), event_count_}; }
-  /// For whoever knows a level of each event.
+  /// Events, for callers that set their levels.
   std::span<PairEvent> events_to_level() { return {events_.data(), event_count_}; }
   std::span<const PairKey> touching() const { return {touching_.data(), touching_count_}; }
-  uint64_t persisting() const { return persisting_; }  ///< pairs in this frame and in the last
+  /// number of pairs in this frame and in the last
+  uint64_t persisting() const { return persisting_; }
   uint32_t times_grown() const;
 
  private:
-  /// The events of a block: at the worst all its old pairs end and all its new ones begin, so there
-  /// is room for them behind as many events as there are pairs before it.
+  /// Events of a block. In the worst case all its old pairs end and all new ones begin. Its events
+  /// therefore start behind as many elements as the earlier blocks have old and new pairs.
   struct Block {
     size_t first = 0, events = 0;
     uint64_t persisting = 0;

@@ -9,14 +9,12 @@
 namespace throng {
 namespace {
 
-/// An interval of cell coordinates that must be covered.
 struct Range {
   float low = 0, high = 0;
   float length() const { return high - low; }
 };
 
-/// Where most of the values lie: the mean and six mean deviations to both sides. What lies outside
-/// is counted into the border cells.
+/// Range of most values: mean plus and minus six mean deviations; border cells hold the rest.
 template <typename Value>
 Range bulk(const Range& all, std::span<const uint32_t> bodies, const Value& value) {
   const double n = static_cast<double>(bodies.size());
@@ -64,7 +62,7 @@ void PairSearcher::fill_rows(std::span<const PlacedBody> bodies, Workers& worker
     std::fill(to[c] + slot_count_, to[c] + padded, 0.0f);
   }
   workers.for_blocks(blocks_of(slot_count_, kTaskBodies), [&](int block, int) {
-    constexpr size_t kAhead = 8;  // bodies lie anywhere
+    constexpr size_t kAhead = 8;  // bodies are not in memory order
     const size_t first = static_cast<size_t>(block) * kTaskBodies;
     const size_t end = std::min(slot_count_, first + kTaskBodies);
     for (size_t slot = first; slot < end; ++slot) {
@@ -107,8 +105,7 @@ PairSearcher::Extent PairSearcher::measure(std::span<const PlacedBody> bodies,
 void PairSearcher::choose_cells(std::span<const PlacedBody> bodies, std::span<const uint32_t> small,
                                 Workers& workers) {
   const Extent extent = measure(bodies, small, workers);
-  // Two bodies that may touch lie at most one cell apart; the slack covers the rounding of
-  // column_of().
+  // Bodies that may touch are at most one cell apart; the slack covers rounding in column_of().
   float side = std::max(2 * extent.upright * 1.004f, 1e-6f);
   const double max_cells = 4.0 * static_cast<double>(small.size()) + 1024;
   const auto cells = [&](const Range& range) {
@@ -188,7 +185,7 @@ PairSearcher::BlockCounts PairSearcher::search_block(const Kernels& kernels, siz
       test(own, {{SlotRun{slot + 1, static_cast<uint32_t>(end - low_x_.data())}}});
     } else {
       const CellRuns runs = later_neighbours(column_of(spheres.x[slot]), row_of(spheres.y[slot]));
-      // A whole cell at a time, unless so many stand in it that their pairs would need much room.
+      // A whole cell at a time, unless its pairs would need too much memory.
       own.end = std::min(last, runs.end_of_cell);
       const uint32_t others = runs.slots();
       if (uint64_t{own.end - slot} * others > kMaxTests)

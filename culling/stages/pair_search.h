@@ -1,5 +1,5 @@
-// Broad phase: the pairs of bodies whose spheres overlap, and whose rectangles on the ground do.
-// One rule: grid, sweep and brute force find the same pairs; they differ in how many they look at.
+// PairSearcher lists pairs of bodies whose spheres and ground rectangles overlap.
+// Invariant: grid, sweep and brute force find the same pairs; they differ in the number of tests.
 #pragma once
 
 #include <algorithm>
@@ -15,38 +15,36 @@
 
 namespace throng {
 
-/// A body as the search sees it; what each number means stands at SphereRows and
-/// RectangleRows.
+/// Body as the search reads it. SphereRows and RectangleRows describe the fields.
 struct PlacedBody {
   float x = 0, y = 0, z = 0;
   float radius = 0, upright = 0;
   float mid_x = 0, mid_y = 0, axis_x = 0, axis_y = 0, half_x = 0, half_y = 0;
 };
 
-/// Sorts small bodies into slots and lists the overlapping pairs of slots, in blocks.
-/// Large bodies (walls, stands) are not in it: they are few and asked one by one with around().
+/// Sorts small bodies into slots and lists overlapping pairs of slots, in blocks. Large bodies
+/// (walls, stands) are not included: callers test the few of them with around().
 class PairSearcher {
  public:
-  /// Slots for the bodies in `small` (indices into `bodies`, ascending).
+  /// Assigns slots to the bodies in `small` (indices into `bodies`, ascending).
   void build(PairSearch kind, std::span<const PlacedBody> bodies, std::span<const uint32_t> small,
              Workers& workers);
 
-  /// The bodies in slot order.
+  /// Bodies in slot order.
   std::span<const uint32_t> bodies() const { return {body_.data(), slot_count_}; }
 
-  /// The blocks in which the search runs; a block may run on any thread.
+  /// Blocks of the search. A block may run on any thread.
   static constexpr size_t kBlockSlots = 256;
   size_t block_count() const { return (slot_count_ + kBlockSlots - 1) / kBlockSlots; }
-  /// Writes the pairs whose first slot lies in `block`.
   struct BlockCounts {
     uint64_t tests = 0;
-    uint64_t spheres = 0;  ///< pairs whose spheres overlap
-    size_t pairs = 0;      ///< of these, whose rectangles overlap: written to `out`
+    uint64_t spheres = 0;  ///< number of pairs with overlapping spheres
+    size_t pairs = 0;      ///< number of these with overlapping rectangles, written to `out`
   };
+  /// Writes the pairs whose first slot is in `block`.
   BlockCounts search_block(const Kernels& kernels, size_t block, GrowBuffer<SlotPair>& out) const;
 
-  /// Calls visit(first_slot, end_slot) for runs of slots that hold every body whose centre lies
-  /// within the rectangle.
+  /// Calls visit(first_slot, end_slot) for slots that include all bodies centred in the rectangle.
   template <typename Visit>
   void around(float min_x, float min_y, float max_x, float max_y, const Visit& visit) const {
     if (kind_ != PairSearch::kGrid) return visit(uint32_t{0}, static_cast<uint32_t>(slot_count_));
@@ -58,10 +56,10 @@ class PairSearcher {
 
  private:
   static constexpr size_t kTaskBodies = 4096;
-  /// Two to this power columns of cells lie together in memory: a block of slots is then a patch of
-  /// the ground about as wide as long, and shares few bodies with other blocks.
+  /// 2^shift columns of cells are consecutive in memory. A block of slots is then a roughly square
+  /// patch of the ground and shares few bodies with other blocks.
   static constexpr int kMaxStripShift = 5;
-  /// Beyond this many columns a float cell coordinate could be off by more than the cell's slack.
+  /// With more columns a float cell coordinate could be off by more than the cell's slack.
   static constexpr int kMaxCellsPerAxis = 8192;
 
   struct Extent {
@@ -91,7 +89,7 @@ class PairSearcher {
            static_cast<size_t>(column & strip_mask());
   }
   int strip_mask() const { return (1 << strip_shift_) - 1; }
-  /// Visits the slots of neighbouring cells of a row, strip by strip.
+  /// Visits the slots of neighbouring cells in a row, strip by strip.
   template <typename Visit>
   void runs_of_row(int first, int last, int row, const Visit& visit) const {
     while (first <= last) {
@@ -103,8 +101,8 @@ class PairSearcher {
     }
   }
 
-  /// Half of a cell's neighbourhood: itself and the next, and three cells of the next row; each row
-  /// in two runs where a strip ends.
+  /// Half of a cell's neighbourhood: the cell, the next one, and three cells of the next row. A row
+  /// has two runs at the end of a strip.
   struct CellRuns {
     std::array<SlotRun, 4> run{};
     size_t count = 0;
@@ -116,7 +114,7 @@ class PairSearcher {
     }
   };
   CellRuns later_neighbours(int column, int row) const;
-  /// Pairs that a call of the kernel may test, unless one slot alone has more.
+  /// Maximum number of pairs per kernel call, unless a single slot has more.
   static constexpr uint32_t kMaxTests = 4096;
 
   PairSearch kind_ = PairSearch::kGrid;

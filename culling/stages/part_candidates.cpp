@@ -9,8 +9,7 @@
 namespace throng {
 namespace {
 
-/// The two body boxes are within `margin_m` of each other along every axis, b's shifted into a's
-/// coordinates.
+/// True if two body boxes are within `margin_m` along every axis, b's shifted to a's coordinates.
 bool bodies_are_within(const float* a, const float* b, const float* shift, float margin_m) {
   bool apart = false;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -33,7 +32,7 @@ void PartCandidates::begin(const MidPhaseFrame& frame, const PosedBodies& bodies
   pair_count_ = 0;
 }
 
-/// Keeps the pairs whose boxes, in their poses, are near.
+/// Keeps pairs whose posed boxes are within the margin.
 void PartCandidates::add(const MidPhaseFrame& frame, std::span<const SlotPair> pairs,
                          std::span<const uint8_t> inner) {
   Stopwatch watch;
@@ -87,7 +86,7 @@ void PartCandidates::find(const MidPhaseFrame& frame) {
   counters_.part_box.test_ns += watch.lap_ns();
 }
 
-/// As box_pairs() of the kernels, to the bit.
+/// Equals box_pairs() of the kernels bit for bit.
 bool PartCandidates::boxes_are_within(const MidPhaseFrame& frame, const Candidate& candidate,
                                       float margin_m) const {
   const BodyPair& pair = pairs_[candidate.pair];
@@ -105,11 +104,11 @@ bool PartCandidates::boxes_are_within(const MidPhaseFrame& frame, const Candidat
 
 void PartCandidates::drop_filtered(const PairFilter& filter) {
   Candidate* const end = candidates_.data() + candidate_count_;
-  const auto nobody_asks = [&](const Candidate& c) {
+  const auto is_excluded = [&](const Candidate& c) {
     const BodyPair& pair = pairs_[c.pair];
     return !filter.includes_parts(pair.type_a, c.part_a, pair.type_b, c.part_b);
   };
-  candidate_count_ = static_cast<size_t>(std::remove_if(candidates_.data(), end, nobody_asks) -
+  candidate_count_ = static_cast<size_t>(std::remove_if(candidates_.data(), end, is_excluded) -
                                          candidates_.data());
 }
 

@@ -1,6 +1,5 @@
-// From pairs of bodies to pairs of parts whose boxes are near each other, sorted by the shapes of
-// the two parts, for kernels that work on many pairs of the same shapes at once. One rule: works on
-// one task at a time with buffers of its own, so that tasks can run on any thread in any order.
+// PartCandidates lists pairs of parts with nearby boxes, sorted by both part shapes for SIMD.
+// Invariant: it uses only its own buffers; tasks may run on any thread in any order.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,6 @@
 
 namespace throng {
 
-/// What all tasks of a frame read.
 struct MidPhaseFrame {
   std::span<const std::shared_ptr<const BodyType>> types;
   std::span<const uint16_t> shape_type;  ///< type of each shape that has buckets
@@ -27,7 +25,7 @@ struct MidPhaseFrame {
   const Kernels* kernels;
   const PairFilter* filter;
   VolumeKind volume;
-  bool is_mixed;  ///< parts have volumes of their own, see PartShape::volume
+  bool is_mixed;  ///< some parts have their own volumes, see PartShape::volume
   bool exact;
 
   VolumeKind volume_of(size_t type, size_t part) const {
@@ -35,38 +33,36 @@ struct MidPhaseFrame {
   }
 };
 
-/// Tests that the part boxes of two bodies take.
+/// Number of tests of the part boxes of two bodies.
 uint64_t box_tests(const MidPhaseFrame& frame, const BodyPair& pair);
 
 class PartCandidates {
  public:
-  /// A task: begin() with the posed bodies, add() pairs of their slots, find(). Boxes that are
-  /// within `margin_m` of each other along every axis are candidates. `inner`: a flag a pair, or
-  /// none, see is_inner().
+  /// Runs a task: begin() with the posed bodies, add() for pairs of their slots, find(). Candidates
+  /// are boxes within `margin_m` along every axis. `inner`: flag per pair or empty, see is_inner().
   void begin(const MidPhaseFrame& frame, const PosedBodies& bodies, float margin_m = 0);
   void add(const MidPhaseFrame& frame, std::span<const SlotPair> pairs,
            std::span<const uint8_t> inner = {});
   void find(const MidPhaseFrame& frame);
 
-  /// Pairs of bodies whose boxes are near, and pairs of parts whose boxes are, in the order of
-  /// add().
+  /// Pairs of bodies, and pairs of parts, with boxes within the margin, in the order of add().
   std::span<const BodyPair> pairs() const { return {pairs_.data(), pair_count_}; }
   std::span<const Candidate> candidates() const { return {candidates_.data(), candidate_count_}; }
   PairKey key_of(const Candidate& candidate) const;
-  /// Whatever margin_m is.
+  /// True if the boxes overlap without a margin.
   bool boxes_overlap(const MidPhaseFrame& frame, const Candidate& candidate) const {
     return boxes_are_within(frame, candidate, 0);
   }
-  /// Whether a search with the inner margin for margin_m would have the candidate.
+  /// True if a search with `inner_m` instead of margin_m would list the candidate.
   bool is_inner(const MidPhaseFrame& frame, const Candidate& candidate, float inner_m) const {
     return inner_[candidate.pair] != 0 && boxes_are_within(frame, candidate, inner_m);
   }
-  /// Forgets all but the first.
+  /// Keeps the first `count` only.
   void keep_pairs(const MidPhaseFrame& frame, size_t count);
   void keep_candidates(size_t count) { candidate_count_ = count; }
 
-  /// Calls test(shape a, shape b, candidates of the bucket) for each bucket that is not empty, and
-  /// rest(one candidate) for each of shapes beyond the buckets; candidates as indices.
+  /// Calls test(shape a, shape b, candidates) for each bucket that is not empty, and
+  /// rest(candidate) for each candidate of shapes without buckets. Candidates are indices.
   template <typename Test, typename Rest>
   void for_each_bucket(const Test& test, const Rest& rest);
 
@@ -87,7 +83,7 @@ class PartCandidates {
   const PosedBodies* bodies_ = nullptr;
   BoxFrame boxes_{};
   GrowBuffer<BodyPair> pairs_;
-  GrowBuffer<uint8_t> inner_;  // by pair, where add() has flags
+  GrowBuffer<uint8_t> inner_;  // by pair, if add() has flags
   GrowBuffer<Candidate> candidates_;
   GrowBuffer<uint32_t> bucket_start_, order_;
   size_t pair_count_ = 0, candidate_count_ = 0;

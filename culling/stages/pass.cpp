@@ -13,7 +13,7 @@
 namespace throng {
 namespace {
 
-/// Beyond, places and volumes over a scale leave what a float holds, and pairs would be lost.
+/// Beyond this limit scaled coordinates leave the range of float, and pairs would be lost.
 void require_scales(std::span<const float> scales) {
   constexpr auto kMaxScale = static_cast<float>(kMaxDescribed);
   for (size_t i = 0; i < scales.size(); ++i)
@@ -63,7 +63,7 @@ void PassRun::archive(Archive& a) {
   if (a.is_reading()) {
     if (std::adjacent_find(touching.begin(), touching.end(), std::greater_equal<>()) !=
         touching.end())
-      a.refuse("pairs in order", "pairs in disorder");
+      a.refuse("sorted pairs", "unsorted pairs");
     for (const PairKey& key : touching)
       if (key.a() >= key.b()) a.refuse("pairs of two bodies", "a body with itself");
     events_.resume(touching);

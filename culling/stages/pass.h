@@ -1,6 +1,4 @@
-// A way from the bodies of a frame to the pairs that touch, and what lasts from frame to frame.
-// One rule: a pass says which pairs touch and what that took; the hash and what touched before are
-// kept by its run.
+// Pass finds the pairs in contact in a frame; PassRun keeps contacts, counters and hash of a run.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +17,7 @@ namespace throng {
 
 using BodyTypes = std::span<const std::shared_ptr<const BodyType>>;
 
-/// How far a pass refines what it decides.
+/// Level of decided pairs.
 inline PairLevel last_level(const CullerOptions& options) {
   return options.exact ? PairLevel::kTriangles : PairLevel::kPartVolume;
 }
@@ -28,33 +26,32 @@ class Pass {
  public:
   virtual ~Pass() = default;
 
-  /// One frame: its pairs to `events`, its numbers to `counters`, but for the sums over the whole
-  /// pass.
+  /// Processes a frame: pairs to `events`, numbers (without those of the whole pass) to `counters`.
   virtual void run(const BodiesView& bodies, const PoseSource& source, PairEvents& events,
                    CullingCounters& counters) = 0;
-  /// The run stops: everything ends.
+  /// Ends all contacts at the end of the run.
   virtual void finish(PairEvents& events) { events.advance({}); }
-  /// What the next frame depends on besides the pairs that touch, which are read before.
+  /// State that the next frame depends on, in addition to `touching`, which is read before.
   virtual void archive(Archive& /*a*/, std::span<const PairKey> /*touching*/) {}
 
-  /// PairLevel of each of the pairs that touch; empty: last_level().
+  /// PairLevel of each pair in contact; empty: last_level() for all.
   virtual std::span<const uint8_t> levels() const { return {}; }
   virtual EventHashKind hash_kind() const { return EventHashKind::kEvents; }
   virtual PartTally part_tally() const { return {}; }
   virtual uint64_t times_grown() const = 0;
 };
 
-/// A pass frame by frame, with what touches, the counters and the hash of all events so far.
+/// Runs a pass frame by frame and keeps the contacts, the counters and the hash of all events.
 class PassRun {
  public:
-  /// Events have this level, unless the pass gives them others.
+  /// `level`: level of events that the pass does not set.
   PassRun(std::unique_ptr<Pass> pass, PairLevel level) : pass_(std::move(pass)), events_(level) {}
 
-  /// See AnyCuller. Throws InputError if a scale is one that floats lose pairs with.
+  /// See AnyCuller. Throws InputError if a scale is outside the supported range.
   void step(const BodiesView& bodies, const PoseSource& source);
   void finish();
   void archive(Archive& a);
-  /// Without distances.
+  /// Latest frame without distances.
   CullingResult frame() const;
 
   const Pass& pass() const { return *pass_; }
@@ -74,9 +71,9 @@ class PassRun {
   uint64_t frame_ = 0;
 };
 
-/// Throws InputError if a part of a type has none.
+/// Throws InputError if a part has no triangles.
 void require_triangles(BodyTypes types);
-/// Throws InputError if one is negative or beyond kMaxProximity_m.
+/// Throws InputError if a margin is negative or above kMaxProximity_m.
 void require_margins(const ProximityOptions& proximity);
 
 }  // namespace throng

@@ -6,8 +6,8 @@
 namespace throng {
 namespace {
 
-// A task of the narrow phase: enough candidates to fill the registers of most buckets, few enough
-// bodies for their poses and boxes (1.2 kB a person) to stay in a core's cache.
+// Minimum size of a task. It has enough candidates to fill the registers of most buckets. Its
+// bodies are few enough to keep poses and boxes (1.2 kB per person) in a core's cache.
 constexpr size_t kTaskPairs = 2048, kTaskBlocks = 4;
 
 }  // namespace
@@ -23,7 +23,7 @@ Pipeline::Pipeline(BodyTypes types, const CullerOptions& options, Workers& worke
       posed_(static_cast<size_t>(workers.threads())) {
   if (options.by_part)
     for (MidPhase& stage : stages_) stage.tally_parts();
-  // What distances are bounded with are the usual part volumes: one test answers both.
+  // Distances use the usual part volumes here, so one test serves both.
   proximity_decides_ = proximity != nullptr && !options.by_part && !shared_.parts().is_mixed &&
                        shared_.parts().volume == VolumeKind::kOrdop26;
   if (proximity_decides_) proximity->share_boxes();
@@ -45,7 +45,7 @@ void Pipeline::run(const BodiesView& bodies, const PoseSource& source, PairEvent
   if (proximity_) proximity_->end_frame(counters.proximity);
 }
 
-/// Groups the blocks of the broad phase into tasks_. Depends on the frame alone_, as results must.
+/// Groups the blocks of the broad phase into tasks_. Depends only on the frame, as results must.
 void Pipeline::plan_tasks() {
   task_count_ = 0;
   size_t pairs = 0;
@@ -115,8 +115,7 @@ void Pipeline::sort_runs(size_t bodies) {
   });
 }
 
-/// The keys of all runs_, with ids, which last, for body indices, which are this frame's; both
-/// ascend together.
+/// Writes the keys of all runs. Body indices become lasting ids; both have the same order.
 void Pipeline::write_pairs(const BodiesView& bodies, PairEvents& events) {
   const size_t count = bodies.ids.size(), blocks = runs_.block_count();
   if (blocks == 0) return events.advance({});
@@ -129,7 +128,7 @@ void Pipeline::write_pairs(const BodiesView& bodies, PairEvents& events) {
       const PairKey bodies_of_run(bodies.ids[body_a], bodies.ids[run.body_b], 0, 0);
       for (uint32_t i = 0; i < run.count; ++i) *out++ = bodies_of_run.with_parts(run.items[i]);
     });
-    // Bodies that have left since the last frame lie between two ids, or beyond the ends.
+    // Bodies that left since the last frame lie between two ids, or beyond the ends.
     const PairKey low = block == 0 ? PairKey(0, 0, 0, 0) : PairKey(bodies.ids[first], 0, 0, 0);
     const PairKey high = end == count ? PairKey::beyond_all() : PairKey(bodies.ids[end], 0, 0, 0);
     events.compare(block, runs_.items_before(block), runs_.items_before(block + 1), low, high);

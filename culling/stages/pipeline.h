@@ -1,5 +1,5 @@
-// The pass of a usual run: every pair that the search lists is refined to the end, task by task.
-// One rule: tasks depend on the frame alone, not on the number of threads.
+// Pipeline refines every listed pair completely, task by task.
+// Invariant: tasks depend on the frame alone, not on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class ProximitySearch;
 
 class Pipeline final : public Pass {
  public:
-  /// `near` finds distances in the same tasks, of the same poses; null where none is asked.
+  /// `proximity` computes distances in the same tasks from the same poses; null: no distances.
   Pipeline(BodyTypes types, const CullerOptions& options, Workers& workers,
            ProximitySearch* proximity = nullptr);
 
@@ -25,7 +25,6 @@ class Pipeline final : public Pass {
   uint64_t times_grown() const override;
 
  private:
-  /// Consecutive blocks of the broad phase, and what they yield.
   struct Task {
     size_t first = 0, end = 0;
     PartPairs found;
@@ -38,13 +37,13 @@ class Pipeline final : public Pass {
 
   PairLevel last_level_;
   Workers& workers_;
-  bool proximity_decides_ = false;  // which part volumes overlap, too
+  bool proximity_decides_ = false;  // the distance search also decides which part volumes overlap
   ProximitySearch* proximity_;
   SharedStages shared_;
-  // One a worker.
+  // By worker.
   std::vector<MidPhase> stages_;
   std::vector<PosedBodies> posed_;
-  Workers serial_{1};  // a task poses its bodies by itself
+  Workers serial_{1};  // a task poses its bodies on its own thread
   std::vector<Task> tasks_;
   size_t task_count_ = 0;
   SortedRuns<uint16_t> runs_;  // PairKey::parts_of()

@@ -28,8 +28,8 @@ void PosedBodies::clear() {
   count_ = posed_ = pose_count_ = unit_count_ = 0;
 }
 
-/// Rows for every body that is not posed yet, type by type, so that a batch is contiguous. Returns
-/// the number of batches.
+/// Assigns rows to every body that is not yet posed, type by type, so that a batch is contiguous.
+/// Returns the number of batches.
 size_t PosedBodies::plan_rows(const Frame& frame) {
   constexpr uint32_t kBatch = PoseSource::kMaxBatch;
   const size_t types = frame.types.size(), fresh = count_ - posed_;
@@ -37,7 +37,7 @@ size_t PosedBodies::plan_rows(const Frame& frame) {
   by_type_.resize(fresh);
   type_start_.resize(types + 2);
   batches_.resize(fresh / kBatch + types);
-  constexpr size_t kAhead = 16;  // slots come in the order of pairs, which is none in memory
+  constexpr size_t kAhead = 16;  // slots come in pair order, not in memory order
   for (size_t i = posed_; i < count_; ++i) {
     if (i + kAhead < count_) frame.slots.prefetch(slots_[i + kAhead]);
     bodies_[i].slot = frame.slots[slots_[i]];

@@ -1,6 +1,6 @@
-// The poses and boxes of the bodies that one task works on, or one frame under a deadline.
-// One rule: a task poses what it needs into its own memory, so that poses are still in the cache
-// when parts are tested; a body on the border of two tasks is posed by both.
+// PosedBodies stores the poses and boxes of the bodies of one task, or of one frame with a budget.
+// A task poses into its own memory, to find poses in the cache when it tests parts. A body on the
+// border of two tasks is posed by both.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,14 @@
 
 namespace throng {
 
-/// A slot's body with its poses and boxes.
 struct PosedBody {
   SlotBody slot;
-  uint32_t pose;   ///< its first PartPose
-  uint32_t block;  ///< its box block, in units of kBoxLanes floats
+  uint32_t pose;   ///< index of its first PartPose
+  uint32_t block;  ///< index of its box block, in units of kBoxLanes floats
 };
 
 class PosedBodies {
  public:
-  /// What posing reads.
   struct Frame {
     std::span<const std::shared_ptr<const BodyType>> types;
     const Kernels& kernels;
@@ -34,11 +32,10 @@ class PosedBodies {
     const PoseSource& source;
   };
 
-  /// Makes room for slots below `slots`; the only call that grows with the crowd.
+  /// Reserves memory for slots below `slots`. No other call grows with the crowd.
   void prepare(size_t slots);
-  /// Forgets all bodies.
   void clear();
-  /// Asks for a slot's body; more than once does no harm.
+  /// Requests the body of a slot. Repeated requests are harmless.
   void request(uint32_t slot) {
     uint32_t& local = local_of_slot_[slot];
     if (local != kNone) return;
@@ -46,20 +43,18 @@ class PosedBodies {
     slots_.grow(count_ + 1, count_);
     slots_[count_++] = slot;
   }
-  /// Both bodies of each pair.
   void request(std::span<const SlotPair> pairs) {
     for (const SlotPair& pair : pairs) {
       request(pair.a);
       request(pair.b);
     }
   }
-  /// Poses every needed body that is not posed yet and makes its boxes, on all workers.
+  /// Poses every requested body that is not yet posed and computes its boxes, on all workers.
   void pose(const Frame& frame, Workers& workers);
 
   size_t count() const { return count_; }
-  /// Whether a slot was needed.
   bool has(uint32_t slot) const { return local_of_slot_[slot] != kNone; }
-  /// Of a slot that was needed before the last pose().
+  /// Body of a slot that was requested before the last pose().
   const PosedBody& of_slot(uint32_t slot) const { return bodies_[local_of_slot_[slot]]; }
   std::span<const PosedBody> bodies() const { return {bodies_.data(), posed_}; }
   const PartPose* poses() const { return poses_.data(); }
@@ -91,7 +86,7 @@ class PosedBodies {
   size_t plan_rows(const Frame& frame);
   void pose_batch(const Frame& frame, Batch& batch);
 
-  GrowBuffer<uint32_t> local_of_slot_;  // kNone where nobody asked
+  GrowBuffer<uint32_t> local_of_slot_;  // kNone if not requested
   size_t prepared_ = 0;
   GrowBuffer<uint32_t> slots_;  // by local index
   size_t count_ = 0, posed_ = 0;

@@ -1,6 +1,4 @@
-// The stages that the pipeline has with and without a deadline: placing and searching bodies, and
-// what refinement reads of their types.
-// One rule: nothing here depends on how far a frame is refined.
+// SharedStages places and searches bodies, and keeps the type data that refinement reads.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +16,7 @@ namespace throng {
 
 class SharedStages {
  public:
-  /// Keeps references to `types` and `workers`. Bodies within the margins are searched, too.
+  /// Keeps references to `types` and `workers`. Also searches bodies within the margins.
   SharedStages(BodyTypes types, const CullerOptions& options, Workers& workers,
                const Margins& margins = {});
 
@@ -36,7 +34,6 @@ class SharedStages {
     return {types_,   shape_type_, type_first_shape_,   type_parts_, &kernels_,
             &filter_, volume_,     volumes_.size() > 1, exact_};
   }
-  /// The frame's counters, of all stages.
   void count(const MidPhaseCounters& parts, const PosedBodies::Counters& posed,
              CullingCounters& counters) const;
   uint64_t times_grown() const { return uint64_t{slots_.times_grown()} + broad_.times_grown(); }
@@ -45,10 +42,10 @@ class SharedStages {
   BodyTypes types_;
   const Kernels& kernels_;
   VolumeKind volume_;
-  std::vector<VolumeKind> volumes_;  // of all parts, each once
+  std::vector<VolumeKind> volumes_;  // volumes of all parts, without duplicates
   bool exact_;
   PairFilter filter_;
-  // By type, or by shape: what kernels read instead of BodyType.
+  // By type or by shape: data that kernels read instead of BodyType.
   std::vector<uint16_t> type_parts_, type_first_shape_, shape_type_;
   Slots slots_;
   BroadPhase broad_;

@@ -10,8 +10,7 @@ float reach_m(const BodyType& type) {
   return type.sphere().centre_m.norm() + type.sphere().radius_m;
 }
 
-// Lengths of up to four times either reach enter a test: the distance of the roots, two
-// translations and two points.
+// A test adds up to four times either reach: distance of roots, two translations, two points.
 float body_margin_m(float reach_m) { return rounding_margin_m(4 * reach_m); }
 
 Slots::Slots(std::span<const std::shared_ptr<const BodyType>> types) {

@@ -1,5 +1,4 @@
-// The bodies of a frame in slot order: what stages after the broad phase read of each.
-// One rule: neighbours in the world have neighbouring slots.
+// Slots stores the bodies of a frame in search order: neighbours have neighbouring slots.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +17,7 @@ namespace throng {
 struct SlotBody {
   std::array<double, 3> root_m;
   float scale;
-  float margin_m;  ///< half of what a pair's tests must allow for float rounding
+  float margin_m;  ///< half of a pair's margin for float rounding
   uint32_t body;   ///< index into the BodiesView
   uint16_t type;
 
@@ -29,14 +28,14 @@ class Slots {
  public:
   explicit Slots(std::span<const std::shared_ptr<const BodyType>> types);
 
-  /// The first slots are for the bodies of `searched`, in its order, the last for those of `large`.
-  /// `bodies` must outlive the frame.
+  /// The first slots are for the bodies of `searched`, in this order, the last for those of
+  /// `large`. `bodies` must outlive the frame.
   void begin_frame(const BodiesView& bodies, std::span<const uint32_t> searched,
                    std::span<const uint32_t> large);
 
   uint32_t body(size_t slot) const { return body_[slot]; }
   uint32_t id(size_t slot) const { return bodies_.ids[body_[slot]]; }
-  /// operator[] of the same is asked for soon: ids lie anywhere.
+  /// Prefetches for a later operator[] with the same slot, because ids are not in memory order.
   THRONG_PREFETCH void prefetch(size_t slot) const {
     const uint32_t body = body_[slot];
     __builtin_prefetch(&bodies_.types[body]);
@@ -62,9 +61,9 @@ class Slots {
   GrowBuffer<uint32_t> body_;
 };
 
-/// Bounds |translation| + |point| over every part of an unscaled body of this type.
+/// Bound of |translation| + |point| over all parts of an unscaled body of this type.
 float reach_m(const BodyType& type);
-/// Half of what a test between bodies of that reach must allow for float rounding.
+/// Half of the margin for float rounding in tests between bodies of that reach.
 float body_margin_m(float reach_m);
 
 }  // namespace throng

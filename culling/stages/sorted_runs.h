@@ -1,6 +1,6 @@
-// What tasks found for pairs of bodies, brought into the order of the bodies: by body a with a
-// counting sort, then each body's few by body b.
-// One rule: runs refer to where tasks keep their items, which must stay until they are read.
+// SortedRuns sorts the results of tasks for pairs of bodies: a counting sort by body a, then each
+// body's few by body b.
+// Invariant: runs refer to the tasks' memory, which must stay valid until they are read.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,6 @@ namespace throng {
 template <typename Item>
 class SortedRuns {
  public:
-  /// The items of a pair of bodies.
   struct Run {
     uint32_t body_b, count;
     const Item* items;
@@ -26,15 +25,14 @@ class SortedRuns {
     Run run;
   };
 
-  /// each(visit) calls visit(BodyRun) for every run, the same each time; no pair of bodies has two.
+  /// each(visit) calls visit(BodyRun) for every run, at most one per pair of bodies, repeatably.
   template <typename Each>
   void sort(size_t bodies, Workers& workers, const Each& each);
 
-  /// Bodies are handed out in blocks.
   size_t block_count() const { return (bodies_ + kBlock - 1) / kBlock; }
   size_t first_body(size_t block) const { return block * kBlock; }
   size_t end_body(size_t block) const { return std::min(bodies_, (block + 1) * kBlock); }
-  /// Items of the blocks before; of all blocks for block_count().
+  /// Items of all blocks before `block`; all items for block_count().
   uint32_t items_before(size_t block) const { return items_before_[block]; }
   size_t item_count() const { return bodies_ == 0 ? 0 : items_before_[block_count()]; }
   /// Calls visit(body a, run) for the runs of a block, in order.
@@ -43,7 +41,7 @@ class SortedRuns {
     const uint32_t end = start_of_body_[end_body(block)];
     for (size_t body = first_body(block); body < end_body(block); ++body) {
       for (uint32_t r = start_of_body_[body]; r < start_of_body_[body + 1]; ++r) {
-        // They lie where their tasks found them, in no order that a cache could know.
+        // Items are in the memory of their tasks, in no order that a cache could predict.
         if (r + kRunsAhead < end) __builtin_prefetch(runs_[r + kRunsAhead].items);
         visit(body, runs_[r]);
       }

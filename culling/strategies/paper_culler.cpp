@@ -13,8 +13,7 @@
 namespace throng {
 namespace {
 
-/// A recipe as a pass. A recipe knows body indices, which are a frame's; pairs leave with ids,
-/// which last.
+/// Runs a strategy as a pass. Converts body indices, valid in a frame, to lasting ids.
 class PaperPass final : public Pass {
  public:
   PaperPass(BodyTypes types, Strategy strategy, const CullerOptions& options, PairLevel last_level)
@@ -54,7 +53,7 @@ class PaperPass final : public Pass {
   }
 
  private:
-  /// Of spheres alone every pair says so: a reader expects parts of whatever has no level.
+  /// Sets the level of all pairs for spheres alone: readers assume parts if there is none.
   void level(size_t pairs) {
     if (last_level_ != PairLevel::kSphere) return;
     level_count_ = pairs;
@@ -65,7 +64,7 @@ class PaperPass final : public Pass {
   PairLevel last_level_;
   std::unique_ptr<PaperSearch> search_;
   GrowBuffer<PairKey> pairs_;
-  GrowBuffer<uint8_t> levels_;  // zeros, of spheres alone
+  GrowBuffer<uint8_t> levels_;  // zeros, for spheres alone
   size_t level_count_ = 0;
 };
 
@@ -73,19 +72,18 @@ PairLevel last_level_of(Strategy strategy, const CullerOptions& options) {
   return strategy == Strategy::kSphere ? PairLevel::kSphere : last_level(options);
 }
 
-/// What only the pipeline does is not left out in silence.
 void require_possible(BodyTypes types, Strategy strategy, const CullerOptions& options) {
   require_margins(options.proximity);
   if (options.proximity.needs_search())
     throw InputError(options.proximity.is_enabled() ? "margins" : "contact points", "the pipeline",
-                     "a strategy of the paper, which knows no distances");
+                     "a strategy of the paper, which has no distances");
   if (options.exact) {
     require_triangles(types);
     if (strategy == Strategy::kSphere)
-      throw InputError("exact contacts", "a strategy that tests parts", "spheres alone");
+      throw InputError("exact contacts", "a strategy that tests parts", "spheres of bodies only");
   }
   if (options.by_part)
-    throw InputError("counts by part", "the pipeline without a deadline", name_of(strategy));
+    throw InputError("counts by part pair", "the pipeline without a budget", name_of(strategy));
   for (const auto& type : types)
     for (const PartShape& part : type->parts())
       if (part.volume)

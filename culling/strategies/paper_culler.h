@@ -1,5 +1,5 @@
-// PaperCuller finds contacts by a strategy of the paper: on one thread, without deadline,
-// distances, filter or volumes of single parts.
+// PaperCuller finds contacts by a strategy of the paper: on one thread, without budget, distances,
+// filter or volumes of single parts.
 #pragma once
 
 #include <memory>
@@ -13,10 +13,10 @@ namespace throng {
 
 class PaperCuller final : public AnyCuller {
  public:
-  /// `strategy` is not kPipeline and options have no deadline (asserted); pair_search counts for
-  /// kTwoPass and kSphere only. Throws InputError if exact is asked of a type without triangles or
-  /// of spheres alone; if a part has a volume of its own; if counts by part, margins, contact
-  /// points or a filter are asked.
+  /// `strategy` is not kPipeline and options have no budget (asserted). pair_search applies to
+  /// kTwoPass and kSphere only. Throws InputError for `exact` with kSphere or a type without
+  /// triangles, parts with their own volume, counts by part pair, margins, contact points and
+  /// filters.
   PaperCuller(std::vector<std::shared_ptr<const BodyType>> types, Strategy strategy,
               const CullerOptions& options);
   ~PaperCuller() override;
@@ -24,7 +24,7 @@ class PaperCuller final : public AnyCuller {
   void step(const BodiesView& bodies, const PoseSource& poses) override;
   void finish() override;
   void archive(Archive& a) override;
-  /// Of kSphere every pair has the level kSphere, and its parts are kWholeBody.
+  /// For kSphere every pair has the level kSphere, and its parts are kWholeBody.
   CullingResult frame() const override;
 
  private:
@@ -32,7 +32,7 @@ class PaperCuller final : public AnyCuller {
   std::unique_ptr<State> state_;
 };
 
-/// The culler of a strategy: a Culler of kPipeline, else a PaperCuller. Throws what these throw.
+/// Creates a Culler for kPipeline, otherwise a PaperCuller. Throws the same errors.
 std::unique_ptr<AnyCuller> make_culler(std::vector<std::shared_ptr<const BodyType>> types,
                                        Strategy strategy, const CullerOptions& options,
                                        Workers& workers);

@@ -13,12 +13,11 @@
 namespace throng {
 namespace {
 
-/// The widest register, in floats: kernels load whole registers at the last slot.
+/// Floats in the widest register: kernels load whole registers at the last slot.
 constexpr size_t kPadding = 16;
-/// Wider than any scene.
-constexpr float kAnywhere_m = 1e9f;
+/// Larger than any scene.
+constexpr float kUnbounded_m = 1e9f;
 
-/// How a volume of a part is placed and tested; the same for both sides of a pair.
 template <typename V>
 struct VolumeTest {
   using Fitted = typename V::Fitted;
@@ -35,7 +34,7 @@ struct VolumeTest {
   }
 };
 
-/// By the kernel that takes the directions of one volume as lanes.
+/// Tests with the kernel that has the directions of one volume as lanes.
 template <typename V>
 struct KernelTest {
   using Fitted = OrdopLanes;
@@ -165,7 +164,7 @@ class PaperSearchWith final : public PaperSearch {
     }
   }
 
-  /// Relative to one of the bodies: small numbers, wherever they are.
+  /// Relative to one of the bodies, to keep numbers small.
   void update_spheres() {
     Stopwatch watch;
     for (GrowBuffer<float>* column : {&x_, &y_, &z_, &radius_}) column->resize(n_ + kPadding);
@@ -181,7 +180,7 @@ class PaperSearchWith final : public PaperSearch {
       x_[i] = static_cast<float>(centre.x());
       y_[i] = static_cast<float>(centre.y());
       z_[i] = static_cast<float>(centre.z());
-      // Coordinates are rounded when stored, and when the search subtracts them.
+      // Coordinates are rounded when stored and when the search subtracts them.
       const auto farthest = static_cast<float>(centre.cwiseAbs().maxCoeff());
       radius_[i] = scale * sphere.radius_m + margin_[i] + 0x1p-22f * farthest;
     }
@@ -218,7 +217,7 @@ class PaperSearchWith final : public PaperSearch {
     return overlap;
   }
 
-  /// Every part of a with every part of b; both are updated.
+  /// Tests every part of a with every part of b. Both must be updated.
   void test_parts(uint32_t a, uint32_t b) {
     if (both_static(a, b)) return;
     const Eigen::Vector3f shift =
@@ -239,7 +238,7 @@ class PaperSearchWith final : public PaperSearch {
     test_parts(a, b);
   }
 
-  /// The pairs of bodies whose spheres overlap, a < b, into near_.
+  /// Finds pairs of bodies with overlapping spheres, a < b.
   void sphere_pass() {
     Stopwatch watch;
     if (pair_search_ == PairSearch::kBrute) {
@@ -266,9 +265,9 @@ class PaperSearchWith final : public PaperSearch {
     bodies_placed_.resize(n_);
     for (uint32_t i = 0; i < n_; ++i) {
       all_bodies_[i] = i;
-      // Spheres alone: rectangles on the ground that hold everybody.
-      bodies_placed_[i] = {x_[i], y_[i], z_[i], radius_[i],  radius_[i], 0,
-                           0,     1,     0,     kAnywhere_m, kAnywhere_m};
+      // Spheres alone: rectangles on the ground that never separate.
+      bodies_placed_[i] = {x_[i], y_[i], z_[i], radius_[i],   radius_[i],  0,
+                           0,     1,     0,     kUnbounded_m, kUnbounded_m};
     }
     searcher_.build(pair_search_, {bodies_placed_.data(), n_}, {all_bodies_.data(), n_}, serial_);
     for (size_t block = 0; block < searcher_.block_count(); ++block) {
@@ -291,7 +290,6 @@ class PaperSearchWith final : public PaperSearch {
     for (size_t i = 0; i < sphere_pair_count_; ++i)
       pairs_[count_++] = PairKey(sphere_pairs_[i].a, sphere_pairs_[i].b, kWholeBody, kWholeBody);
   }
-  /// The second pass.
   void refine() {
     Stopwatch watch;
     for (size_t i = 0; i < sphere_pair_count_; ++i) {
@@ -337,7 +335,7 @@ class PaperSearchWith final : public PaperSearch {
   const BodiesView* bodies_ = nullptr;
   const PoseSource* source_ = nullptr;
   uint32_t n_ = 0;
-  GrowBuffer<uint32_t> first_part_;  // by body, and one more
+  GrowBuffer<uint32_t> first_part_;  // by body, plus one
   GrowBuffer<float> x_, y_, z_, radius_, margin_;
   GrowBuffer<PartPose> poses_;
   std::vector<typename Test::Placed> placed_;  // never shrinks

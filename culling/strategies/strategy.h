@@ -1,5 +1,5 @@
-// The recipes of the paper beside our own, by name.
-// One rule: a strategy says which volumes are updated and which pairs are tested, nothing else.
+// Strategy names the pipeline of Throng and the strategies of the paper. A strategy selects the
+// volumes to update and the pairs to test.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace throng {
 
-/// Suaib, Bade, Mohamad, TELKOMNIKA 11(6), 2013, section 4; bodies are its objects.
+/// Suaib, Bade, Mohamad, TELKOMNIKA 11(6), 2013, section 4. Bodies are the paper's objects.
 enum class Strategy {
-  kPipeline,   ///< ours: pair search, boxes, part volume
-  kNone,       ///< nothing is tested: the paper's control
-  kSphere,     ///< spheres of bodies alone, every pair; reported as whole bodies
-  kVolume,     ///< the part volume alone, every pair
+  kPipeline,   ///< Throng: pair search, boxes, part volumes
+  kNone,       ///< no test: the paper's control
+  kSphere,     ///< spheres of bodies only, all pairs; reported as whole bodies
+  kVolume,     ///< part volumes only, all pairs
   kHybridOne,  ///< sphere, then part volume, of the first body with all others
-  kHybridAll,  ///< both volumes of everybody updated; sphere, then part volume, pair by pair
+  kHybridAll,  ///< both volumes of all bodies updated; sphere, then part volume, pair by pair
   kTwoPass     ///< spheres of all pairs first; part volumes of the survivors only ("Seq Sp-OrD")
 };
 
@@ -29,7 +29,7 @@ std::string_view name_of(Strategy strategy);
 std::optional<Strategy> strategy_of(std::string_view name);
 std::vector<std::string> strategy_names();
 
-/// What touches and is not reported, in words; "" where nothing is left out.
+/// Contacts that the strategy does not report, as text; "": none omitted.
 std::string_view omitted_by(Strategy strategy);
 
 }  // namespace throng

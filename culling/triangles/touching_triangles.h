@@ -1,5 +1,5 @@
-// The triangles of two parts that touch each other, found down both trees.
-// One rule: none is missed: boxes count as overlapping while rounding leaves a doubt.
+// TouchingTriangles finds the touching triangles of two parts by traversing both trees.
+// Invariant: no touching pair is missed: boxes count as overlapping within the rounding error.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,8 @@
 
 namespace throng {
 
-// What walks over the triangles of two parts have in common: one part's frame seen from the
-// other's, and which of two nodes to open. One rule: in double precision; rotations that were
-// rounded to float are taken as they are, so the inverse is a true one.
+// RelativeFrame and the helpers below serve all traversals of two trees. They use double precision
+// and treat float-rounded rotations as exact, so that the inverse is exact.
 
 inline Eigen::Vector3d to_double(const std::array<float, 3>& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
@@ -37,13 +36,13 @@ inline Eigen::Vector3d translation(const PartPose& pose) {
           static_cast<double>(pose.rows[2][3])};
 }
 
-/// B's part frame seen from A's: a = linear * b + offset, in A's unit of length.
+/// B's part frame in A's: a = linear * b + offset, in A's unit of length.
 struct RelativeFrame {
   Eigen::Matrix3d linear, inverse;
   Eigen::Matrix3d linear_abs, inverse_abs;
   Eigen::Vector3d offset;
 
-  /// a_to_b_m is B's root minus A's.
+  /// a_to_b_m: B's root minus A's.
   RelativeFrame(const PartPose& pose_a, float scale_a, const PartPose& pose_b, float scale_b,
                 const Eigen::Vector3f& a_to_b_m) {
     const Eigen::Matrix3d world_from_a = scaled_rotation(pose_a, scale_a);
@@ -57,21 +56,21 @@ struct RelativeFrame {
   }
 };
 
-/// Squared, from a point in the same frame to the box.
+/// Squared distance from a point in the same frame to the box.
 inline double squared_to_box(const TriangleBvh::Node& node, const Eigen::Vector3d& from) {
   return ((from - to_double(node.centre_m)).cwiseAbs() - to_double(node.half_m))
       .cwiseMax(0)
       .squaredNorm();
 }
 
-/// The sum of the half sides.
+/// Sum of the half sides.
 inline double width(const TriangleBvh::Node& node) {
   return static_cast<double>(node.half_m[0]) + static_cast<double>(node.half_m[1]) +
          static_cast<double>(node.half_m[2]);
 }
 
-/// Whether the node of A is to be opened rather than that of B: the wider, as long as it is no
-/// leaf. One of them is not. `ratio`: B's unit of length in A's.
+/// True to open the node of A, false for B: the wider one that is not a leaf. At most one of the
+/// two is a leaf. `ratio`: B's unit of length in A's.
 inline bool opens_a(const TriangleBvh::Node& a, const TriangleBvh::Node& b, double ratio) {
   return b.count > 0 || (a.count == 0 && width(a) > ratio * width(b));
 }
@@ -80,8 +79,8 @@ inline Triangle in_own_frame(const std::array<Eigen::Vector3f, 3>& corners) {
   return {{corners[0].cast<double>(), corners[1].cast<double>(), corners[2].cast<double>()}};
 }
 
-/// The face normals of both boxes; the edge axes cost more than the nodes that they would spare.
-/// Inlined for certain: a call for each node costs a twentieth of the exact stage.
+/// Tests the face normals of both boxes; edge axes cost more than the nodes they would save. Forced
+/// inline: a call per node costs a twentieth of the narrow phase.
 [[gnu::always_inline]] inline bool boxes_overlap(const TriangleBvh::Node& a,
                                                  const TriangleBvh::Node& b,
                                                  const RelativeFrame& a_from_b, double slack) {
@@ -98,8 +97,8 @@ inline Triangle in_own_frame(const std::array<Eigen::Vector3f, 3>& corners) {
   return true;
 }
 
-/// Which two nodes are opened first, and which not at all: here any, and all are. A rank is made of
-/// that of the nodes before and of the one that was opened.
+/// Order of traversal: which two nodes are opened first, and which not at all. Here any order, all
+/// nodes. A rank is computed from that of the previous nodes and the opened one.
 struct InAnyOrder {
   struct Rank {};
   static Rank with_a(Rank, const TriangleBvh::Node&) { return {}; }
@@ -108,14 +107,13 @@ struct InAnyOrder {
   static bool is_before(Rank, Rank) { return false; }
 };
 
-/// Calls visit(triangle of A, triangle of B), both in A's frame, for each two triangles that touch,
-/// until it returns true.
+/// Calls visit(triangle of A, of B), in A's frame, for each touching pair until it returns true.
 class TouchingTriangles {
  public:
   TouchingTriangles(const TriangleBvh& a, const TriangleBvh& b, const RelativeFrame& a_from_b,
                     double ratio, TriangleCounters& counters)
       : a_(a), b_(b), a_from_b_(a_from_b), ratio_(ratio), counters_(counters) {
-    // Far above what double rounds in the products below, far below what anyone measures.
+    // Far above double rounding in the products below, far below any measurable length.
     const Node& root_a = a.nodes()[0];
     const Node& root_b = b.nodes()[0];
     const double size = a_from_b.offset.cwiseAbs().maxCoeff() + size_of(root_a) +
@@ -123,10 +121,10 @@ class TouchingTriangles {
     slack_ = 1e-13 * size * std::max(1.0, a_from_b.inverse_abs.maxCoeff());
   }
 
-  /// True if a visit did.
+  /// True if a visit returned true.
   template <typename Visit, typename Order = InAnyOrder>
   bool visit(const Visit& visit, const Order& order = {}) const {
-    // Each step takes one pair off and puts at most two on, one level deeper in one tree.
+    // Each step removes one pair and adds at most two, one level deeper in one tree.
     struct Pair {
       uint32_t a, b;
       [[no_unique_address]] typename Order::Rank rank;
@@ -199,8 +197,8 @@ class TouchingTriangles {
   TriangleCounters& counters_;
 };
 
-/// A point of one surface, in A's frame, that lies inside a solid of the other, where no triangles
-/// touch: each piece of a surface then lies wholly inside or wholly outside each solid.
+/// A point of one surface, in A's frame, inside a solid of the other. Requires that no triangles
+/// touch: each piece of a surface is then completely inside or outside each solid.
 std::optional<Eigen::Vector3d> piece_inside(const TriangleBvh& a, const TriangleBvh& b,
                                             const RelativeFrame& a_from_b);
 

@@ -19,24 +19,22 @@
 
 namespace throng {
 
-// What a soup of triangles is as a surface: which of it is closed, and in how many pieces it comes.
-// One rule: corners at exactly the same place are one corner, whatever their indices.
+// Surface finds the closed solids and connected pieces of a triangle soup.
+// Invariant: corners at exactly the same position are one corner, regardless of their indices.
 
 class Surface {
  public:
   explicit Surface(std::span<const std::array<Eigen::Vector3f, 3>> triangles);
 
-  /// Of a triangle that bounds no solid.
+  /// Value of a triangle that bounds no solid.
   static constexpr uint32_t kOpen = UINT32_MAX;
 
-  /// By triangle: the solid that it bounds, numbered in the order in which the triangles first name
-  /// them, or kOpen. A solid is what hangs together by edges, once all that ends in a rim is taken
-  /// off (a loose triangle, a fin, a sheet), and uses every edge as often in one direction as in
-  /// the other.
+  /// By triangle: index of the solid that it bounds, in order of first occurrence, or kOpen.
+  /// Triangles that end in a rim are removed first (loose triangles, fins, sheets). A solid is a
+  /// component connected by edges that uses each edge equally often in both directions.
   const std::vector<uint32_t>& solids() const { return solids_; }
   uint32_t solid_count() const { return solid_count_; }
-  /// One corner of each piece that hangs together by corners, in the order in which the triangles
-  /// first name them.
+  /// One corner of each piece connected by corners, in order of first occurrence.
   const std::vector<Eigen::Vector3f>& pieces() const { return pieces_; }
 
  private:
@@ -82,7 +80,6 @@ TriangleBvh::Node node_around(const Bounds& bounds) {
   return node;
 }
 
-/// Builds the nodes over `order`, which it sorts.
 class Builder {
  public:
   Builder(std::span<const Corners> corners, std::vector<TriangleBvh::Node>& nodes)
@@ -123,9 +120,9 @@ class Builder {
            static_cast<double>(c[2][axis]);
   }
 
-  /// The full sweep of the surface area heuristic over three axes; leaves `order_` split there.
+  /// Full sweep of the surface area heuristic over three axes; splits `order_` at the result.
   uint32_t cheapest_split(uint32_t begin, uint32_t end) {
-    double least = std::numeric_limits<double>::infinity();
+    double min_cost = std::numeric_limits<double>::infinity();
     int best_axis = 0;
     uint32_t best = (begin + end) / 2;
     for (int axis = 0; axis < 3; ++axis) {
@@ -139,8 +136,8 @@ class Builder {
       for (uint32_t i = begin + 1; i < end; ++i) {
         left.add(corners_[order_[i - 1]]);
         const double cost = left.half_area() * (i - begin) + area_[i] * (end - i);
-        if (cost < least) {
-          least = cost;
+        if (cost < min_cost) {
+          min_cost = cost;
           best_axis = axis;
           best = i;
         }
@@ -153,12 +150,13 @@ class Builder {
   std::span<const Corners> corners_;
   std::vector<TriangleBvh::Node>& nodes_;
   std::vector<uint32_t> order_;
-  std::vector<double> area_;  ///< of everything from a triangle to the end of the sweep
+  /// surface area of the box of all triangles from this one to the end of the sweep
+  std::vector<double> area_;
 };
 
-/// How often the ray from `p` along +x crosses the triangle from behind, minus from the front.
-/// The projection on y, z is wound round the ray edge by edge, each edge taken from its lower end:
-/// two triangles that share an edge judge it alike, so nothing slips through between them.
+/// Number of crossings of the ray from `p` along +x through the triangle from behind, minus those
+/// from the front. The winding of the y, z projection is summed by edge, each edge from its lower
+/// end. Two triangles with a common edge thus agree on it, and no ray passes between them.
 int crossing(const Corners& corners, const Vector3d& p) {
   const Vector3d c[3] = {corners[0].cast<double>(), corners[1].cast<double>(),
                          corners[2].cast<double>()};
@@ -182,9 +180,8 @@ int crossing(const Corners& corners, const Vector3d& p) {
   return normal.dot(c[0] - p) * winding > 0 ? winding : 0;
 }
 
-/// What a turn round a solid counts; 0 round what is open. One sum then tells whether any solid is
-/// wound round: turns are few and weights are 64 well mixed bits, so that they cancel with a chance
-/// of about 1 in 2^60 only.
+/// Weight of a turn around a solid; 0 if open. One sum shows whether any solid winds around a
+/// point: few turns of 64 well mixed bits cancel with a probability of about 2^-60.
 uint64_t weight_of(uint32_t solid) {
   if (solid == Surface::kOpen) return 0;
   return mixed(uint64_t{solid} + 1);
@@ -255,7 +252,7 @@ bool before(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
-/// The triangles by the ranks of their distinct corners.
+/// Triangles as ranks of their distinct corners.
 std::vector<Face> welded(std::span<const Corners> triangles) {
   std::vector<Eigen::Vector3f> distinct;
   for (const Corners& t : triangles) distinct.insert(distinct.end(), t.begin(), t.end());
@@ -270,7 +267,7 @@ std::vector<Face> welded(std::span<const Corners> triangles) {
   return faces;
 }
 
-/// Sets that grow together.
+/// Disjoint sets (union-find).
 class Groups {
  public:
   explicit Groups(size_t count) : parent_(count) {
@@ -286,7 +283,7 @@ class Groups {
   std::vector<uint32_t> parent_;
 };
 
-/// The edges between different corners, and the faces that use them; faces can be taken off.
+/// Edges between different corners, and the faces that use them. Faces can be removed.
 class Edges {
  public:
   explicit Edges(const std::vector<Face>& faces)
@@ -296,7 +293,7 @@ class Edges {
       of_face_[f].fill(kNone);
       for (uint32_t c = 0; c < 3; ++c) {
         const uint32_t u = faces[f][c], v = faces[f][(c + 1) % 3];
-        // A triangle that shrank to a segment has only that edge, both ways.
+        // A degenerate triangle that is a segment has only this edge, in both directions.
         if (u != v) sides.push_back({std::min(u, v), std::max(u, v), f, c, u < v});
       }
     }
@@ -316,8 +313,7 @@ class Edges {
     }
   }
 
-  /// Takes off whatever has an edge that nothing else uses, until there is no such thing. Returns
-  /// by face whether it is left.
+  /// Removes faces with an edge that no other face uses. Returns by face whether it remains.
   std::vector<bool> peel() {
     std::vector<bool> is_left(of_face_.size());
     for (size_t f = 0; f < of_face_.size(); ++f) is_left[f] = any_of(f) != kNone;
@@ -341,7 +337,7 @@ class Edges {
   }
 
   static constexpr uint32_t kNone = UINT32_MAX;
-  /// Of a face: the edge from each corner to the next, or kNone.
+  /// Edges of a face from each corner to the next, or kNone.
   const std::array<uint32_t, 3>& of(size_t face) const { return of_face_[face]; }
   uint32_t any_of(size_t face) const {
     return *std::min_element(of_face_[face].begin(), of_face_[face].end());
@@ -357,14 +353,14 @@ class Edges {
   struct Edge {
     uint32_t uses = 0;
     int32_t balance = 0;  ///< uses from low to high minus the others
-    uint32_t users = 0;   ///< all of them, exclusive or: the face itself where there is one
+    uint32_t users = 0;   ///< exclusive or of all users: the face itself if there is one
   };
   std::vector<Edge> edges_;
   std::vector<std::array<uint32_t, 3>> of_face_;
   std::vector<std::array<bool, 3>> is_forward_;
 };
 
-/// By face, see Surface::solids(); not numbered yet: faces of one solid have the same number.
+/// By face, see Surface::solids(); not yet numbered, but faces of one solid have the same number.
 std::vector<uint32_t> solids_among(const std::vector<Face>& faces) {
   Edges edges(faces);
   const std::vector<bool> is_left = edges.peel();

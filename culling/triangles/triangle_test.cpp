@@ -9,14 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What rounding can make of a product of lengths, 45 units: a projection is a sum of six products
-/// whose factors were rounded a few times.
+/// Relative rounding of a product of lengths, 45 units: a projection is a sum of six products whose
+/// factors were rounded a few times.
 constexpr double kRounding = 1e-14;
 
 double min3(double a, double b, double c) { return std::min(a, std::min(b, c)); }
 double max3(double a, double b, double c) { return std::max(a, std::max(b, c)); }
 
-/// True if the projections on `axis` lie apart by more than `tolerance`.
 bool separates(const Vector3d& axis, const Triangle& a, const Triangle& b, double tolerance) {
   const double a0 = axis.dot(a.corner[0]), a1 = axis.dot(a.corner[1]), a2 = axis.dot(a.corner[2]);
   const double b0 = axis.dot(b.corner[0]), b1 = axis.dot(b.corner[1]), b2 = axis.dot(b.corner[2]);
@@ -24,9 +23,8 @@ bool separates(const Vector3d& axis, const Triangle& a, const Triangle& b, doubl
          min3(a0, a1, a2) - max3(b0, b1, b2) > tolerance;
 }
 
-/// Where a triangle is a segment or both lie in one plane, the face normals and edge products say
-/// nothing. The shortest vector between two disjoint triangles always separates, and there it joins
-/// two edges.
+/// For segments and coplanar triangles, face normals and edge products do not suffice. The shortest
+/// vector between disjoint triangles always separates them; in these cases it joins two edges.
 bool shortest_vector_separates(const Triangle& a, const Triangle& b, double reach) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {

@@ -1,5 +1,6 @@
-// Whether two triangles touch: the last word on a contact. And where edges are nearest.
-// One rule: closed sets, and doubt counts as touching - only a gap above the rounding separates.
+// triangles_touch() tests two triangles for a common point; nearest_of_segments() finds the nearest
+// points of edges.
+// Invariant: triangles are closed sets, and only a gap above the rounding error separates them.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,21 +14,19 @@ struct Triangle {
   std::array<Eigen::Vector3d, 3> corner;
 };
 
-/// True if the closed triangles have a point in common. A gap below about 1e-13 of the largest
-/// coordinate counts as touching (more for slivers, by as much as their normals are uncertain).
+/// True if the closed triangles have a common point. A gap below about 1e-13 of the largest
+/// coordinate counts as touching (more for slivers, whose normals are less certain).
 bool triangles_touch(const Triangle& a, const Triangle& b);
 
-// The nearest points of two segments: of edges of triangles.
-// One rule: the points lie on the segments whatever rounding does, so their distance is never below
-// the true one by more than the rounding of a sum.
+// Invariant of nearest_of_segments(): the points lie on the segments regardless of rounding. Their
+// distance is below the true one at most by the rounding of a sum.
 
-/// Of A and of B.
 struct NearestPoints {
   Eigen::Vector3d on_a, on_b;
 };
 
-/// Of segment p + [0, 1] u and segment q + [0, 1] v (Ericson, Real-Time Collision Detection, 2005,
-/// 5.1.9). Either may be a point.
+/// Nearest points of segments p + [0, 1] u and q + [0, 1] v (Ericson, Real-Time Collision
+/// Detection, 2005, 5.1.9). Either may be a point.
 inline NearestPoints nearest_of_segments(const Eigen::Vector3d& p, const Eigen::Vector3d& u,
                                          const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
   const Eigen::Vector3d r = p - q;
@@ -53,7 +52,7 @@ inline NearestPoints nearest_of_segments(const Eigen::Vector3d& p, const Eigen::
   return {p + s * u, q + t * v};
 }
 
-/// Of edge i of A and edge j of B; an edge runs from its corner to the next.
+/// Nearest points of edge i of A and edge j of B; edge i begins at corner i.
 inline NearestPoints nearest_of_segments(const Triangle& a, int i, const Triangle& b, int j) {
   return nearest_of_segments(a.corner[i], a.corner[(i + 1) % 3] - a.corner[i], b.corner[j],
                              b.corner[(j + 1) % 3] - b.corner[j]);

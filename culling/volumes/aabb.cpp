@@ -10,7 +10,7 @@
 namespace throng {
 namespace {
 
-/// Centre and half widths, the half widths rounded up to cover both ends from the rounded centre.
+/// Centre and half widths. Half widths are rounded up to cover both ends from the rounded centre.
 Aabb::Fitted between(const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
   Aabb::Fitted box;
   for (int i = 0; i < 3; ++i) {

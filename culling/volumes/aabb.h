@@ -1,5 +1,5 @@
-// The box along the world's axes (AABB).
-// One rule: both ways to update it, from the turned box and from the vertices, contain every point.
+// Aabb is the box along the world axes.
+// Invariant: place() and refit() both contain every point.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,9 +17,9 @@ struct Aabb {
   using Placed = Fitted;
 
   static Fitted fit(std::span<const Eigen::Vector3f> points);
-  /// The box of the turned box (Arvo 1990): 9 products, whatever the number of vertices.
+  /// Box of the rotated box (Arvo 1990): 9 products, independent of the number of vertices.
   static Placed place(const Fitted& fitted, const PartPose& pose, float scale);
-  /// The box of the placed vertices: tighter, and dearer by the number of vertices.
+  /// Box of the placed vertices: tighter, at a cost proportional to the number of vertices.
   static Placed refit(std::span<const Eigen::Vector3f> points, const PartPose& pose, float scale);
   static bool overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,
                        float margin_m);

@@ -1,6 +1,5 @@
-// The k-DOP with world directions: intervals along k/2 fixed directions, refitted when a part
-// turns. One rule: both ways to update it, from the turned volume and from the vertices, contain
-// every point.
+// Kdop is the k-DOP along k/2 world directions, refitted when a part rotates.
+// Invariant: place() and refit() both contain every point.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,14 +14,14 @@ template <int K>
 struct Kdop {
   static_assert(K == 14 || K == 18 || K == 26);
   using Fitted = Slabs;  ///< in the part's frame
-  using Placed = Slabs;  ///< along the world's directions; only those that the K-DOP has are set
+  using Placed = Slabs;  ///< along the world directions; only those of this k-DOP are set
 
   static Fitted fit(std::span<const Eigen::Vector3f> points) { return Slabs::around(points); }
-  /// Refitted to the turned volume: the conic bound along each of the world's directions.
+  /// Refits to the rotated volume: conic bound along each world direction.
   static Placed place(const Fitted& fitted, const PartPose& pose, float scale);
-  /// Refitted to the placed vertices (Klosowski et al. 1998): tighter and dearer.
+  /// Refits to the placed vertices (Klosowski et al. 1998): tighter and more expensive.
   static Placed refit(std::span<const Eigen::Vector3f> points, const PartPose& pose, float scale);
-  /// k/2 interval tests.
+  /// Tests k/2 intervals.
   static bool overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,
                        float margin_m);
   static double volume_m3(const Fitted& fitted);

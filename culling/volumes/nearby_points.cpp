@@ -22,8 +22,8 @@ size_t nearest(std::span<const Vector3f> points, const Vector3f& to) {
   return best;
 }
 
-std::vector<Vector3f> some_of(std::span<const Vector3f> points, size_t most) {
-  const size_t step = (points.size() + most - 1) / most;
+std::vector<Vector3f> subset_of(std::span<const Vector3f> points, size_t max_count) {
+  const size_t step = (points.size() + max_count - 1) / max_count;
   std::vector<Vector3f> out;
   for (size_t i = 0; i < points.size(); i += step) out.push_back(points[i]);
   return out;
@@ -33,9 +33,9 @@ std::vector<Vector3f> some_of(std::span<const Vector3f> points, size_t most) {
 
 NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
   assert(!given.empty());
-  const std::vector<Vector3f> some = some_of(given, kMaxPoints);
-  Vector3f low = some.front(), high = some.front();
-  for (const Vector3f& point : some) {
+  const std::vector<Vector3f> subset = subset_of(given, kMaxPoints);
+  Vector3f low = subset.front(), high = subset.front();
+  for (const Vector3f& point : subset) {
     low = low.cwiseMin(point);
     high = high.cwiseMax(point);
   }
@@ -52,7 +52,7 @@ NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
     axes[axis] = {low[i], wide_m > 0 ? count / wide_m : 0, count - 1, static_cast<float>(stride)};
     stride *= cells[axis];
   }
-  std::vector<uint16_t> place(some.size(), std::numeric_limits<uint16_t>::max());
+  std::vector<uint16_t> place(subset.size(), std::numeric_limits<uint16_t>::max());
   const auto middle = [&](size_t axis, size_t cell) {
     const Axis& a = axes[axis];
     return a.per_m > 0 ? a.low_m + (static_cast<float>(cell) + 0.5f) / a.per_m : a.low_m;
@@ -60,10 +60,10 @@ NearbyPoints::NearbyPoints(std::span<const Vector3f> given) {
   for (size_t z = 0; z < cells[2]; ++z)
     for (size_t y = 0; y < cells[1]; ++y)
       for (size_t x = 0; x < cells[0]; ++x) {
-        const size_t i = nearest(some, {middle(0, x), middle(1, y), middle(2, z)});
+        const size_t i = nearest(subset, {middle(0, x), middle(1, y), middle(2, z)});
         if (place[i] == std::numeric_limits<uint16_t>::max()) {
           place[i] = static_cast<uint16_t>(points.size());
-          points.push_back({some[i].x(), some[i].y(), some[i].z()});
+          points.push_back({subset[i].x(), subset[i].y(), subset[i].z()});
         }
         point_of_cell.push_back(place[i]);
       }

@@ -1,5 +1,5 @@
-// A point of a part near any place, looked up: how near another part is at most can be read off it.
-// One rule: it is one of the points that were given, so no distance to it is too short.
+// NearbyPoints looks up a point of a part near a position, for upper bounds of distances.
+// Invariant: the result is one of the given points, so the distance to it is never too short.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,29 +10,29 @@
 
 namespace throng {
 
-/// Cells over the part's box, and of each the point that is nearest to its middle; a place outside
-/// belongs to the cell at the border. In the part's own frame, metres; kernels read it.
+/// Grid over the part's box. Each cell stores the point nearest to its centre; positions outside
+/// belong to the border cells. In the part's frame, in metres; kernels read it.
 struct NearbyPoints {
-  static constexpr int kMaxCells = 16;  ///< along an axis: along the longest
+  static constexpr int kMaxCells = 16;  ///< maximum number along the longest axis
 
-  /// Of an axis: the cell of x is (x - low_m) * per_m, rounded down, from 0 to last.
+  /// Cell of x along an axis: (x - low_m) * per_m, rounded down, from 0 to last.
   struct Axis {
     float low_m, per_m, last;
-    float stride;  ///< from a cell to the next, in all cells: a whole number
+    float stride;  ///< index step between cells along this axis: a whole number
   };
-  /// As a kernel loads it.
+  /// Point as a kernel loads it.
   struct alignas(16) Point {
     float x, y, z, unused = 0;
   };
 
   Axis axes[3];
-  std::vector<Point> points;            ///< those that a cell has
-  std::vector<uint16_t> point_of_cell;  ///< by their number in `points`
+  std::vector<Point> points;            ///< points of the cells
+  std::vector<uint16_t> point_of_cell;  ///< index into `points`
 
-  /// At least one point. Of more than kMaxPoints only some are taken.
+  /// `points`: at least one. Of more than kMaxPoints only a subset is used.
   explicit NearbyPoints(std::span<const Eigen::Vector3f> points);
 
-  /// That of the cell of `place`; kernels do the same in lanes.
+  /// Point of the cell of `place`; kernels do the same per lane.
   Eigen::Vector3f lookup(const Eigen::Vector3f& place) const;
   const Point& of_cell(size_t cell) const { return points[point_of_cell[cell]]; }
 

@@ -17,7 +17,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
-/// The lowest and highest point along a direction.
 std::array<size_t, 2> extremes(std::span<const Eigen::Vector3f> points, const Eigen::Vector3d& d) {
   std::array<size_t, 2> found = {0, 0};
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -29,13 +28,13 @@ std::array<size_t, 2> extremes(std::span<const Eigen::Vector3f> points, const Ei
   return found;
 }
 
-/// The few points that decide the size of a box: the search looks at them thousands of times.
+/// Points that determine the size of a box. Few, because the search evaluates them often.
 class ExtremePoints {
  public:
   explicit ExtremePoints(std::span<const Eigen::Vector3f> points)
       : all_(points), chosen_(points.size()) {
     constexpr int kDirectionCount = 128;
-    for (int i = 0; i < kDirectionCount; ++i) {  // a Fibonacci spiral over the half sphere
+    for (int i = 0; i < kDirectionCount; ++i) {  // Fibonacci spiral over the half sphere
       const double z = (i + 0.5) / kDirectionCount, turn = 2.399963229728653 * i;
       const double r = std::sqrt(1 - z * z);
       const SinCos angle = sin_cos(turn);
@@ -43,7 +42,7 @@ class ExtremePoints {
     }
   }
   const Points& points() const { return points_; }
-  /// Adds what decides the box along these axes; false if all of it was known.
+  /// Adds the points that determine the box along these axes; false if all were known.
   bool add_for(const Eigen::Matrix3d& axes) {
     const size_t before = points_.size();
     for (int i = 0; i < 3; ++i) add(axes.col(i));
@@ -74,12 +73,12 @@ Eigen::Vector3d extents(const Points& points, const Eigen::Matrix3d& axes) {
   return high - low;
 }
 
-/// The volume, made to prefer the smaller area of two flat boxes and the shorter of two thin ones.
+/// Volume, modified to prefer the smaller area of flat boxes and the shorter of thin ones.
 double cost(const Points& points, const Eigen::Matrix3d& axes, double fat) {
   return (extents(points, axes).array() + fat).prod();
 }
 
-/// Turns about the three axes by falling angles, for as long as the cost falls.
+/// Rotates around the three axes by decreasing angles while the cost decreases.
 Eigen::Matrix3d refined(const Points& points, Eigen::Matrix3d axes, double fat) {
   double best = cost(points, axes, fat);
   for (int halvings = 0; halvings <= 10; ++halvings) {
@@ -121,10 +120,10 @@ Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
   Eigen::Matrix3d best = Eigen::Matrix3d::Identity();
   deciders.add_for(best);
   const double fat = 1e-3 * extents(deciders.points(), best).maxCoeff();
-  if (fat == 0) return best;  // one point: every box is the same
-  double least = cost(deciders.points(), best, fat);
+  if (fat == 0) return best;  // one point: all boxes are equal
+  double min_cost = cost(deciders.points(), best, fat);
   const Eigen::Matrix3d principal = principal_axes(deciders.points());
-  // Starts: both frames, each also turned by 45 degrees about each of its axes.
+  // Initial frames: both frames, each also rotated by 45 degrees around each of its axes.
   for (const Eigen::Matrix3d& frame : {best, principal}) {
     for (int turn = 0; turn < 4; ++turn) {
       Eigen::Matrix3d axes = frame;
@@ -133,8 +132,8 @@ Eigen::Matrix3d smallest_box_axes(std::span<const Eigen::Vector3f> points) {
         axes = refined(deciders.points(), axes, fat);
       } while (deciders.add_for(axes));
       const double found = cost(deciders.points(), axes, fat);
-      if (found < least) {
-        least = found;
+      if (found < min_cost) {
+        min_cost = found;
         best = axes;
       }
     }
@@ -147,8 +146,8 @@ Obb::Fitted Obb::fit(std::span<const Eigen::Vector3f> points) {
   Fitted box;
   box.axes = smallest_box_axes(points).cast<float>();
   const Eigen::Matrix3d axes = box.axes.cast<double>();
-  // The float axes are not quite orthonormal: the centre is where their inverse puts it, and the
-  // half widths are measured on the centre as stored.
+  // The float axes are not quite orthonormal. The centre is computed with their inverse, and the
+  // half widths from the centre as stored.
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
   for (const Eigen::Vector3f& p : points) {
@@ -185,8 +184,7 @@ bool Obb::overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to
     if (std::fabs(t[i]) > p[i] + s.row(i).dot(q) + margin_m) return false;
   for (int j = 0; j < 3; ++j)
     if (std::fabs(c.col(j).dot(t)) > q[j] + s.col(j).dot(p) + margin_m) return false;
-  // Edge against edge: the axis is no longer than 1, and gets the margin of a full one. What
-  // rounding makes of two parallel edges stays below that.
+  // Edge axes are at most 1 long and get the full margin, above the rounding of parallel edges.
   for (int i = 0; i < 3; ++i) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {

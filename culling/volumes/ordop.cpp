@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-/// One body's half of the test: its own face normals against the other's bound.
+/// One half of the test: face normals of one body against the bound of the other.
 template <int K>
 bool separated(const Slabs& own, float own_scale, const Slabs& other, float other_scale,
                const Eigen::Matrix3f& other_from_own, const Eigen::Vector3f& own_to_other,

@@ -1,5 +1,6 @@
-// The or-DOP: a k-DOP fitted in the part's frame that turns with the part; updating it is a pose.
-// One rule: ordop_overlaps() is the reference; a faster kernel repeats its operations to the bit.
+// Ordop is the or-DOP (oriented k-DOP), a k-DOP fitted in the part's frame that rotates with it.
+// Its update is a pose.
+// Invariant: ordop_overlaps() is the reference; faster kernels repeat its operations bit for bit.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +11,10 @@
 
 namespace throng {
 
-/// Separating axes over the face normals of both (k/2 each). Along a face normal of one, its own
-/// slab is exact and the other's interval is Slabs::bound<K>.
-///   a_to_b_m  position of B's root minus A's
-///   margin_m  by how much B is inflated; at least rounding_margin_m()
+/// Tests the face normals of both as separating axes (k/2 each). Along a face normal of one, its
+/// own slab is exact; the other's interval is Slabs::bound<K>.
+///   a_to_b_m  B's root position minus A's
+///   margin_m  inflation of B; at least rounding_margin_m()
 template <int K>
 bool ordop_overlaps(const Slabs& slabs_a, const PartPose& pose_a, float scale_a,
                     const Slabs& slabs_b, const PartPose& pose_b, float scale_b,

@@ -11,7 +11,7 @@
 namespace throng {
 namespace {
 
-/// The interval of values, half width rounded up.
+/// Interval of values, half width rounded up.
 Slab around(double low, double high, bool centred) {
   const float centre = centred ? 0 : static_cast<float>(0.5 * (low + high));
   const double half =
@@ -24,7 +24,7 @@ Slab around(double low, double high, bool centred) {
 OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3f& p : points) box.extend(p.cast<double>());
-  // A flat part has a thickness, too small to matter.
+  // Gives flat parts a negligible thickness.
   const double thinnest = std::max(1e-4 * box.sizes().maxCoeff(), 1e-6);
   for (size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
@@ -50,7 +50,7 @@ OrdopTable::OrdopTable(std::span<const Eigen::Vector3f> points) {
     length[d] =
         std::nextafter(static_cast<float>(std::sqrt(length2)), std::numeric_limits<float>::max());
   }
-  // The same number already, but for a flat part and the last bit.
+  // Equal already, except for flat parts and the last bit.
   const float half = std::max({slabs.slab[0].half, slabs.slab[1].half, slabs.slab[2].half});
   for (size_t axis = 0; axis < 3; ++axis) slabs.slab[axis].half = half;
   fill_lookups();
@@ -93,7 +93,7 @@ void OrdopTable::fill_lookups() {
 }
 
 void OrdopTable::fill_inverses() {
-  // A part as thin as rounding, whose inverse reach would be infinite, holds nothing.
+  // A part as thin as the rounding would have an infinite inverse reach.
   constexpr float kMinHalfWidth = 1e-6f;
   holds_origin = true;
   for (size_t d = 0; d < kDirections.size(); ++d) {
@@ -107,14 +107,12 @@ void OrdopTable::fill_inverses() {
 
 namespace {
 
-/// Where the origin of a table's slabs lies, relative to the body's root.
 Eigen::Vector3f centre_m(const OrdopTable& table, const PartPose& pose, float scale) {
   const Eigen::Vector3f origin(scale * table.origin[0], scale * table.origin[1],
                                scale * table.origin[2]);
   return translation_m(pose) + rotated(pose, origin);
 }
 
-/// True if a direction of own separates it from other.
 template <int K>
 bool separates(const OrdopTable& own, const OrdopTable& other, const OrdopHalf& half) {
   const auto vector = [](const float(&v)[3]) { return Eigen::Vector3f(v[0], v[1], v[2]); };

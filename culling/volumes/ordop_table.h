@@ -1,5 +1,4 @@
-// An or-DOP laid out for the kernels that test it.
-// One rule: made once from the points of a part; kernels only read it.
+// OrdopTable stores an or-DOP in the layout of the kernels that test it. It is immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,31 +11,29 @@
 
 namespace throng {
 
-/// A part's or-DOP laid out for lookup by the sign bits of a direction (bit 0: x negative, ...).
-/// Its slabs are those of the points (p - origin) / half_box, around the centre of the part's box
-/// and in units of its half sides: the edge and corner planes then cut a long box where they cut a
-/// cube, which leaves a quarter of the false positives of unscaled directions away. The three axis
-/// slabs have centre zero and drop out of every sum.
+/// or-DOP of a part, for lookup by the sign bits of a direction (bit 0: x negative, ...). Slabs are
+/// those of the points (p - origin) / half_box, in units of the part's box. Edge and corner planes
+/// then cut a long box like a cube: a quarter fewer false positives than unscaled directions. The
+/// three axis slabs have centre zero and drop out of every sum.
 struct alignas(64) OrdopTable {
-  /// At least one point.
+  /// `points`: at least one.
   explicit OrdopTable(std::span<const Eigen::Vector3f> points);
   /// The paper's or-DOP: slabs as fitted, recentred but in metres (half_box 1).
   explicit OrdopTable(const Slabs& fitted);
   // Eight corners by sign bits, then a copy: one register of any width up to 512 bits.
   float corner_half[16], corner_centre[16];
-  // Edges by the axis that the direction leaves out, times 8, plus sign bits; the last 8 are
-  // padding: two registers of 512 bits.
+  // Edges by omitted axis times 8 plus sign bits, then 8 of padding: two registers of 512 bits.
   float edge_half[32], edge_centre[32];
   Slabs slabs;
   float origin[3];
-  float half_box[3], per_half_box[3];  ///< positive; and their inverses
-  float length[13];                    ///< of the direction as it stands in the part, per metre
-  float per_length[13];                ///< its inverse
-  // How far the slabs reach from the origin, inverted, downwards with a minus sign.
+  float half_box[3], per_half_box[3];  ///< positive, and their inverses
+  float length[13];                    ///< length of the direction in the part, per metre
+  float per_length[13];                ///< inverse of length
+  // Inverse distances of the slabs from the origin; downwards negative.
   float per_reach_up[13], per_reach_down[13];
-  bool holds_origin;  ///< inside every slab, and not by rounding alone
+  bool holds_origin;  ///< inside every slab by more than rounding
 
-  /// How far directions of `own` reach in units of this: half_box[i] / own.half_box[j].
+  /// Lengths of the directions of `own` in units of this: half_box[i] / own.half_box[j].
   struct Ratios {
     float of[3][3];
   };
@@ -52,13 +49,13 @@ struct alignas(64) OrdopTable {
   void fill_inverses();
 };
 
-// The paper's or-DOP (slabs along the 13 directions as they are), one against one other, the
-// directions of one as lanes: for who tests pair by pair and cannot collect pairs of the same
-// parts. One rule: the answer is that of ordop_pair() below to the bit, on every target.
+// OrdopLanes and ordop_pair() test the paper's or-DOP (slabs along the 13 unscaled directions)
+// against another, the directions of one as lanes. They serve callers that test pair by pair.
+// Invariant: kernels of all targets equal ordop_pair() below bit for bit.
 
-inline constexpr size_t kDirectionSlots = 16;  // 13 directions; the rest is padding
+inline constexpr size_t kDirectionSlots = 16;  // 13 directions and padding
 
-/// The directions of all k-DOPs as lanes; padding is the null vector.
+/// Directions of all k-DOPs as lanes; padding is the null vector.
 struct alignas(64) DirectionLanes {
   float x[kDirectionSlots], y[kDirectionSlots], z[kDirectionSlots], length[kDirectionSlots];
 };
@@ -73,8 +70,8 @@ inline constexpr DirectionLanes kDirectionLanes = [] {
   return lanes;
 }();
 
-/// A part's or-DOP for ordop_pair: its slabs as lanes. Directions that a k-DOP of this k has not
-/// are infinitely wide: they never separate.
+/// or-DOP of a part for ordop_pair, slabs as lanes. Directions that a k-DOP of this k does not have
+/// are infinitely wide and never separate.
 struct alignas(64) OrdopLanes {
   OrdopLanes(const Slabs& fitted, int k);
   OrdopTable table;
@@ -83,8 +80,8 @@ struct alignas(64) OrdopLanes {
 
 /// One or-DOP ("own") against another ("other"), in units of own's scale.
 struct OrdopHalf {
-  float other_from_own[3][3];  ///< times other's scale over own's
-  float offset[3];             ///< of other's centre, in own's frame
+  float other_from_own[3][3];  ///< multiplied by other's scale over own's
+  float offset[3];             ///< other's centre, in own's frame
   float margin;
 };
 
@@ -95,7 +92,7 @@ struct OrdopHalves {
   OrdopHalf from_a, from_b;
 };
 
-/// The scalar reference.
+/// Scalar reference.
 template <int K>
 bool ordop_pair(const OrdopLanes& a, const PartPose& pose_a, float scale_a, const OrdopLanes& b,
                 const PartPose& pose_b, float scale_b, const float (&shift_m)[4]);

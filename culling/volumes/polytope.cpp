@@ -8,8 +8,8 @@ namespace throng {
 namespace {
 
 struct HalfSpace {
-  Eigen::Vector3d normal;  ///< unit
-  double offset;           ///< inside: normal . x <= offset
+  Eigen::Vector3d normal;
+  double offset;  ///< inside: normal . x <= offset
 };
 
 std::vector<HalfSpace> half_spaces(const Slabs& slabs, int k) {
@@ -25,7 +25,7 @@ std::vector<HalfSpace> half_spaces(const Slabs& slabs, int k) {
   return out;
 }
 
-/// A square on the plane, large enough to hold any face.
+/// Square on the plane, large enough to contain any face.
 std::vector<Eigen::Vector3d> square_on(const HalfSpace& plane, double size) {
   const Eigen::Vector3d u = plane.normal.unitOrthogonal() * size;
   const Eigen::Vector3d v = plane.normal.cross(u);
@@ -33,7 +33,7 @@ std::vector<Eigen::Vector3d> square_on(const HalfSpace& plane, double size) {
   return {o + u + v, o - u + v, o - u - v, o + u - v};
 }
 
-/// Sutherland and Hodgman 1974: the part of a polygon inside a half space.
+/// Clips a polygon to a half space (Sutherland and Hodgman 1974).
 std::vector<Eigen::Vector3d> clipped(const std::vector<Eigen::Vector3d>& polygon,
                                      const HalfSpace& space, double slack) {
   std::vector<Eigen::Vector3d> out;
@@ -57,7 +57,7 @@ Polytope polytope_of(const Slabs& slabs, int k) {
     const Slab& slab = slabs.slab[static_cast<size_t>(i)];
     size += 4 * static_cast<double>(std::fabs(slab.centre) + slab.half);
   }
-  const double slack = 1e-12 * size;  // faces that meet in one corner stay closed
+  const double slack = 1e-12 * size;  // keeps faces that meet in one corner closed
   const Eigen::Vector3d centre(static_cast<double>(slabs.slab[0].centre),
                                static_cast<double>(slabs.slab[1].centre),
                                static_cast<double>(slabs.slab[2].centre));

@@ -1,5 +1,5 @@
-// Turning and placing points by a PartPose, in a fixed order of operations.
-// One rule: sums run x, y, z from left to right, so that SIMD lanes can repeat them to the bit.
+// pose_math rotates and places points by a PartPose.
+// Invariant: sums run x, y, z from left to right; SIMD lanes repeat them bit for bit.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ inline Eigen::Vector3f rotated(const PartPose& pose, const Eigen::Vector3f& v) {
           r[2][0] * v.x() + r[2][1] * v.y() + r[2][2] * v.z()};
 }
 
-/// R^T * v: a world vector seen from the part.
+/// R^T * v: a world vector in the part's frame.
 inline Eigen::Vector3f rotated_back(const PartPose& pose, const Eigen::Vector3f& v) {
   const auto& r = pose.rows;
   return {r[0][0] * v.x() + r[1][0] * v.y() + r[2][0] * v.z(),
@@ -28,7 +28,7 @@ inline Eigen::Vector3f translation_m(const PartPose& pose) {
   return {pose.rows[0][3], pose.rows[1][3], pose.rows[2][3]};
 }
 
-/// Where a point of a part scaled by `scale` lies, relative to the body's root, in world axes.
+/// Position of a point of a part with scale `scale`, relative to the body's root, in world axes.
 inline Eigen::Vector3f placed_point(const PartPose& pose, float scale, const Eigen::Vector3f& p) {
   return rotated(pose, scale * p) + translation_m(pose);
 }

@@ -9,7 +9,7 @@
 namespace throng {
 namespace {
 
-/// A weighted sum of slabs; a negative weight turns the slab round.
+/// Weighted sum of slabs; a negative weight mirrors the slab.
 struct SlabSum {
   Slab total;
   void add(const Slab& slab, float weight, bool rotated) {
@@ -18,7 +18,7 @@ struct SlabSum {
   }
 };
 
-/// d as a permutation: axes by falling |d|, and which components are negative.
+/// Components of d by size: axes by decreasing |d|, and which components are negative.
 struct Sorted {
   int axis[3];       // axis[0] has the largest |d|
   float weight[3];   // |d| in that order
@@ -57,7 +57,7 @@ struct Decomposition {
     sum.add(slabs.slab[edge_direction(static_cast<size_t>(omitted), opposite)], weight,
             s.negative[first]);
   }
-  /// The corner with the signs of d; `flip` turns the sign of one axis.
+  /// Adds the corner with the signs of d; `flip` changes the sign of one axis.
   void corner(float weight, int flip = -1) {
     bool n[3] = {s.negative[0], s.negative[1], s.negative[2]};
     if (flip >= 0) n[flip] = !n[flip];
@@ -86,7 +86,7 @@ Slabs Slabs::around(std::span<const Eigen::Vector3f> points) {
       high = std::max(high, h);
     }
     const float centre = static_cast<float>(0.5 * (low + high));
-    // The centre was rounded: the half width covers both ends from where it lies, rounded up.
+    // The centre is rounded, so the half width covers both ends from it, rounded up.
     const double half =
         std::max(high - static_cast<double>(centre), static_cast<double>(centre) - low);
     out.slab[i] = {centre,

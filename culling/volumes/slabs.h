@@ -1,5 +1,5 @@
-// The slabs of a k-DOP: for each of its k/2 directions the interval that the points cover.
-// One rule: bound() is never below the true support, so that whatever it separates is apart.
+// Slabs stores the interval of a point set along each of the k/2 directions of a k-DOP.
+// Invariant: bound() is never below the true support, so that separated volumes are apart.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,7 @@
 
 namespace throng {
 
-/// The 13 directions of the 26-DOP, unnormalised: 3 axes, 6 edges, 4 corners (Klosowski et al.
-/// 1998).
+/// The 13 unnormalised directions of the 26-DOP: axes, edges, corners (Klosowski et al. 1998).
 inline constexpr int kAxisDirections = 3;
 inline constexpr int kEdgeDirections = 6;
 inline constexpr int kCornerDirections = 4;
@@ -20,7 +19,7 @@ inline constexpr std::array<std::array<int, 3>, 13> kDirections = {{
     {{0, 1, 1}},
     {{0, 1, -1}},
     {{1, 0, 1}},
-    {{1, 0, -1}},  // edges; without x, without y,
+    {{1, 0, -1}},  // edges: without x, without y,
     {{1, 1, 0}},
     {{1, -1, 0}},  // without z
     {{1, 1, 1}},
@@ -29,15 +28,15 @@ inline constexpr std::array<std::array<int, 3>, 13> kDirections = {{
     {{1, -1, -1}},  // corners
 }};
 
-/// Which of the 13 directions a k-DOP has: 14 = axes and corners, 18 = axes and edges, 26 = all.
+/// Directions of a k-DOP: 14 = axes and corners, 18 = axes and edges, 26 = all.
 constexpr bool has_direction(int k, int direction) {
   if (direction < kAxisDirections) return true;
   const bool is_edge = direction < kAxisDirections + kEdgeDirections;
   return k == 26 || (k == 18 && is_edge) || (k == 14 && !is_edge);
 }
 
-/// The edge direction that leaves `omitted` out, for components of equal or opposite sign; and the
-/// corner direction whose y or z has the sign opposite to x. Indices into kDirections.
+/// Indices into kDirections. Edges: without the axis `omitted`, components of equal or opposite
+/// sign. Corners: y or z with the sign opposite to x.
 constexpr size_t edge_direction(size_t omitted, bool opposite) {
   return kAxisDirections + 2 * omitted + (opposite ? 1 : 0);
 }
@@ -51,16 +50,16 @@ struct Slab {
   float half = 0;
 };
 
-/// The slabs of a point set along all 13 directions; a k-DOP uses the ones that it has.
+/// Slabs of a point set along all 13 directions; a k-DOP uses its own subset.
 struct Slabs {
   std::array<Slab, 13> slab;
 
-  /// The tightest slabs around the points (at least one), half widths rounded up.
+  /// Tightest slabs around the points (at least one), half widths rounded up.
   static Slabs around(std::span<const Eigen::Vector3f> points);
 
-  /// The interval that covers every point's projection on `d` (any length): conic bound from the
-  /// slabs of the k-DOP. With |d| sorted max >= mid >= min, d is a sum of a corner, an edge and an
-  /// axis direction with weights min, mid - min, max - mid, and support functions are subadditive.
+  /// Interval of the projections of all points on `d` (any length), by the conic bound of the
+  /// k-DOP. With |d| sorted max >= mid >= min, d is a sum of a corner, an edge and an axis
+  /// direction. The weights are min, mid - min and max - mid. Support functions are subadditive.
   template <int K>
   Slab bound(const Eigen::Vector3f& d) const;
 };
@@ -72,10 +71,10 @@ Slab Slabs::bound<18>(const Eigen::Vector3f& d) const;
 template <>
 Slab Slabs::bound<26>(const Eigen::Vector3f& d) const;
 
-// The 13 directions of the k-DOPs as floats, with bounds of their lengths.
-// One rule: never normalised, so that projecting on one is adding and subtracting.
+// Directions of the k-DOPs as floats, with bounds of their lengths. They are not normalised, so
+// that a projection needs no products.
 
-/// Lengths of the axis, edge and corner directions, rounded up.
+/// Lengths of the edge and corner directions, rounded up.
 inline constexpr float kEdgeLength = 1.4142137f;
 inline constexpr float kCornerLength = 1.7320509f;
 static_assert(static_cast<double>(kEdgeLength) * static_cast<double>(kEdgeLength) > 2);

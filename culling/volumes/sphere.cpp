@@ -15,21 +15,20 @@ namespace {
 
 struct Ball {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius2 = -1;  ///< squared; negative: the empty ball
+  double radius2 = -1;  ///< squared radius; negative: empty ball
 
-  /// With room for rounding, so that the points on its surface count as inside.
+  /// Includes rounding, so that points on the surface are inside.
   bool contains(const Eigen::Vector3d& p) const {
     return (p - centre).squaredNorm() <= radius2 * (1 + 1e-12);
   }
 };
 
-/// Up to four points that lie on the ball's surface.
 struct Support {
   Eigen::Vector3d point[4];
   int count = 0;
 
-  /// The smallest ball through all of them: centre = p0 + sum l_i (p_i - p0), G l = diag(G) / 2.
-  /// Fails if they are affinely dependent.
+  /// Smallest ball through all points: centre = p0 + sum l_i (p_i - p0), G l = diag(G) / 2. False
+  /// if they are affinely dependent.
   bool ball(Ball& out) const {
     out = {};
     if (count == 0) return true;
@@ -42,8 +41,7 @@ struct Support {
       half[i] = 0.5 * gram(i, i);
     }
     Eigen::FullPivLU<Eigen::Matrix3d> lu(gram.topLeftCorner<3, 3>());
-    if (n > 0 &&
-        n < 3) {  // the unused rows are scaled to the used ones, so that rank is judged fairly
+    if (n > 0 && n < 3) {  // unused rows are scaled to the used ones, for a correct rank
       for (int i = n; i < 3; ++i) gram(i, i) = gram(0, 0);
       lu.compute(gram);
     }
@@ -58,8 +56,8 @@ struct Support {
   }
 };
 
-/// The smallest ball around the first `count` points that has `support` on its surface. Recursion
-/// is over the support only: at most four deep.
+/// Smallest ball around the first `count` points with `support` on its surface. The recursion is
+/// over the support only: at most four deep.
 Ball smallest_ball(std::vector<Eigen::Vector3d>& points, size_t count, Support& support) {
   Ball ball;
   support.ball(ball);
@@ -89,7 +87,7 @@ Sphere::Fitted Sphere::fit(std::span<const Eigen::Vector3f> points) {
   const Ball ball = smallest_ball(exact, exact.size(), support);
   Fitted sphere;
   sphere.centre_m = ball.centre.cast<float>();
-  // The radius is measured, not believed: it holds whatever rounding did above.
+  // The radius is measured, so that it holds despite the rounding above.
   double radius = 0;
   for (const Eigen::Vector3f& p : points)
     radius = std::max(radius, (p.cast<double>() - sphere.centre_m.cast<double>()).norm());

@@ -1,5 +1,5 @@
-// The bounding sphere: the cheapest volume to turn, since turning does not change it.
-// One rule: a fitted sphere contains every point, its radius is rounded up.
+// Sphere is the bounding sphere: rotation changes only its centre.
+// Invariant: a fitted sphere contains every point; its radius is rounded up.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@ struct Sphere {
   };
   using Placed = Fitted;
 
-  /// The smallest enclosing sphere (Welzl 1991, move to front) of at least one point.
+  /// Smallest enclosing sphere (Welzl 1991, move to front) of at least one point.
   static Fitted fit(std::span<const Eigen::Vector3f> points);
   static Placed place(const Fitted& fitted, const PartPose& pose, float scale);
   static bool overlaps(const Placed& a, const Placed& b, const Eigen::Vector3f& a_to_b_m,

@@ -1,4 +1,4 @@
-// The bounding volumes of the paper, by name.
+// VolumeKind names the bounding volumes of the paper.
 #pragma once
 
 #include <optional>
@@ -6,8 +6,8 @@
 
 namespace throng {
 
-/// kdopNN keeps world axes and is refitted to the turned volume; ordopNN is fitted once in the
-/// part's frame and turns with it (the paper's or-DOP).
+/// World-axis kdopNN is refitted to the rotated volume. The paper's or-DOP, ordopNN, is fitted once
+/// in the part's frame and rotates with it.
 enum class VolumeKind {
   kSphere,
   kAabb,

@@ -1,6 +1,5 @@
-// Every volume behind its kind: the one list that a new volume joins. Names, fits, the part stage
-// and the paper's recipes follow from it.
-// One rule: in the order of VolumeKind.
+// kVolumeList lists all volumes in the order of VolumeKind. Names, fits, the mid phase and the
+// paper's strategies follow from it.
 #pragma once
 
 #include <array>
@@ -37,12 +36,10 @@ inline constexpr std::tuple kVolumeList = {VolumeEntry<VolumeKind::kSphere, Sphe
                                            VolumeEntry<VolumeKind::kOrdop26, Ordop<26>>{"ordop26"}};
 inline constexpr size_t kVolumeCount = std::tuple_size_v<decltype(kVolumeList)>;
 
-/// The class at a place of the list.
 template <size_t kPlace>
 using VolumeAt =
     typename std::tuple_element_t<kPlace, std::remove_const_t<decltype(kVolumeList)>>::Volume;
 
-/// Where a class stands in the list.
 template <typename V>
 inline constexpr size_t kVolumeIndex = [] {
   size_t place = kVolumeCount;

@@ -18,7 +18,7 @@
 namespace throng {
 namespace {
 
-/// Models and groups are named by 16 bits with a sign; loading keeps to kMaxModels and kMaxGroups.
+/// Model and group numbers are signed 16-bit; loading enforces kMaxModels and kMaxGroups.
 int16_t number_of(uint16_t index) {
   assert(index <= std::numeric_limits<int16_t>::max());
   return static_cast<int16_t>(index);
@@ -124,7 +124,7 @@ obstacle_t to_message(const Obstacle& obstacle) {
 }  // namespace
 
 std::vector<ColumnRange> column_ranges(const Model& model) {
-  // A joint that another follows keeps its turns: the follower may multiply them.
+  // A joint with followers keeps its full turns, because followers may multiply them.
   std::map<std::string, bool> is_followed;
   for (const Joint& joint : model.robot.joints)
     if (joint.mimic)
@@ -179,10 +179,11 @@ run_description_t describe(const RunInfo& run) {
 namespace {
 
 std::string omits(const RunInfo& run) {
-  if (!run.culling) return "every contact: the run was without culling";
+  if (!run.culling) return "all contacts: the run had no culling";
   if (run.culler.has_budget())
-    return "decisions that a frame had no time for: such pairs count as touching, their level says "
-           "how far they came";
+    return "tests beyond the frame's budget: such pairs count as touching, and their level names "
+           "the "
+           "last test passed";
   return std::string(omitted_by(run.strategy));
 }
 
@@ -190,7 +191,7 @@ std::string omits(const RunInfo& run) {
 
 std::vector<uint8_t> encode_description(const RunInfo& run) {
   const std::string where = run.scene->file.empty() ? run.scene->name : run.scene->file.string();
-  // What does not fit into the numbers of a description cannot be seen in it any more.
+  // Checked before encoding, because numbers that overflow cannot be detected in the description.
   if (run.models.size() > kMaxModels || run.groups.size() > kMaxGroups)
     throw InputError(where, fmt::format("at most {} models and {} groups", kMaxModels, kMaxGroups),
                      fmt::format("{} and {}", run.models.size(), run.groups.size()));

@@ -1,4 +1,4 @@
-// What has to hold before a description from elsewhere is used: the twin of the URDF's own checks.
+// Checks of a received description, equivalent to the checks of a URDF.
 #include <fmt/format.h>
 
 #include <array>
@@ -26,7 +26,7 @@ std::string defect_of(const mesh_t& mesh) {
   if (mesh.index_count % 3 != 0) return fmt::format("{} indices in a mesh", mesh.index_count);
   for (const float c : mesh.coordinates_m)
     if (!(std::abs(static_cast<double>(c)) <= kMaxDescribed))
-      return "a coordinate that is no number";
+      return "a coordinate that is not finite";
   const auto vertices = static_cast<size_t>(mesh.coordinate_count / 3);
   for (const int32_t i : mesh.indices)
     if (!is_in(i, vertices)) return fmt::format("vertex {} of {}", i, vertices);
@@ -44,9 +44,9 @@ std::string defect_of(const joint_t& joint, int index, const model_t& model) {
   const double* r = joint.rotation_wxyz;
   const double* a = joint.axis;
   if (std::abs(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] - 1) > 1e-6)
-    return "a rotation that is no unit quaternion";
+    return "a rotation that is not a unit quaternion";
   if (joint.kind != 0 && std::abs(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] - 1) > 1e-6)
-    return "an axis that is no unit vector";
+    return "an axis that is not a unit vector";
   if (joint.lower > joint.upper) return "lower limit above upper limit";
   if (joint.mimic_joint != -1) {
     if (!is_in(joint.mimic_joint, model.joints.size()) || joint.mimic_joint == index)
@@ -54,7 +54,7 @@ std::string defect_of(const joint_t& joint, int index, const model_t& model) {
     int32_t leader = joint.mimic_joint;
     for (size_t steps = 0; leader >= 0; ++steps) {
       if (!is_in(leader, model.joints.size()) || steps > model.joints.size())
-        return "a circle of mimic joints";
+        return "a cycle of mimic joints";
       if (model.joints[static_cast<size_t>(leader)].kind == 0) return "mimic of a fixed joint";
       leader = model.joints[static_cast<size_t>(leader)].mimic_joint;
     }
@@ -73,7 +73,7 @@ std::string defect_of_tree(const model_t& model) {
     std::string defect = defect_of(joint, i, model);
     if (!defect.empty()) return defect;
     if (!links.insert(joint.child_link).second || !joints.insert(joint.name).second)
-      return "two links or joints of one name";
+      return "two links or joints with the same name";
     depth.push_back(depth[static_cast<size_t>(joint.parent_link)] + 1);
     if (depth.back() > kMaxChainDepth)
       return fmt::format("a chain of more than {} links", kMaxChainDepth);
@@ -83,7 +83,7 @@ std::string defect_of_tree(const model_t& model) {
     columns += moves ? 1 : 0;
   }
   if (columns != model.column_count)
-    return fmt::format("{} columns for {} joints that move", model.column_count, columns);
+    return fmt::format("{} columns for {} moving joints", model.column_count, columns);
   return "";
 }
 
@@ -107,7 +107,7 @@ std::string defect_of(const model_t& model) {
 std::string defect_of(const run_description_t& run) {
   if (run.schema != kSchema)
     return fmt::format("schema {}, this program reads {}", run.schema, kSchema);
-  if (!(run.step_s > 0 && run.step_s <= kMaxDescribed)) return "a step that is no time";
+  if (!(run.step_s > 0 && run.step_s <= kMaxDescribed)) return "a step that is not positive";
   if (!all_sane(run.ground_min_m) || !all_sane(run.ground_max_m)) return "a number out of range";
   for (const obstacle_t& obstacle : run.obstacles) {
     if (obstacle.kind < 0 || obstacle.kind > 2)

@@ -18,33 +18,32 @@ namespace {
 
 constexpr int64_t kSecond_us = 1'000'000;
 
-// Everybody on a scene's ground, and every part of a body there, is nearer than int32 can say.
+// All positions on the largest ground, and of all parts there, fit into int32.
 static_assert(kMaxCoordinate_m + kMaxReach_m < 214'000);
 
-// Where they differ from target to target.
+// Header fields that differ between targets.
 constexpr size_t kInstanceAt = 8 + 2 * 8, kSeqAt = 8 + 4 * 8;
 
 constexpr auto kRunBytes = static_cast<int>(kRowsPerMessage<run_chunk_t>);
 constexpr size_t kStatesFixed = kHeaderBytes + 5 * sizeof(int32_t);
-constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte of who is absent
+constexpr size_t kStatesPerAvatar = 3 * 4 + 4 * 2 + 4 + 1;  // with the byte for presence
 
-/// A message takes some hundred microseconds; all slots together fit the second cache.
+/// A message takes some hundred microseconds; all slots together fit into the L2 cache.
 constexpr size_t kSlotsAThread = 4;
 
-/// A reader takes no more pieces of one thing.
+/// Throws InputError if a reader would reject that many chunks.
 void require_few(const RunInfo& run, size_t chunks) {
   if (chunks > static_cast<size_t>(kMaxChunks))
-    throw InputError(run.scene->name,
-                     fmt::format("avatars and joints for at most {} messages a frame", kMaxChunks),
-                     fmt::format("{}", chunks));
+    throw InputError(
+        run.scene->name,
+        fmt::format("avatars and joints for at most {} messages per frame", kMaxChunks),
+        fmt::format("{}", chunks));
 }
 
-/// `levels` may be empty: then everything got as far as this run refines.
 uint8_t level_at(std::span<const uint8_t> levels, size_t i, PairLevel last) {
   return levels.empty() ? static_cast<uint8_t>(last) : levels[i];
 }
 
-/// The message in the room of `buffer`, which holds the largest.
 template <class Message>
 std::span<uint8_t> encoded(const Message& message, std::vector<uint8_t>& buffer) {
   const int size = message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
@@ -89,7 +88,8 @@ void RunEncoder::fill_header(Message& message, int chunk, int chunk_count) const
   message.schema = kSchema;
 }
 
-/// What an encoded message says to this target, `ahead` messages behind the one that is next.
+/// Sets the header fields that depend on the target, for a message `ahead` positions after the
+/// next.
 void RunEncoder::set_target_header(const TargetState& to, Channel channel, int64_t ahead,
                                    std::span<uint8_t> bytes) {
   put_big_endian(bytes.data() + kInstanceAt, to.instance_);
@@ -148,7 +148,7 @@ void RunEncoder::begin(const RunInfo& run) {
   ranges_.clear();
   for (const auto& model : run.models) ranges_.push_back(column_ranges(*model));
 
-  // As many avatars a message as fit, model by model of different width.
+  // Each message takes as many avatars as fit; postures differ in width between models.
   const auto plan = [&](size_t fixed, size_t per_avatar, size_t per_item, auto items_of) {
     std::vector<AvatarRange> chunks;
     size_t bytes = kMaxMessageBytes;
@@ -194,7 +194,7 @@ void RunEncoder::send_description_chunk(TargetState& to, int chunk) {
 void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   choose_targets();
   const bool is_first = last_second_ < 0;
-  if (run.resumed && is_first) {  // what the first events refer to
+  if (run.resumed && is_first) {  // events refer to these pairs
     utime_us_ = run.resumed->utime_us;
     frame_ = run.resumed->frame;
     send_touching(run.resumed->touching, run.resumed->levels);
@@ -230,8 +230,8 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   for (TargetState* target_state : open_targets_) target_state->target_.after_frame(*target_state);
 }
 
-/// Also when there are none: a receiver learns that nothing touches, or is near. set(first, count)
-/// fills `m`.
+/// Sends at least one message, so that receivers learn of empty frames. set(first, count) fills
+/// `m`.
 template <class Message, class Set>
 void RunEncoder::send_rows(Channel channel, Message& m, size_t rows, const Set& set) {
   constexpr size_t per_message = kRowsPerMessage<Message>;
@@ -294,14 +294,14 @@ void RunEncoder::send_separation() {
 }
 
 bool RunEncoder::states_are_due(double state_every, int64_t frame) const {
-  // A multiple that rounding put a hair behind its frame is that frame's all the same.
+  // Tolerates a multiple just after its frame, caused by rounding.
   const auto multiples = [state_every](int64_t number) {
     return std::floor(static_cast<double>(number) / state_every + 1e-6);
   };
   return multiples(frame) > multiples(frame - 1);
 }
 
-/// Some chunks at a time are encoded side by side, then sent in their order.
+/// Encodes several chunks in parallel, then sends them in order.
 void RunEncoder::send_states(const RunInfo& run, const Frame& frame) {
   assert(static_cast<int>(frame.roots.size()) == run.avatar_count());
   const auto chunks = static_cast<int>(state_chunks_.size());
@@ -414,7 +414,7 @@ void RunEncoder::add_part_poses(const Model& model, const RootPose& root, float 
 }
 
 void RunEncoder::send_frame_stats(TargetState& to, const Frame& frame, int64_t begins) {
-  // A log has no clock in it, so that it is the same every time.
+  // A log contains no clock times and is therefore reproducible.
   const bool clock = to.options_.with_clock_times;
   frame_stats_t& m = frame_stats_;
   const auto stages = culling_stages(*frame.counters);
@@ -440,7 +440,7 @@ void RunEncoder::send_frame_stats(TargetState& to, const Frame& frame, int64_t b
 
 void RunEncoder::send_checksums(TargetState& to, uint64_t hash, bool is_last) {
   fill_header(checks_, 0, 1);
-  checks_.number = to.sent_.messages();
+  checks_.message_index = to.sent_.messages();
   checks_.hash = static_cast<int64_t>(hash);
   checks_.is_last = is_last;
   to.sent_.fill(checks_);
@@ -487,10 +487,10 @@ void RunEncoder::end(const RunInfo&, const RunEnd& end) {
 void require_encodable(const RunInfo& run, bool part_poses) {
   struct : MessageTarget {
     void message(Channel, int64_t, std::span<const uint8_t>) override {}
-  } nobody;
+  } discard;
   EncoderOptions options;
   options.part_poses = part_poses;
-  RunEncoder(options, nobody).begin(run);
+  RunEncoder(options, discard).begin(run);
 }
 
 }  // namespace throng

@@ -1,7 +1,7 @@
-// Turns a run into messages, once for all that they go to: the wire, the log.
-// One rule: what a target gets depends on the run and its own options only, never on a clock, a
-// thread or another target; after the first frames nothing is allocated unless a frame has more
-// events than any before.
+// RunEncoder turns a run into messages, once for all targets (network, log).
+// Invariant: the messages to a target depend on the run and its own options only, not on clocks,
+// threads or other targets. After the first frames it allocates only for frames with more events
+// than any before.
 #pragma once
 
 #include <memory>
@@ -21,28 +21,28 @@ namespace throng {
 class RunEncoder final : public Sink {
  public:
   RunEncoder() = default;
-  /// Of one target. Keeps a reference to it.
+  /// Encodes for one target; keeps a reference to it.
   RunEncoder(const EncoderOptions& options, MessageTarget& target) { add(options, target); }
 
-  RunEncoder(const RunEncoder&) = delete;  // outlets know where it is
+  RunEncoder(const RunEncoder&) = delete;  // target states keep a reference to it
   RunEncoder& operator=(const RunEncoder&) = delete;
 
-  /// One target more, before begin(). Keeps a reference.
+  /// Adds a target before begin(); keeps a reference to it.
   void add(const EncoderOptions& options, MessageTarget& target);
 
   SinkNeeds needs() const override { return {.postures = true}; }
-  /// Encodes the description; what is sent of it is up to the targets. Throws InputError if it is
-  /// larger than a reader takes.
+  /// Encodes the description; each target decides when its chunks are sent. Throws InputError if it
+  /// is too large for a reader.
   void begin(const RunInfo& run) override;
-  /// Messages in this order: events, touching (once a simulated second), near (where distances are
-  /// asked for), contacts (where their points are), separation (where the scene has one), states,
-  /// parts, frame_stats, checks.
-  /// A run that was resumed first sends what touched before, as touching of the frame before.
+  /// Sends the messages of a frame, in order: events, touching, proximity, contact points,
+  /// separation, states, part poses, frame statistics, checksums. Touching pairs are sent once per
+  /// simulated second, other optional messages if the run has them. A resumed run first sends the
+  /// pairs that touched, as touching of the frame before.
   void frame(const RunInfo& run, const Frame& frame) override;
-  /// The last ends, then THRONG_END.
+  /// Sends the remaining end events, then THRONG_END.
   void end(const RunInfo& run, const RunEnd& end) override;
 
-  /// Of the target that was added as number `i`.
+  /// Returns the state of target number `i`, in the order of add().
   TargetState& target_state(size_t i = 0) { return *target_states_[i]; }
   const TargetState& target_state(size_t i = 0) const { return *target_states_[i]; }
 
@@ -50,14 +50,14 @@ class RunEncoder final : public Sink {
   struct AvatarRange {
     int first = 0;
     int count = 0;
-    int items = 0;  // joint values, or parts
+    int items = 0;  // joint positions, or parts
   };
-  /// A states message with room for its bytes.
+  /// A states message and the buffer for its bytes.
   struct StatesSlot {
     states_t message{};
     std::vector<uint8_t> bytes;
     size_t size = 0;
-    std::vector<uint64_t> checksums;  // by target: they differ in instance and seq
+    std::vector<uint64_t> checksums;  // by target, which differ in instance and seq
   };
   using TargetStates = std::vector<TargetState*>;
 
@@ -92,22 +92,22 @@ class RunEncoder final : public Sink {
   static void fill_end(const RunEnd& end, const TargetState& of, end_t& m);
 
   std::vector<std::unique_ptr<TargetState>> target_states_;
-  TargetStates open_targets_;  // those that want messages now
+  TargetStates open_targets_;  // targets that want messages now
   TargetStates states_targets_,
-      part_poses_targets_;  // those of them that get these with this frame
+      part_poses_targets_;  // targets that get these in this frame
 
   int64_t run_id_ = 0;
   int64_t utime_us_ = 0;
   int64_t frame_ = 0;
   int64_t last_second_ = -1;
-  PairLevel last_level_ = PairLevel::kPartVolume;  // what a pair without a level got to
+  PairLevel last_level_ = PairLevel::kPartVolume;  // level of a pair without one
 
   std::vector<uint8_t> description_;
-  std::vector<std::vector<ColumnRange>> ranges_;  // by model
+  std::vector<std::vector<ColumnRange>> ranges_;
   std::vector<AvatarRange> state_chunks_, part_chunks_;
   std::vector<PartPose> poses_;
 
-  // Some of these and one of each other, reused; their vectors keep their capacity.
+  // Reused messages; their vectors keep their capacity.
   std::optional<Workers> workers_;
   std::vector<StatesSlot> states_;
   run_chunk_t run_{};
@@ -116,23 +116,22 @@ class RunEncoder final : public Sink {
   proximity_t proximity_{};
   contact_points_t contacts_{};
   separation_t separation_{};
-  std::optional<SeparationMonitor> monitor_;  // of a run whose scene has a separation
+  std::optional<SeparationMonitor> monitor_;
   frame_stats_t frame_stats_{};
   part_poses_t parts_{};
   checksums_t checks_{};
   std::vector<uint8_t> buffer_ = std::vector<uint8_t>(kMaxMessageBytes);
-  uint64_t last_hash_ = 0;  // of the run's end
+  uint64_t last_hash_ = 0;
 };
 
-/// Throws InputError if a reader could not take what begin() of an encoder would send: to be known
-/// before anything is opened.
+/// Throws InputError if a reader would reject the messages of this run. Call it before opening
+/// outputs.
 void require_encodable(const RunInfo& run, bool part_poses);
 
-/// A target that also listens to a run by itself, with an encoder of its own. Targets that listen
-/// to one run share an encoder, and this one is not made.
+/// A target that can also be used alone, as a sink with its own encoder. Targets of one run share
+/// an encoder; then this one is not created.
 class TargetSink : public Sink, public MessageTarget {
  public:
-  /// How its messages are to be.
   virtual EncoderOptions encoding() const = 0;
 
   SinkNeeds needs() const override { return {.postures = true}; }
@@ -143,7 +142,7 @@ class TargetSink : public Sink, public MessageTarget {
   void frame(const RunInfo& run, const Frame& frame) override { encoder_->frame(run, frame); }
   void end(const RunInfo& run, const RunEnd& end) override { encoder_->end(run, end); }
 
-  /// What was said, after begin().
+  /// Returns what was sent. Valid after begin().
   const TargetState& target_state() const { return encoder_->target_state(); }
 
  private:

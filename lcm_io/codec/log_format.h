@@ -1,5 +1,4 @@
-// The head of an event in an LCM log file, big-endian.
-// One rule: both sides of the format are here, so that they cannot drift apart.
+// LogHead is the header of an event in an LCM log file, big-endian, with its encoder and decoder.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +8,8 @@ namespace throng {
 
 inline constexpr uint32_t kLogMagic = 0xEDA1DA01;
 inline constexpr size_t kLogHeadBytes = 28;
-/// The longest channel name of LCM.
 inline constexpr int32_t kMaxChannelBytes = 63;
-/// Far above any message of ours, and far below what would crash LCM's own reader.
+/// Far above any message of Throng, and far below sizes that crash LCM's reader.
 inline constexpr int32_t kMaxDataBytes = 16 << 20;
 
 struct LogHead {
@@ -42,7 +40,7 @@ inline void put_log_head(uint8_t* out, const LogHead& head) {
   put_big_endian(out + 24, head.data_bytes);
 }
 
-/// False if the magic is not there.
+/// Returns false without the magic number.
 inline bool get_log_head(const uint8_t* in, LogHead& head) {
   head.number = get_big_endian<int64_t>(in + 4);
   head.stamp_us = get_big_endian<int64_t>(in + 12);

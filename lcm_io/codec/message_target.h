@@ -1,6 +1,6 @@
-// Where encoded messages go: a log, the wire, a file of the page.
-// One rule: a target has its own count of messages and its own checksums, so what it got can be
-// judged without the others.
+// MessageTarget receives encoded messages: a log, the network, a file for the page.
+// Invariant: each target has its own message counts and checksums and can be checked without the
+// others.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +17,28 @@ class RunEncoder;
 
 struct EncoderOptions {
   bool with_instance = true;     ///< false: instance is 0
-  bool with_clock_times = true;  ///< false: everything read from a clock is 0
-  /// Frames from states to states, at least 1 and not always whole: those of the first frame, and
-  /// of each that is the first at or after a multiple of it. Events are always complete.
+  bool with_clock_times = true;  ///< false: all clock times are 0
+  /// Frames between states messages, at least 1, not necessarily whole. States are sent in the
+  /// first frame and in the first frame at or after each multiple. Events are always complete.
   double state_every = 1;
-  bool part_poses = false;  ///< THRONG_PART_POSES with every states message
-  int threads = 1;          ///< states are encoded by so many; the bytes are the same
+  bool part_poses = false;  ///< send THRONG_PART_POSES with each states message
+  int threads = 1;          ///< threads that encode states; the bytes do not depend on it
 };
 
 class MessageTarget {
  public:
   virtual ~MessageTarget() = default;
-  /// The bytes hold during the call.
+  /// Receives a message; `bytes` is valid during the call.
   virtual void message(Channel channel, int64_t utime_us, std::span<const uint8_t> bytes) = 0;
-  /// False: it gets nothing for now, and nothing is counted for it.
+  /// Returns false to receive no messages for now; they are not counted either.
   virtual bool wants_messages() const { return true; }
-  /// What only the target knows when to send: the description, and what comes behind the end.
-  virtual void after_begin(TargetState& /*outlet*/) {}
-  virtual void after_frame(TargetState& /*outlet*/) {}
-  virtual void after_end(TargetState& /*outlet*/) {}
+  /// Hooks for messages whose time the target decides: the description, and messages after the end.
+  virtual void after_begin(TargetState& /*state*/) {}
+  virtual void after_frame(TargetState& /*state*/) {}
+  virtual void after_end(TargetState& /*state*/) {}
 };
 
-/// An encoder's side of one target: its options, and all that was said to it.
+/// Encoder's state of one target: its options and the totals sent to it.
 class TargetState {
  public:
   TargetState(RunEncoder& encoder, const EncoderOptions& options, MessageTarget& target)
@@ -46,13 +46,13 @@ class TargetState {
 
   int description_chunks() const;
   void send_description_chunk(int chunk);
-  /// THRONG_END once more, with the totals of the first.
+  /// Sends THRONG_END again, with the same totals.
   void repeat_end();
-  /// Over all that was said, THRONG_END included: nothing comes behind it.
+  /// Sends checksums of all messages including THRONG_END, as the last message.
   void send_last_checksums();
 
   const RunningChecksums::Sum& totals(Channel channel) const { return sent_[channel]; }
-  /// Values that did not fit their message so far (see quantise.h).
+  /// Number of values clamped so far (see quantise.h).
   int64_t clamped() const { return clamped_; }
 
  private:

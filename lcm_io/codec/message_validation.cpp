@@ -15,11 +15,11 @@
 namespace throng {
 namespace {
 
-// 285 years of microseconds; keeps sums of such numbers from overflowing.
+// 285 years in microseconds; prevents overflow in sums of such numbers.
 constexpr int64_t kMaxNumber = int64_t{1} << 53;
 
-/// Walks over the encoded fields without storing anything. Once a length does not fit, it fails for
-/// good. The walk() of each type is made from its .lcm file.
+/// Walks over the encoded fields without storing them. After a length that does not fit it stays
+/// failed. The walk() of each type is generated from its .lcm file.
 class Cursor {
  public:
   explicit Cursor(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -28,7 +28,7 @@ class Cursor {
     if (bytes > left()) ok_ = false;
     if (ok_) at_ += bytes;
   }
-  /// An int32 that counts things of at least `min_bytes` bytes each.
+  /// Reads an int32 that counts items of at least `min_bytes` bytes each.
   size_t count(size_t min_bytes) {
     const size_t at = at_;
     skip(4);
@@ -39,7 +39,7 @@ class Cursor {
   }
   void array(size_t items, size_t item_bytes) { skip(items * item_bytes); }
   void string() {
-    // The length includes a terminating zero, and generated code takes one off without looking.
+    // The length includes a terminating zero, and generated code subtracts one without a check.
     const size_t length = count(1);
     if (length == 0) ok_ = false;
     skip(length);
@@ -61,15 +61,16 @@ std::string lengths_of(std::span<const uint8_t> bytes) {
   Cursor cursor(bytes.subspan(8));
   walk(cursor, static_cast<const Message*>(nullptr));
   if (!cursor.ok()) return fmt::format("a length in {} that does not fit", Message::getTypeName());
-  if (!cursor.is_at_end()) return fmt::format("bytes after the end of {}", Message::getTypeName());
+  if (!cursor.is_at_end()) return fmt::format("extra bytes after {}", Message::getTypeName());
   return "";
 }
 
-/// The walk has proved the lengths; the try is for whatever else a newer generator might throw.
+/// Decodes after the walk has checked the lengths; the try block covers exceptions of other
+/// generators.
 template <class Message>
 std::string decode_walked(std::span<const uint8_t> bytes, Message& out) {
   try {
-    out = Message();  // the generated decoder leaves old values in arrays that are now empty
+    out = Message();  // the generated decoder keeps old values in arrays that are now empty
     const auto size = static_cast<int>(bytes.size());
     if (out.decode(bytes.data(), 0, size) == size) return "";
   } catch (const std::exception&) {
@@ -77,7 +78,7 @@ std::string decode_walked(std::span<const uint8_t> bytes, Message& out) {
   return fmt::format("no {}", Message::getTypeName());
 }
 
-/// What a .lcm file cannot state of its type.
+/// Checks rules that a .lcm file cannot express.
 template <class Message>
 std::string further_defect(const Message&, std::span<const uint8_t>) {
   return "";
@@ -85,13 +86,13 @@ std::string further_defect(const Message&, std::span<const uint8_t>) {
 std::string further_defect(const checksums_t& m, std::span<const uint8_t> bytes) {
   return static_cast<uint64_t>(m.self_checksum) == self_checksum_of(bytes)
              ? ""
-             : "checks that are damaged themselves";
+             : "checksums that are damaged themselves";
 }
 std::string further_defect(const run_description_t& m, std::span<const uint8_t>) {
   return defect_of(m);
 }
 
-// The rules of the .lcm files have these numbers.
+// The rules of the .lcm files contain these numbers.
 static_assert(PairKey::kMaxId == 16777215 && kWholeBody == 255 && kBodyRegions == 9);
 static_assert(static_cast<int>(PairLevel::kTriangles) == 3 && kMaxDescriptionBytes == 67108864);
 static_assert(kMaxNumber == 9007199254740992);
@@ -103,7 +104,6 @@ std::string fingerprint_defect(int64_t found, int64_t expected, std::string_view
       static_cast<uint64_t>(found), name, static_cast<uint64_t>(expected));
 }
 
-/// Size, fingerprint and schema of a message without the header of a run's messages.
 template <class Message>
 std::string head_defect(std::span<const uint8_t> bytes) {
   constexpr bool is_description = std::is_same_v<Message, run_description_t>;

@@ -5,27 +5,26 @@
 namespace throng {
 namespace {
 
-/// A message of so many rows, to be set.
-void begin_proximity(proximity_t& m, const ProximityOptions& asked, uint64_t hash, size_t count) {
-  m.margin_m = asked.margin_m;
-  m.closest_margin_m = asked.closest_margin_m;
+void begin_proximity(proximity_t& m, const ProximityOptions& options, uint64_t hash, size_t count) {
+  m.margin_m = options.margin_m;
+  m.closest_margin_m = options.closest_margin_m;
   m.hash = static_cast<int64_t>(hash);
   resize_pairs(m, count);
-  m.of.resize(count);
-  for (auto* column :
-       {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_speed_mps})
+  m.kind.resize(count);
+  for (auto* column : {&m.distance_lo_m, &m.distance_hi_m, &m.normal_x, &m.normal_y, &m.normal_z,
+                       &m.depth_m, &m.closing_speed_mps})
     column->resize(count);
   for (auto* column : {&m.point_a_x_m, &m.point_a_y_m, &m.point_a_z_m, &m.point_b_x_m,
                        &m.point_b_y_m, &m.point_b_z_m})
     column->resize(count);
 }
 
-/// `of_people`: the nearest parts of two people, not a pair within proximity_m.
+/// `of_people`: the closest parts of two people, not a pair within proximity_m.
 void set_proximity(proximity_t& m, size_t i, const ProximityPair& row, bool of_people) {
   set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
-  m.of[i] = of_people ? 1 : 0;
-  m.lo_m[i] = row.lo_m;
-  m.hi_m[i] = row.hi_m;
+  m.kind[i] = of_people ? 1 : 0;
+  m.distance_lo_m[i] = row.lo_m;
+  m.distance_hi_m[i] = row.hi_m;
   m.point_a_x_m[i] = row.point_a_m[0];
   m.point_a_y_m[i] = row.point_a_m[1];
   m.point_a_z_m[i] = row.point_a_m[2];
@@ -50,10 +49,10 @@ void set_events(events_t& m, std::span<const PairEvent> events) {
   }
 }
 
-void set_proximity_chunk(proximity_t& m, const ProximityOptions& asked, uint64_t hash,
+void set_proximity_chunk(proximity_t& m, const ProximityOptions& options, uint64_t hash,
                          const ProximityRows& parts, const ProximityRows& people, size_t first) {
   const size_t count = std::min(kRowsPerMessage<proximity_t>, parts.size() + people.size() - first);
-  begin_proximity(m, asked, hash, count);
+  begin_proximity(m, options, hash, count);
   for (size_t i = 0; i < count; ++i) {
     const size_t row = first + i;
     const bool of_people = row >= parts.size();
@@ -65,8 +64,8 @@ ProximityPair proximity_at(const proximity_t& m, size_t i) {
   ProximityPair row;
   row.pair = pair_at(m, i);
   row.level = static_cast<PairLevel>(m.level[i]);
-  row.lo_m = m.lo_m[i];
-  row.hi_m = m.hi_m[i];
+  row.lo_m = m.distance_lo_m[i];
+  row.hi_m = m.distance_hi_m[i];
   row.point_a_m = {m.point_a_x_m[i], m.point_a_y_m[i], m.point_a_z_m[i]};
   row.point_b_m = {m.point_b_x_m[i], m.point_b_y_m[i], m.point_b_z_m[i]};
   row.normal = {m.normal_x[i], m.normal_y[i], m.normal_z[i]};
@@ -102,7 +101,7 @@ ContactPoint contact_at(const contact_points_t& m, size_t i) {
 
 void begin_separation(separation_t& m, size_t count) {
   m.count = static_cast<int32_t>(count);
-  for (auto* column : {&m.kind, &m.region, &m.cut, &m.beyond_margin}) column->resize(count);
+  for (auto* column : {&m.kind, &m.region, &m.truncated, &m.beyond_margin}) column->resize(count);
   for (auto* column : {&m.robot, &m.person}) column->resize(count);
   for (auto* column : {&m.min_distance_lo_m, &m.min_distance_hi_m, &m.max_shortfall_m})
     column->resize(count);
@@ -118,7 +117,7 @@ void set_shortfall(separation_t& m, size_t i, EventKind kind, const Shortfall& s
   m.min_distance_lo_m[i] = shortfall.min_distance_lo_m;
   m.min_distance_hi_m[i] = shortfall.min_distance_hi_m;
   m.max_shortfall_m[i] = shortfall.max_shortfall_m;
-  m.cut[i] = shortfall.is_truncated ? 1 : 0;
+  m.truncated[i] = shortfall.is_truncated ? 1 : 0;
   m.beyond_margin[i] = shortfall.is_beyond_margin ? 1 : 0;
 }
 
@@ -134,7 +133,7 @@ ShortfallEvent shortfall_at(const separation_t& m, size_t i) {
   shortfall.min_distance_lo_m = m.min_distance_lo_m[i];
   shortfall.min_distance_hi_m = m.min_distance_hi_m[i];
   shortfall.max_shortfall_m = m.max_shortfall_m[i];
-  shortfall.is_truncated = m.cut[i] != 0;
+  shortfall.is_truncated = m.truncated[i] != 0;
   shortfall.is_beyond_margin = m.beyond_margin[i] != 0;
   return event;
 }

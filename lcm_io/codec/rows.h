@@ -1,5 +1,5 @@
-// Rows of messages: pairs, events, distances, contact points and shortfalls, written and read.
-// Invariant: what is read is what was written, to the bit.
+// Conversion between message rows and pairs, events, distances, contact points and shortfalls.
+// Invariant: reading returns the written values bit for bit.
 #pragma once
 
 #include <cstddef>
@@ -36,32 +36,31 @@ void set_pair(Message& m, size_t i, const PairKey& pair, uint8_t level) {
   m.level[i] = level;
 }
 
-/// Of a message that was checked.
+/// Returns a pair of a message that passed validation.
 template <class Message>
 PairKey pair_at(const Message& m, size_t i) {
   return {static_cast<uint32_t>(m.a[i]), static_cast<uint32_t>(m.b[i]), m.part_a[i], m.part_b[i]};
 }
 
-/// Makes a message of these events; they have to fit.
+/// Sets the events of a message; they must fit.
 void set_events(events_t& m, std::span<const PairEvent> events);
 
-/// Makes a message of the rows from number `first` on, as many as fit: those of parts, then those
-/// of two people.
-void set_proximity_chunk(proximity_t& m, const ProximityOptions& asked, uint64_t hash,
+/// Sets a message to the rows from number `first` on, as many as fit. Rows of parts come before
+/// those of people.
+void set_proximity_chunk(proximity_t& m, const ProximityOptions& options, uint64_t hash,
                          const ProximityRows& parts, const ProximityRows& people, size_t first);
 ProximityPair proximity_at(const proximity_t& m, size_t i);
 
-/// Makes a message of these contact points; they have to fit.
+/// Sets the contact points of a message; they must fit.
 void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows);
 ContactPoint contact_at(const contact_points_t& m, size_t i);
 
-/// A begin or an end; an end's last frame is that of its message.
+/// A begin or end of a shortfall; the last frame of an end is that of its message.
 struct ShortfallEvent {
   EventKind kind = EventKind::kBegin;
   Shortfall shortfall;
 };
 
-/// Makes a message of so many rows, to be set.
 void begin_separation(separation_t& m, size_t count);
 void set_shortfall(separation_t& m, size_t i, EventKind kind, const Shortfall& shortfall);
 ShortfallEvent shortfall_at(const separation_t& m, size_t i);

@@ -14,7 +14,7 @@ bool RunReader::follows(Channel channel) {
     is_free_ = false;
     return true;
   }
-  // The description's first round; later ones have a higher seq.
+  // First round of the description; later rounds have a higher seq.
   const bool begins = channel == Channel::kRun && header_.seq < header_.chunk_count;
   if (!is_free_ && !begins && !end_) {
     ++foreign_;
@@ -46,7 +46,7 @@ void RunReader::rewind() {
   for (ReceivedChunks* all : {&touching_chunks_, &proximity_chunks_, &contact_chunks_}) *all = {};
   new_events_.clear();
   proximity_pairs_.clear();
-  near_people_.clear();
+  closest_parts_.clear();
   contact_points_.clear();
   new_shortfalls_.clear();
   frame_stats_.reset();
@@ -54,7 +54,7 @@ void RunReader::rewind() {
   checks_.reset();
 }
 
-RunReader::Update RunReader::refuse(std::string_view channel, std::string why) {
+RunReader::Update RunReader::reject(std::string_view channel, std::string why) {
   ++refused_;
   refusal_ = std::string(channel) + ": " + std::move(why);
   return Update::kRefused;
@@ -70,13 +70,13 @@ template <class Message>
 RunReader::Update RunReader::take(Channel channel, std::span<const uint8_t> bytes) {
   Message message;
   std::string defect = decode(bytes, message);
-  if (!defect.empty()) return refuse(name_of(channel), std::move(defect));
+  if (!defect.empty()) return reject(name_of(channel), std::move(defect));
   is_sound_ = true;
   if (!follows(channel)) return Update::kNothing;
   tally_.count(channel, header_, bytes.size());
   Update update = Update::kNothing;
   defect = handle(message, update);
-  return defect.empty() ? update : refuse(name_of(channel), std::move(defect));
+  return defect.empty() ? update : reject(name_of(channel), std::move(defect));
 }
 
 RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t> bytes) {
@@ -84,7 +84,7 @@ RunReader::Update RunReader::take(std::string_view name, std::span<const uint8_t
   const std::optional<Channel> channel = channel_of(name);
   if (!channel) return Update::kNothing;
   std::string defect = read_header(*channel, bytes, header_);
-  if (!defect.empty()) return refuse(name, std::move(defect));
+  if (!defect.empty()) return reject(name, std::move(defect));
   return with_type_of(*channel, [&]<class Message>() { return take<Message>(*channel, bytes); });
 }
 
@@ -132,7 +132,7 @@ std::string RunReader::adopt_description() {
   }
   pieces_.clear();
   piece_bytes_ = 0;
-  if (!is_contiguous) return "pieces that overlap";
+  if (!is_contiguous) return "overlapping pieces";
   auto description = std::make_unique<run_description_t>();
   std::string defect = decode(bytes, *description);
   if (!defect.empty()) return defect;
@@ -151,12 +151,12 @@ std::string RunReader::handle(const states_t& m, Update& update) {
   if (!run_) return "";
   const auto avatars = static_cast<int64_t>(run_->avatar_count);
   if (m.first_avatar < 0 || m.first_avatar + int64_t{m.avatar_count} > avatars)
-    return "avatars that the run does not have";
+    return "avatars that the run does not contain";
   const auto first = static_cast<size_t>(m.first_avatar);
   const auto count = static_cast<size_t>(m.avatar_count);
   const size_t first_value = posture_offsets_[first];
   if (posture_offsets_[first + count] - first_value != static_cast<size_t>(m.joint_position_count))
-    return "joint values that the models do not have";
+    return "joint positions that the models do not contain";
   if (m.frame < pending_.frame || m.frame <= state_.frame) return "";
   if (m.frame > pending_.frame || pending_chunks_.size() != static_cast<size_t>(m.chunk_count)) {
     if (pending_avatars_ > 0) ++tally_[Channel::kStates].incomplete;
@@ -189,7 +189,7 @@ std::string RunReader::handle(const states_t& m, Update& update) {
     return "";
   const bool is_whole = pending_avatars_ == run_->avatar_count;
   pending_avatars_ = 0;
-  if (!is_whole) return "chunks that do not add up to the run's avatars";
+  if (!is_whole) return "chunks that do not cover the run's avatars";
   std::swap(state_, pending_);
   update = Update::kState;
   return "";
@@ -197,14 +197,15 @@ std::string RunReader::handle(const states_t& m, Update& update) {
 
 namespace {
 
-/// A hundred thousand people shoulder to shoulder have a million; who says more lies.
+/// A hundred thousand people shoulder to shoulder have a million touching pairs; more is malicious.
 constexpr size_t kMaxTouching = size_t{1} << 22;
 
-/// Whether all pairs are of bodies and parts that the run has; without a description nobody knows.
+/// Returns a defect if the run lacks bodies or parts of these pairs; without a description nothing
+/// is known.
 template <class Message>
 std::string defect_of_pairs(const Message& m, const run_description_t* run, size_t touching) {
   if (touching + m.a.size() > kMaxTouching)
-    return fmt::format("more than {} pairs that touch", kMaxTouching);
+    return fmt::format("more than {} touching pairs", kMaxTouching);
   for (size_t i = 0; run != nullptr && i < m.a.size(); ++i)
     if (!has_pair(*run, pair_at(m, i)))
       return fmt::format("a pair that the run does not have: {}:{} - {}:{}", m.a[i], m.part_a[i],
@@ -232,7 +233,7 @@ std::string RunReader::handle(const events_t& m, Update& update) {
   return "";
 }
 
-/// What was gathered for another frame is of no use then.
+/// Drops rows of another frame, which cannot be completed.
 template <class Message>
 bool RunReader::starts_anew(Channel channel, const Message& message, ReceivedChunks& received) {
   if (message.frame == received.frame) return false;
@@ -256,7 +257,7 @@ std::string RunReader::handle(const touching_t& m, Update& update) {
   for (size_t i = 0; i < m.a.size(); ++i)
     pending_touching_.emplace(pair_at(m, i), static_cast<PairLevel>(m.level[i]));
   if (!completes(m, touching_chunks_)) return "";
-  // Events of a later frame that overtook it would be undone: the next set, a second on, is right.
+  // Later events that arrived first would be undone; the next set, one second later, is right.
   if (m.frame >= tally(Channel::kEvents).last_frame) touching_.swap(pending_touching_);
   pending_touching_.clear();
   update = Update::kTouching;
@@ -275,12 +276,12 @@ std::string RunReader::handle(const proximity_t& m, Update& update) {
   }
   if (proximity_chunks_.chunks.contains(m.chunk)) return "";
   for (size_t i = 0; i < m.a.size(); ++i) {
-    (m.of[i] == 0 ? pending_proximity_pairs_ : pending_closest_parts_)
+    (m.kind[i] == 0 ? pending_proximity_pairs_ : pending_closest_parts_)
         .push_back(proximity_at(m, i));
   }
   if (!completes(m, proximity_chunks_)) return "";
   proximity_pairs_.swap(pending_proximity_pairs_);
-  near_people_.swap(pending_closest_parts_);
+  closest_parts_.swap(pending_closest_parts_);
   update = Update::kProximity;
   return "";
 }

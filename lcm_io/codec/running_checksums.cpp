@@ -37,7 +37,7 @@ void RunningChecksums::fill(checksums_t& out) const {
   out.channels.resize(named);
   out.messages.resize(named);
   out.bytes.resize(named);
-  out.checks.resize(named);
+  out.checksums.resize(named);
   size_t i = 0;
   for (const Channel channel : kAllChannels) {
     const Sum& sum = (*this)[channel];
@@ -45,7 +45,7 @@ void RunningChecksums::fill(checksums_t& out) const {
     out.channels[i] = name_of(channel);
     out.messages[i] = sum.messages;
     out.bytes[i] = sum.bytes;
-    out.checks[i] = static_cast<int64_t>(sum.check);
+    out.checksums[i] = static_cast<int64_t>(sum.check);
     ++i;
   }
 }
@@ -54,7 +54,7 @@ RunningChecksums::Sum sum_of(Channel channel, const checksums_t& stated) {
   const auto at = std::find(stated.channels.begin(), stated.channels.end(), name_of(channel));
   if (at == stated.channels.end()) return {};
   const auto i = static_cast<size_t>(at - stated.channels.begin());
-  return {stated.messages[i], stated.bytes[i], static_cast<uint64_t>(stated.checks[i])};
+  return {stated.messages[i], stated.bytes[i], static_cast<uint64_t>(stated.checksums[i])};
 }
 
 uint64_t self_checksum_of(std::span<const uint8_t> encoded) {

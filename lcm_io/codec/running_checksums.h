@@ -1,6 +1,6 @@
-// What was said so far, channel by channel, as counts and running checksums: what checksums_t says.
-// One rule: sender and judge use this one definition, and any change within eight bytes of a
-// message is certain to change its channel's sum.
+// RunningChecksums counts and checksums the messages of each channel, as checksums_t reports them.
+// Invariant: sender and checker share this definition, and any change within eight bytes of a
+// message changes the checksum of its channel.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace throng {
 
-/// checksums_t::checksum_kind of what is below.
+/// Value of checksums_t::checksum_kind for this algorithm.
 inline constexpr int32_t kChecksumKind = 1;
 
 class RunningChecksums {
@@ -24,17 +24,16 @@ class RunningChecksums {
     bool operator==(const Sum&) const = default;
   };
 
-  /// A message: its place in the sender's count of messages on all channels, its stamp (simulation
-  /// time), its size and checksum().
+  /// Adds a message: its index among all messages of the sender, its stamp (simulation time), its
+  /// size and its checksum().
   void add(Channel channel, int64_t number, int64_t stamp_us, size_t size, uint64_t data_checksum);
   void add(Channel channel, int64_t number, int64_t stamp_us, std::span<const uint8_t> data);
 
   const Sum& operator[](Channel channel) const { return sums_[static_cast<size_t>(channel)]; }
   Sum& operator[](Channel channel) { return sums_[static_cast<size_t>(channel)]; }
-  /// On all channels.
   int64_t messages() const { return messages_; }
 
-  /// Fills in the channels and what was said on them.
+  /// Sets the channels of `out` and their totals.
   void fill(checksums_t& out) const;
 
  private:
@@ -42,12 +41,11 @@ class RunningChecksums {
   int64_t messages_ = 0;
 };
 
-/// What a message says of a channel; all 0 if it does not name it.
+/// Returns the totals of a channel in a message; all 0 if it does not name the channel.
 RunningChecksums::Sum sum_of(Channel channel, const checksums_t& stated);
 
-/// The checksum that belongs into the last eight bytes of an encoded checksums_t.
+/// Returns the checksum for the last eight bytes of an encoded checksums_t.
 uint64_t self_checksum_of(std::span<const uint8_t> encoded);
-/// Puts it there.
 void seal(std::span<uint8_t> encoded);
 
 }  // namespace throng

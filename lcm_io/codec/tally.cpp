@@ -72,7 +72,7 @@ void ChannelTally::count_from_start() {
 
 void ChannelTally::close(int64_t sent) {
   if (next_seq < 0) {
-    next_seq = before = sent;  // nothing was heard: it may all have been before
+    next_seq = before = sent;  // no message was received: all may have been sent before
   } else if (sent > next_seq) {
     open(next_seq, sent);
     next_seq = sent;

@@ -22,7 +22,7 @@ std::string quoted(const std::string& text) {
 
 double seconds(int64_t utime_us) { return 1e-6 * static_cast<double>(utime_us); }
 
-/// Without names where the run's description has not come yet.
+/// Names are empty before the run's description.
 std::string names_of(const run_description_t* description, PairKey pair) {
   if (description == nullptr) return fmt::format("{},{},,,,", pair.a(), pair.b());
   const run_description_t& run = *description;
@@ -32,7 +32,7 @@ std::string names_of(const run_description_t* description, PairKey pair) {
                      quoted(part_name(run, pair.b(), pair.part_b())));
 }
 
-constexpr const char* kPairColumns = "a,b,name_a,name_b,part_a,part_b";
+constexpr const char* kPairColumns = "body_a,body_b,name_a,name_b,part_a,part_b";
 
 void add_events(RunReader& run, const MessageHeader& header, std::string& out) {
   for (const PairEvent& event : run.new_events())
@@ -48,9 +48,9 @@ void add_touching(RunReader& run, const MessageHeader& header, std::string& out)
 }
 
 void add_proximity(RunReader& run, const MessageHeader& header, std::string& out) {
-  const auto add = [&](std::span<const ProximityPair> rows, const char* of) {
+  const auto add = [&](std::span<const ProximityPair> rows, const char* kind) {
     for (const ProximityPair& row : rows) {
-      append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), of,
+      append(out, "{},{:.6f},{},{},{},{},{}", header.frame, seconds(header.utime_us), kind,
              names_of(run.run(), row.pair), static_cast<int>(row.level), row.lo_m, row.hi_m);
       if (row.level != PairLevel::kTriangles) {
         out += ",,,,,,,,,,,,\n";
@@ -112,7 +112,6 @@ void add_cell(const Cell& cell, std::string& out) {
     append(out, ",{}", cell);
 }
 
-/// The rows of a message whose table follows from its definition.
 template <class Message>
 void add_rows(std::span<const uint8_t> bytes, std::string& out) {
   Message m;
@@ -124,16 +123,16 @@ void add_rows(std::span<const uint8_t> bytes, std::string& out) {
   }
 }
 
-/// One channel: what its rows are called and how a message becomes some.
+/// A CSV table: its columns and the conversion of a message to rows.
 struct Table {
   std::string channel;
   RunReader::Update update;
   std::string columns;
   void (*add)(RunReader& run, const MessageHeader& header, std::string& out);
-  void (*add_rows)(std::span<const uint8_t> bytes, std::string& out) = nullptr;  ///< or this one
+  void (*add_rows)(std::span<const uint8_t> bytes, std::string& out) = nullptr;  ///< replaces `add`
 };
 
-/// "THRONG_EVENTS" is "events".
+/// Returns "events" for "THRONG_EVENTS".
 std::string csv_name(std::string_view channel) {
   std::string lower(channel);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -162,18 +161,19 @@ const std::vector<Table>& tables() {
         add_states},
        {"touching", Update::kTouching, fmt::format("frame,time_s,{},level", kPairColumns),
         add_touching},
-       {"near", Update::kProximity,
-        fmt::format("frame,time_s,of,{},level,lo_m,hi_m,point_a_x_m,point_a_y_m,point_a_z_m,point_"
+       {"proximity", Update::kProximity,
+        fmt::format("frame,time_s,kind,{},level,distance_lo_m,distance_hi_m,point_a_x_m,point_a_y_"
+                    "m,point_a_z_m,point_"
                     "b_x_m,point_b_y_m,point_b_z_m,"
                     "normal_x,normal_y,normal_z,depth_m,closing_speed_mps,time_to_contact_s",
                     kPairColumns),
         add_proximity},
-       {"contacts", Update::kContactPoints,
+       {"contact_points", Update::kContactPoints,
         fmt::format("frame,time_s,{},x_m,y_m,z_m,normal_x,normal_y,normal_z,depth_m", kPairColumns),
         add_contacts},
        {"separation", Update::kSeparation,
         "frame,time_s,kind,robot,person,region,begin_frame,min_distance_lo_m,min_distance_hi_m,max_"
-        "shortfall_m,cut,"
+        "shortfall_m,truncated,"
         "beyond_margin",
         add_separation}});
   return all;

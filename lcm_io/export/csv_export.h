@@ -1,6 +1,5 @@
-// The messages of a channel of a log as comma-separated values.
-// One rule: a row a person, an event or a frame, names and units as in the messages; nothing is
-// left out but the joints of states.
+// csv_export writes the messages of one channel of a log as comma-separated values. Rows are
+// persons, events or frames, with the names and units of the messages. Joint positions are omitted.
 #pragma once
 
 #include <functional>
@@ -12,13 +11,14 @@
 
 namespace throng {
 
-/// "events", "states", "touching", "near", "contacts", "separation", "frame_stats".
+/// Names of the tables: "events", "states", "touching", "proximity", "contact_points",
+/// "separation", "frame_stats".
 const std::vector<std::string>& csv_channels();
-/// "THRONG_EVENTS" is "events"; "" for what has no such table.
+/// Returns "events" for "THRONG_EVENTS" or "events"; "" for a channel without a table.
 std::string csv_channel(std::string_view name);
 
-/// Gives the text piece by piece; damage is skipped. Returns what of the run the log lacks, in
-/// sentences, or "".
+/// Writes the text piece by piece and skips damage. Returns sentences on missing parts of the run,
+/// or "".
 std::string export_csv(ExportedLog& log, const std::string& channel,
                        const std::function<void(std::string_view text)>& write,
                        const std::function<bool()>& keep_going);

@@ -34,7 +34,7 @@ bool ExportedLog::next() {
 
 void ExportedLog::require_one_run() const {
   if (has_run_ && id() != first_)
-    throw InputError(file_.string(), "one run", "several; `throng check` tells them apart");
+    throw InputError(file_.string(), "one run", "several; `throng check` lists them");
 }
 
 double ExportedLog::share_read() const {

@@ -15,24 +15,24 @@ namespace throng {
 
 class ExportedLog {
  public:
-  /// Reads as far as the log's first whole description of a run, before an export writes anything.
-  /// Throws InputError if it has none, or is no log. `keep_going` is asked message by message;
-  /// where it says no, is_stopped() is true.
+  /// Reads up to the first complete run description, before an export writes anything. Throws
+  /// InputError without one, or if the file is not a log. Calls `keep_going` per message;
+  /// is_stopped() is true after it returned false.
   ExportedLog(const std::filesystem::path& file, const std::function<bool()>& keep_going);
   bool is_stopped() const { return is_stopped_; }
 
-  /// The next whole message, from the beginning of the log on; damage is skipped. False at the end.
+  /// Reads the next sound message, starting at the beginning of the log; skips damage. Returns
+  /// false at the end.
   bool next();
-  /// What the message was, and the run as far as it.
+  /// Returns the effect of the message on run().
   RunReader::Update update() const { return update_; }
   const LogEvent& event() const { return event_; }
   RunReader& run() { return run_; }
-  /// Throws InputError if the message is of another run than those before.
+  /// Throws InputError if the message belongs to another run than those before.
   void require_one_run() const;
 
-  /// From 0 to 1.
   double share_read() const;
-  /// What of the run the log lacks, in sentences, or "".
+  /// Returns sentences on missing parts of the run, or "".
   std::string missing() const { return gaps_.describe(step_s_); }
 
  private:
@@ -46,7 +46,7 @@ class ExportedLog {
   RunReader::Update update_ = RunReader::Update::kNothing;
   double step_s_ = 0;
   bool is_stopped_ = false, has_run_ = false;
-  std::pair<int64_t, int64_t> first_;  ///< the run that was described first
+  std::pair<int64_t, int64_t> first_;
 };
 
 }  // namespace throng

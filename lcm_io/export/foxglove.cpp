@@ -6,7 +6,6 @@
 
 namespace throng::foxglove {
 
-// What a viewer needs to know of the fields that are written.
 #define THRONG_TIME \
   R"({"type":"object","title":"time","properties":{"sec":{"type":"integer"},"nsec":{"type":"integer"}}})"
 #define THRONG_VECTOR \
@@ -43,7 +42,7 @@ const char* const kSceneUpdateSchema =
 
 const char* const kContactSchema =
     R"({"title":"throng.Contact","type":"object","properties":{"frame":{"type":"integer"},"time_s":{"type":"number"},)"
-    R"("kind":{"type":"string","enum":["begin","end"]},"a":{"type":"integer"},"b":{"type":"integer"},)"
+    R"("kind":{"type":"string","enum":["begin","end"]},"body_a":{"type":"integer"},"body_b":{"type":"integer"},)"
     R"("name_a":{"type":"string"},"name_b":{"type":"string"},"part_a":{"type":"string"},"part_b":{"type":"string"}}})";
 
 std::string json_text(std::string_view text) {

@@ -1,5 +1,5 @@
-// Messages that Foxglove knows, as JSON (https://docs.foxglove.dev/docs/sdk/schemas).
-// One rule: lengths in metres, times in simulated nanoseconds; names as in the log.
+// Foxglove messages as JSON (https://docs.foxglove.dev/docs/sdk/schemas). Lengths are in metres,
+// times in simulated nanoseconds; names are those of the log.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,15 +11,14 @@ namespace throng::foxglove {
 
 extern const char* const kFrameTransformsSchema;
 extern const char* const kSceneUpdateSchema;
-/// Ours: a contact begins or ends.
+/// Schema of throng.Contact: a contact begins or ends.
 extern const char* const kContactSchema;
 
-/// In quotes.
 std::string json_text(std::string_view text);
-/// {"sec":0,"nsec":0}
+/// Returns {"sec":0,"nsec":0}.
 std::string json_time(int64_t utime_us);
 
-/// An item of FrameTransforms.transforms.
+/// Adds an item of FrameTransforms.transforms.
 void add_transform(std::string& json, int64_t utime_us, std::string_view frame,
                    const Eigen::Isometry3d& world_from_frame);
 
@@ -27,15 +26,15 @@ struct Colour {
   double r = 0.7, g = 0.7, b = 0.7, a = 1;
 };
 
-/// An item of SceneUpdate.entities that moves with its frame; `shapes` is one of its lists, filled:
-/// "\"spheres\":[...]".
+/// Returns an item of SceneUpdate.entities that moves with its frame. `shapes` is one of its lists,
+/// filled: "\"spheres\":[...]".
 std::string entity(int64_t utime_us, std::string_view frame, std::string_view id,
                    const std::string& shapes);
 std::string sphere(const Eigen::Vector3d& centre_m, double diameter_m, const Colour& colour);
-/// Three coordinates a vertex, three indices a triangle.
+/// Three coordinates per vertex, three indices per triangle.
 std::string triangles(const float* coordinates_m, size_t coordinates, const int32_t* indices,
                       size_t index_count, double scale, const Colour& colour);
-/// An item of SceneUpdate.deletions.
+/// Returns an item of SceneUpdate.deletions.
 std::string deletion(int64_t utime_us, std::string_view id);
 std::string scene_update(const std::string& deletions, const std::string& entities);
 

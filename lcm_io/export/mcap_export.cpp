@@ -33,7 +33,6 @@ Eigen::Vector3d middle_of(const mesh_t& mesh) {
                                     : sum / (static_cast<double>(mesh.coordinates_m.size()) / 3);
 }
 
-/// Of a JSON list.
 void add_item(std::string& list, const std::string& item) {
   if (!list.empty()) list += ',';
   list += item;
@@ -52,7 +51,7 @@ class Exporter {
         contacts_(writer_.add_topic("/contacts", "throng.Contact", foxglove::kContactSchema)) {}
 
   void take(RunReader& run, RunReader::Update update, const MessageHeader* header) {
-    // Whom events are of is not known before the description, which may be damaged at first.
+    // Events need the bodies of a description, which may be damaged at first.
     if (run.run() == nullptr) return;
     switch (update) {
       case RunReader::Update::kRun:
@@ -60,7 +59,7 @@ class Exporter {
         obstacles(*run.run());
         break;
       case RunReader::Update::kEvents:
-        // The message that ends the frame before may be missing.
+        // The last message of the frame before may be missing.
         if (!waiting_.empty() && header->frame != frame_) end_frame(run);
         for (const PairEvent& event : run.new_events()) waiting_.push_back(event);
         time_us_ = header->utime_us;
@@ -88,7 +87,7 @@ class Exporter {
  private:
   void end_frame(RunReader& run) {
     if (std::exchange(has_state_, false) && run.state().utime_us >= next_us_) {
-      // The times of states need not be multiples of ours.
+      // States need not lie at multiples of the export period.
       next_us_ = run.state().utime_us - run.state().utime_us % every_us_ + every_us_;
       poses(run);
     }
@@ -120,7 +119,7 @@ class Exporter {
     return body_name(run, body) + "/" + part_name(run, body, static_cast<uint32_t>(part));
   }
 
-  /// Meshes of those who are new, and the places of all.
+  /// Writes meshes of new avatars, and the positions of all.
   void poses(RunReader& reader) {
     const run_description_t& run = *reader.run();
     const CrowdState& state = reader.state();
@@ -163,8 +162,7 @@ class Exporter {
                             kColours[group % std::size(kColours)]));
   }
 
-  /// The middle of a part, or of a body that was not refined; nothing for an obstacle or without
-  /// states.
+  /// Returns the middle of a part or of a whole body; nothing for obstacles or without states.
   std::optional<Eigen::Vector3d> place_of(RunReader& reader, uint32_t body, uint32_t part) {
     const CrowdState& state = reader.state();
     if (body >= state.roots.size() || state.frame < 0) return {};
@@ -188,7 +186,7 @@ class Exporter {
       writer_.add(
           contacts_, nanoseconds(time_us_),
           fmt::format(
-              R"({{"frame":{},"time_s":{:.6f},"kind":"{}","a":{},"b":{},"name_a":{},"name_b":{},"part_a":{},"part_b":{}}})",
+              R"({{"frame":{},"time_s":{:.6f},"kind":"{}","body_a":{},"body_b":{},"name_a":{},"name_b":{},"part_a":{},"part_b":{}}})",
               frame_, 1e-6 * static_cast<double>(time_us_), begins ? "begin" : "end", pair.a(),
               pair.b(), foxglove::json_text(body_name(run, pair.a())),
               foxglove::json_text(body_name(run, pair.b())),

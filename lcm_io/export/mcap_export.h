@@ -1,5 +1,5 @@
-// A log as an MCAP file: where every part is, the bodies' meshes, and what touches.
-// One rule: every begin and every end of a contact is one message, so that counts are the log's.
+// mcap_export writes a log as an MCAP file: part poses, meshes and contacts.
+// Invariant: each begin and end of a contact is one message, so counts equal those of the log.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@
 namespace throng {
 
 struct McapExportOptions {
-  double poses_hz = 10;  ///< of simulated time; states that lie nearer together are left out
+  double poses_hz = 10;  ///< rate in simulated time; states in between are omitted
 };
 
 struct McapExport {
-  int64_t frames = 0;  ///< of which there are poses
+  int64_t frames = 0;
   int64_t begins = 0, ends = 0;
   uint64_t bytes = 0;
-  std::string missing;  ///< what of the run the log lacks, in sentences, or ""
+  std::string missing;  ///< sentences on missing parts of the run, or ""
 };
 
-/// `keep_going` is asked now and then with the share of the log that was read. Damage is skipped.
-/// Throws InputError if the log is of several runs, EnvironmentError if nothing can be written; an
-/// older file is then as it was.
+/// Calls `keep_going` repeatedly with the share of the log that was read. Skips damage. Throws
+/// InputError for a log of several runs, EnvironmentError if writing fails; an existing file is
+/// then unchanged.
 McapExport export_mcap(ExportedLog& log, const std::filesystem::path& file,
                        const McapExportOptions& options,
                        const std::function<bool(double share)>& keep_going);

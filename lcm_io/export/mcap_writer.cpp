@@ -240,9 +240,9 @@ void McapWriter::finish() {
   }
   std::string footer;
   put(footer, summary_at);
-  put(footer, offset_);  // where the offsets begin
+  put(footer, offset_);
   write(offsets);
-  // The checksum covers the footer up to itself.
+  // The checksum covers the footer up to this field.
   std::string head(1, static_cast<char>(kFooter));
   put(head, uint64_t{footer.size() + sizeof crc_});
   put(footer, crc32_of(crc_, head + footer));

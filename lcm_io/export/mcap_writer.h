@@ -1,6 +1,6 @@
-// MCAP files (https://mcap.dev/spec): messages of any kind with their schemas, in chunks with an
-// index, for Foxglove and other viewers. Chunks are packed by zstd where Throng was built with it.
-// One rule: what is written is never read again; the file takes its name by finish().
+// McapWriter writes MCAP files (https://mcap.dev/spec): messages with their schemas, in indexed
+// chunks, for Foxglove and other viewers. Chunks are compressed if Throng was built with zstd.
+// Invariant: the file takes its name in finish(), once it is complete.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@
 
 namespace throng {
 
-/// CRC-32 as in zlib, which MCAP asks for: `crc` of what came before, 0 at first.
+/// CRC-32 of zlib, required by MCAP. `crc` is that of the bytes before, 0 at first.
 uint32_t crc32_of(uint32_t crc, std::string_view bytes);
 
 class McapWriter {
  public:
-  /// Throws EnvironmentError, here and below, if it cannot be written.
+  /// Throws EnvironmentError, like the functions below, if the file cannot be written.
   explicit McapWriter(const std::filesystem::path& file);
 
-  /// A topic of JSON messages that a JSON schema describes; returns its number.
+  /// Adds a topic of JSON messages with a JSON schema; returns its number.
   uint16_t add_topic(const std::string& topic, const std::string& schema_name,
                      const std::string& schema);
   void add(uint16_t topic, uint64_t time_ns, std::string_view message);
-  /// Writes the index, and replaces an older file of the name.
+  /// Writes the index and replaces an existing file of the name.
   void finish();
 
   uint64_t messages(uint16_t topic) const { return topics_[topic - 1u].messages; }

@@ -5,7 +5,7 @@
 namespace throng {
 namespace {
 
-// 35 years of microseconds: no run is as long, and every clock is further from 1970.
+// 35 years in microseconds: longer than any run, and shorter than the time since 1970 of any clock.
 constexpr int64_t kClock_us = int64_t{1} << 50;
 
 }  // namespace
@@ -59,7 +59,7 @@ void CheckSpans::add(Channel channel, const LogEvent& event, const MessageHeader
 
 bool CheckSpans::is_gap(const checksums_t& stated, const LogEvent& event,
                         const MessageHeader& header) const {
-  return is_recorders_stamp(header, event) && stated.number != next_number_;
+  return is_recorders_stamp(header, event) && stated.message_index != next_number_;
 }
 
 std::vector<DamagedSpan> CheckSpans::differences(const checksums_t& stated, const LogEvent& event,
@@ -69,7 +69,8 @@ std::vector<DamagedSpan> CheckSpans::differences(const checksums_t& stated, cons
   for (const Channel channel : kAllChannels) {
     const RunningChecksums::Sum written = sum_of(channel, stated), found = sums_[channel];
     const bool is_misnumbered = channel == Channel::kChecksums &&
-                                !is_recorders_stamp(header, event) && stated.number != event.number;
+                                !is_recorders_stamp(header, event) &&
+                                stated.message_index != event.number;
     if (written == found && !is_misnumbered) continue;
     const int64_t before = at_last_[channel].messages;
     out.push_back({channel, last_frame_, stated.frame, last_byte_, event.offset,
@@ -81,7 +82,7 @@ std::vector<DamagedSpan> CheckSpans::differences(const checksums_t& stated, cons
 void CheckSpans::adopt(const checksums_t& stated, const LogEvent& event) {
   for (const Channel channel : kAllChannels) sums_[channel] = sum_of(channel, stated);
   at_last_ = sums_;
-  next_number_ = stated.number;
+  next_number_ = stated.message_index;
   last_frame_ = stated.frame;
   last_byte_ = event.offset;
 }
@@ -89,7 +90,7 @@ void CheckSpans::adopt(const checksums_t& stated, const LogEvent& event) {
 void CheckSpans::fill(checksums_t& stated, const LogEvent& event,
                       const MessageHeader& header) const {
   sums_.fill(stated);
-  stated.number = is_recorders_stamp(header, event) ? next_number_ : event.number;
+  stated.message_index = is_recorders_stamp(header, event) ? next_number_ : event.number;
 }
 
 }  // namespace throng

@@ -1,6 +1,6 @@
-// Compares the messages of a log and their events with the checks that were written into it.
-// One rule: what is damaged, missing or too much lies between two checks, and is named by its
-// channel; behind such a place the comparison goes on with what the checks say.
+// CheckSpans compares the messages of a log with the checksums in it.
+// Invariant: damaged, missing and extra messages are located between two checksum messages and
+// attributed to a channel; behind them the comparison continues with the totals of the sender.
 #pragma once
 
 #include <array>
@@ -16,14 +16,14 @@
 
 namespace throng {
 
-/// Messages of a channel between two checks that are not what was written.
+/// Messages of a channel between two checksum messages that differ from those written.
 struct DamagedSpan {
   Channel channel = Channel::kRun;
-  int64_t from_frame = -1;  ///< of the checks before; -1: the beginning of the log
-  int64_t to_frame = 0;     ///< of the checks behind
-  uint64_t from_byte = 0;   ///< of the log
+  int64_t from_frame = -1;  ///< frame of the earlier checksums; -1: start of the log
+  int64_t to_frame = 0;     ///< frame of the later checksums
+  uint64_t from_byte = 0;   ///< offset in the log
   uint64_t to_byte = 0;
-  int64_t written = 0;  ///< messages, by the checks
+  int64_t written = 0;  ///< number of messages by the checksums
   int64_t found = 0;
 
   bool contains(Channel where, uint64_t byte) const {
@@ -31,31 +31,29 @@ struct DamagedSpan {
   }
 };
 
-/// Throng's logs have simulation time as stamps and the sender's numbers. A recorder puts its own
-/// numbers and the clock's stamps in their place: then the message's own time counts, and its place
-/// between two checks.
+/// Returns whether a recorder stamped this event. Throng's logs have simulation time as stamps and
+/// the sender's numbers; a recorder writes its own numbers and clock times instead. Then the time
+/// in the message counts, and its position between two checksum messages.
 bool is_recorders_stamp(const MessageHeader& header, const LogEvent& event);
 
-/// Hashes the events of a log under both kinds at once: which one is meant, the checks say behind
-/// them.
+/// Hashes the events of a log as both kinds, because the kind is known only at the next checksums.
 class LogHash {
  public:
   static bool is_known(int32_t kind) {
     return kind == static_cast<int32_t>(EventHashKind::kEvents) ||
            kind == static_cast<int32_t>(EventHashKind::kEventsAndLevels);
   }
-  /// Adds events in the order of the log; those of a frame may come in pieces.
+  /// Adds events in the order of the log; those of a frame may come in several calls.
   void add(int64_t frame, std::span<const PairEvent> events);
-  /// Continues from another hash, unless frames have been chained already.
+  /// Continues from another hash, unless frames have been hashed already.
   void start_from(uint64_t hash);
-  /// The hash of all events so far.
   uint64_t value(EventHashKind kind);
-  /// Replaces the hash so far: what went wrong before is known and reported.
+  /// Replaces the hash after a difference that has been reported.
   void resume_from(EventHashKind kind, uint64_t hash);
 
  private:
   struct KindHash {
-    EventSum frame;  // of frame_
+    EventSum frame;
     EventHash hash;
   };
   KindHash& kind_hash(EventHashKind kind) {
@@ -70,19 +68,17 @@ class LogHash {
 
 class CheckSpans {
  public:
-  /// Counts a message; `header` is null where it has none that can be read.
+  /// Counts a message; `header` is null if it has none that can be read.
   void add(Channel channel, const LogEvent& event, const MessageHeader* header);
 
-  /// What differs from the checks that come next. Before add() of the message that they are.
+  /// Returns the differences from the next checksums. Call before add() of their message.
   std::vector<DamagedSpan> differences(const checksums_t& stated, const LogEvent& event,
                                        const MessageHeader& header) const;
-  /// Goes on with what was said.
   void adopt(const checksums_t& stated, const LogEvent& event);
-  /// Fills in what was counted in place of what was said.
   void fill(checksums_t& stated, const LogEvent& event, const MessageHeader& header) const;
 
-  /// Whether messages are missing before these checks, so that nothing can be compared: the
-  /// recorder began late, or lost some.
+  /// Returns whether messages are missing before these checksums, so that a comparison is
+  /// impossible: a recorder started late or lost some.
   bool is_gap(const checksums_t& stated, const LogEvent& event, const MessageHeader& header) const;
 
  private:
@@ -90,7 +86,7 @@ class CheckSpans {
   int64_t next_number_ = 0;
   int64_t last_frame_ = -1;
   uint64_t last_byte_ = 0;
-  /// Whom a recorder heard first: only that run's messages count.
+  /// The run that a recorder received first; only its messages count.
   std::optional<std::pair<int64_t, int64_t>> recorded_;
 };
 

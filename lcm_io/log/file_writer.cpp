@@ -16,10 +16,10 @@
 namespace throng {
 namespace {
 
-// One write a megabyte: its cost disappears beside the encoding.
+// One write per megabyte costs little compared with encoding.
 constexpr size_t kBufferBytes = size_t{1} << 20;
 
-/// Signals are for the thread that runs the simulation.
+/// Blocks signals in this thread; the thread of the simulation handles them.
 class WithoutSignals {
  public:
   WithoutSignals() {
@@ -49,7 +49,7 @@ FileWriter::~FileWriter() {
   try {
     if (is_empty_) close();
   } catch (const EnvironmentError&) {
-    // An error is already on its way, or the run was given up; close() tells who wants to know.
+    // Another error is reported already, or the run was abandoned; close() reports this one.
   }
   {
     const std::lock_guard lock(mutex_);
@@ -67,7 +67,7 @@ void FileWriter::fail(const char* what, int error) const {
 
 void FileWriter::empty() {
   if (is_empty_) return;
-  // A pipe or device has nothing to lose (EINVAL).
+  // A pipe or device cannot be truncated (EINVAL).
   if (::ftruncate(descriptor_, 0) != 0 && errno != EINVAL) fail("write", errno);
   is_empty_ = true;
 }
@@ -85,7 +85,7 @@ void FileWriter::put(const void* data, size_t size) {
   }
 }
 
-/// Returns when at most so many buffers are not written yet.
+/// Returns when at most that many buffers are not written yet.
 void FileWriter::wait_until_pending(size_t max_buffers) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return handed_ - written_ <= max_buffers; });
@@ -97,10 +97,9 @@ void FileWriter::check() {
   throw_if_failed();
 }
 
-/// With the lock held.
 void FileWriter::throw_if_failed() {
   if (error_ == 0 && !is_deleted_) return;
-  filled().clear();  // what is lost is reported here; the destructor does not try again
+  filled().clear();  // reported here; the destructor does not try again
   const int error = std::exchange(error_, 0);
   if (error != 0) fail("write", error);
   is_deleted_ = false;
@@ -138,7 +137,7 @@ void FileWriter::work() {
     if (written_ == handed_) return;
     std::vector<uint8_t>& bytes = buffers_[written_ % kBuffers];
     const bool is_sound = !has_failed_;
-    lock.unlock();  // this buffer is ours alone
+    lock.unlock();  // this thread alone uses the buffer
     if (is_sound) write(bytes);
     bytes.clear();
     lock.lock();
@@ -156,7 +155,7 @@ void FileWriter::write(const std::vector<uint8_t>& bytes) {
     else if (errno != EINTR)
       error = errno;
   }
-  // Bytes written to a file that was deleted are lost without an error.
+  // Bytes written to a deleted file are lost without an error.
   struct stat status {};
   if (error == 0 && ::fstat(descriptor_, &status) != 0) error = errno;
   const std::lock_guard lock(mutex_);

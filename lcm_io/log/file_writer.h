@@ -1,7 +1,7 @@
-// Writes a file from a thread of its own, so that a run goes on while the kernel copies.
-// One rule: what the file holds is always the beginning of what was put. After an error nothing
-// more is written, and the next check() tells; flush() returns only when everything is written, and
-// a file that is too slow slows the run down.
+// FileWriter writes a file in its own thread, so that a run continues while the kernel copies.
+// Invariant: the file always holds a prefix of the bytes put. After an error nothing more is
+// written, and the next check() throws. flush() returns after everything is written; a slow file
+// slows the run down.
 #pragma once
 
 #include <array>
@@ -19,17 +19,17 @@ namespace throng {
 class FileWriter {
  public:
   /// Opens or creates the file; the first put(), or close(), empties it. Throws EnvironmentError
-  /// naming it.
+  /// naming the file.
   explicit FileWriter(const std::filesystem::path& file);
-  ~FileWriter();  ///< writes what is left, as far as it can
+  ~FileWriter();  ///< writes the remaining bytes if possible
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
-  /// Throws EnvironmentError, once, when something could not be written, also where the file was
-  /// deleted. Every call below does so, too.
+  /// Throws EnvironmentError once after a failed write or a deleted file. All functions below do so
+  /// as well.
   void check();
   void put(const void* data, size_t size);
-  /// What was put so far goes to the file from now on.
+  /// Starts writing the bytes put so far, without waiting.
   void start_writing();
   void flush();
   void close();
@@ -50,16 +50,16 @@ class FileWriter {
 
   std::filesystem::path file_;
   int descriptor_ = -1;
-  bool is_empty_ = false;  ///< of what stood there before
+  bool is_empty_ = false;  ///< existing content was removed
 
-  /// A ring: those from written_ on are the thread's, the one of handed_ is being filled.
+  /// A ring: buffers from written_ on belong to the thread, that of handed_ is being filled.
   std::array<std::vector<uint8_t>, kBuffers> buffers_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  uint64_t handed_ = 0;  ///< buffers; changed by the caller only
+  uint64_t handed_ = 0;  ///< number of buffers; changed by the caller only
   uint64_t written_ = 0;
   bool is_over_ = false;
-  bool has_failed_ = false;  ///< for good: a hole in the file would be worse than its end
+  bool has_failed_ = false;  ///< permanent, because a shorter file is better than one with a gap
   bool is_deleted_ = false;
   int error_ = 0;  ///< not reported yet, like is_deleted_
   std::thread thread_;

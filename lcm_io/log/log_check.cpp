@@ -94,9 +94,9 @@ class LogChecker {
     number(channel, event, header);
     compare_stamp(event, header);
     if (is_over_ && !is_recording_)
-      problem(fmt::format("byte {}: {}: a message behind the last one of the run", event.offset,
+      problem(fmt::format("byte {}: {}: a message after the last one of the run", event.offset,
                           event.channel));
-    // Behind the last frame come the last ends, under the number of a frame that never was.
+    // After the last frame come the last ends, numbered as one more frame.
     if (channel == Channel::kFrameStats)
       report_.last_frame = std::max(report_.last_frame, header.frame);
     report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
@@ -134,13 +134,13 @@ class LogChecker {
     next = header.seq + 1;
   }
 
-  /// Throng stamps with simulation time, a recorder with its clock; no log has both.
+  /// Throng stamps with simulation time, a recorder with its clock; a log has one of them.
   void compare_stamp(const LogEvent& event, const MessageHeader& header) {
     const bool is_recorders = is_recorders_stamp(header, event);
     if (!has_stamp_) is_recording_ = is_recorders;
     has_stamp_ = true;
     if (is_recorders != is_recording_ || (!is_recorders && event.stamp_us != header.utime_us))
-      problem(fmt::format("byte {}: {}: stamp {} us, its message says {} us", event.offset,
+      problem(fmt::format("byte {}: {}: stamp {} us, its message has {} us", event.offset,
                           event.channel, event.stamp_us, header.utime_us));
   }
 
@@ -167,11 +167,11 @@ class LogChecker {
     report_.damage.push_back(span);
     const std::string from = span.from_frame < 0
                                  ? std::string("the beginning")
-                                 : fmt::format("the checks of frame {}", span.from_frame);
+                                 : fmt::format("the checksums of frame {}", span.from_frame);
     const std::string what =
         span.written == span.found
             ? "damaged, " + counted(span.found, "message")
-            : fmt::format("{}, {} were written", counted(span.found, "message"), span.written);
+            : fmt::format("{} instead of {}", counted(span.found, "message"), span.written);
     problem(fmt::format("bytes {} to {}: {}: {}, between {} and those of frame {}", span.from_byte,
                         span.to_byte, name_of(span.channel), what, from, span.to_frame));
   }
@@ -192,14 +192,13 @@ class LogChecker {
                        event.offset};
       report_.damage.push_back(span);
       problem(
-          fmt::format("byte {}: the run says hash {:016x} of its events up to frame {}, those in "
+          fmt::format("byte {}: the run states hash {:016x} of its events up to frame {}, those in "
                       "the log have {:016x}",
                       event.offset, written, stated.frame, found));
     }
     hash_.resume_from(kind, written);
   }
 
-  /// Of the whole run, at its end.
   void compare_hash(const end_t& end, const LogEvent& event) {
     const auto written = static_cast<uint64_t>(end.hash);
     if (!report_.has_checks) {
@@ -213,7 +212,7 @@ class LogChecker {
     report_.hash_agrees = hash_.value(kind) == written;
     if (report_.hash_agrees) return;
     report_.finished = false;
-    problem(fmt::format("byte {}: the run says hash {:016x}, the events in the log have another",
+    problem(fmt::format("byte {}: the run states hash {:016x}, the events in the log have another",
                         event.offset, written));
   }
 
@@ -224,7 +223,7 @@ class LogChecker {
     report_.omits = printable(stated.omits, 200);
   }
 
-  /// A resumed run begins with what touched when it was stopped.
+  /// A resumed run begins with the pairs that touched when it was stopped.
   void adopt_touching(int64_t frame) {
     for (const auto& [pair, level] : reader_.touching()) open_.insert(pair);
     adopted_ = static_cast<int64_t>(open_.size());
@@ -252,11 +251,11 @@ class LogChecker {
   void compare_touching(const LogEvent& event) {
     const int64_t stated = reader_.frame_stats()->touching;
     if (stated != static_cast<int64_t>(open_.size()))
-      problem(fmt::format("byte {}: {} pairs touch by the counters, {} by the events", event.offset,
-                          stated, open_.size()));
+      problem(fmt::format("byte {}: {} touching pairs by the counters, {} by the events",
+                          event.offset, stated, open_.size()));
   }
 
-  /// An absent avatar touches nobody.
+  /// An absent avatar has no contacts.
   void compare_present(const LogEvent& event) {
     const CrowdState& crowd = reader_.state();
     if (crowd.frame != reader_.frame_stats()->frame) return;
@@ -272,7 +271,7 @@ class LogChecker {
   void compare_totals(const LogEvent& event) {
     const end_t& end = *reader_.end();
     report_.finished = has_end_ = true;
-    // The totals are the whole run's, the log may hold its last part.
+    // The totals cover the whole run; the log may hold its last part only.
     const int64_t begins_before = end.begins - report_.begins;
     const int64_t ends_before = end.ends - report_.ends;
     const bool is_complete = begins_before == 0 && ends_before == 0;
@@ -281,7 +280,7 @@ class LogChecker {
     if (!(is_complete || is_rest) || !open_.empty()) {
       report_.finished = false;
       problem(fmt::format(
-          "byte {}: the run says {} begins and {} ends, the log has {} and {}, {} pairs open",
+          "byte {}: the run states {} begins and {} ends, the log has {} and {}, {} pairs open",
           event.offset, end.begins, end.ends, report_.begins, report_.ends, open_.size()));
     }
     for (size_t i = 0; i < end.channels.size(); ++i) {
@@ -290,9 +289,10 @@ class LogChecker {
       const LogReport::ChannelReport& found = report_.channels[index_of(*channel)];
       if (found.messages == end.messages[i] && found.bytes == end.bytes[i]) continue;
       report_.finished = false;
-      problem(fmt::format(
-          "byte {}: the run says {} messages of {} bytes on {}, the log has {} of {}", event.offset,
-          end.messages[i], end.bytes[i], end.channels[i], found.messages, found.bytes));
+      problem(
+          fmt::format("byte {}: the run states {} messages of {} bytes on {}, the log has {} of {}",
+                      event.offset, end.messages[i], end.bytes[i], end.channels[i], found.messages,
+                      found.bytes));
     }
     compare_hash(end, event);
   }
@@ -316,7 +316,7 @@ class LogChecker {
     name_foreign();
   }
 
-  /// A recorder takes down whatever it hears; Throng writes nothing but its own.
+  /// A recorder stores all it receives; Throng writes messages of the run only.
   void name_foreign() {
     if (is_recording_) return;
     for (const auto& [name, offset] : foreign_) {
@@ -324,7 +324,7 @@ class LogChecker {
       const std::vector<std::string>& known = reader_.checks() ? reader_.checks()->channels : none;
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;
       report_.unknown_channels.insert(name);
-      problem(fmt::format("byte {}: '{}' is no channel of a run", offset, printable(name)));
+      problem(fmt::format("byte {}: '{}' is not a channel of a run", offset, printable(name)));
     }
   }
 
@@ -342,13 +342,13 @@ class LogChecker {
   CheckSpans spans_;
   uint64_t last_checks_byte_ = 0;
   LogHash hash_;
-  bool is_covered_ = false;  // by the checks that were taken last
-  bool is_over_ = false;     // the last checks came
+  bool is_covered_ = false;  // by the last checksums
+  bool is_over_ = false;     // the last checksums were read
   bool has_end_ = false;
   bool has_stamp_ = false, is_recording_ = false;
   static constexpr size_t kMaxForeign = 64;
-  std::map<std::string, uint64_t, std::less<>> foreign_;  // names, and where each is first
-  int64_t adopted_ = 0;  // pairs that touched before a resumed run's first frame
+  std::map<std::string, uint64_t, std::less<>> foreign_;  // name -> byte of its first message
+  int64_t adopted_ = 0;  // pairs that touched before the first frame of a resumed run
   int64_t adopted_frame_ = -1;
   bool has_frames_ = false, was_resumed_ = false;
   std::array<int64_t, kChannelCount> next_seq_{};
@@ -364,7 +364,7 @@ std::string describe_run(const run_description_t& run) {
   for (const model_t& model : run.models) {
     size_t vertices = 0;
     for (const part_t& part : model.parts) vertices += part.mesh.coordinates_m.size() / 3;
-    out += fmt::format("model {}: {} ({} move), {}, {}, {:.2f} m\n", printable(model.name),
+    out += fmt::format("model {}: {} ({} moving), {}, {}, {:.2f} m\n", printable(model.name),
                        counted(model.joint_count, "joint"), model.column_count,
                        counted(model.part_count, "part"), counted(vertices, "vertex", "vertices"),
                        model.height_m);
@@ -372,9 +372,10 @@ std::string describe_run(const run_description_t& run) {
   std::vector<int64_t> members(run.groups.size());
   for (const int16_t group : run.group_of_avatar) ++members[static_cast<size_t>(group)];
   for (size_t i = 0; i < run.groups.size(); ++i)
-    out += fmt::format(
-        "group {}: {}{}\n", printable(run.groups[i]), counted(members[i], "avatar"),
-        run.control_channels[i].empty() ? "" : ", driven by " + printable(run.control_channels[i]));
+    out += fmt::format("group {}: {}{}\n", printable(run.groups[i]), counted(members[i], "avatar"),
+                       run.control_channels[i].empty()
+                           ? ""
+                           : ", controlled by " + printable(run.control_channels[i]));
   out += fmt::format("ground {:.1f} x {:.1f} m, {}\n", run.ground_max_m[0] - run.ground_min_m[0],
                      run.ground_max_m[1] - run.ground_min_m[1],
                      counted(run.obstacle_count, "obstacle"));
@@ -408,12 +409,12 @@ void require_this_version(const std::filesystem::path& file, int64_t messages, i
 }
 
 std::vector<std::string> describe_coverage(const LogReport& report) {
-  if (!report.has_checks) return {"none: cut off before the first; damage may go unnoticed"};
-  std::vector<std::string> out = {fmt::format("up to those of frame {}", report.checked_frame)};
+  if (!report.has_checks) return {"none: cut off before the first; damage may not be detected"};
+  std::vector<std::string> out = {fmt::format("up to frame {}", report.checked_frame)};
   if (report.uncovered > 0)
-    out.push_back("not covered: " + counted(report.uncovered, "message") + " behind those");
+    out.push_back("not covered: " + counted(report.uncovered, "message") + " after them");
   if (report.repaired)
-    out.push_back("repaired: what was damaged is left out, checksums are of what is here");
+    out.push_back("repaired: the damaged part is left out, checksums cover the rest");
   return out;
 }
 
@@ -432,19 +433,19 @@ std::string describe_log(const std::filesystem::path& file) {
     out += fmt::format("made by Throng {}, commit {}\n", report.version, report.commit);
   if (!report.strategy.empty() && report.strategy != name_of(Strategy::kPipeline))
     out += fmt::format("strategy {}\n", report.strategy);
-  if (!report.omits.empty()) out += fmt::format("leaves out {}\n", report.omits);
+  if (!report.omits.empty()) out += fmt::format("omits {}\n", report.omits);
   out += describe_channels(report);
   for (const std::string& line : describe_coverage(report))
     out += fmt::format("checksums {}\n", line);
   out += fmt::format("pair events: {}, {}, {} open\n", counted(report.begins, "begin"),
                      counted(report.ends, "end"), counted(report.open_pairs, "pair"));
   if (report.torn)
-    out += fmt::format("torn: the last {} bytes are no whole event\n",
+    out += fmt::format("torn: the last {} bytes are an incomplete event\n",
                        report.bytes - report.sound_bytes);
   for (const std::string& problem : report.problems) out += "problem: " + problem + "\n";
   const auto shown = static_cast<int64_t>(report.problems.size());
   if (report.problem_count > shown)
-    out += fmt::format("and {} problems more\n", report.problem_count - shown);
+    out += fmt::format("and {} more problems\n", report.problem_count - shown);
   return out;
 }
 

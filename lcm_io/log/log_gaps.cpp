@@ -75,7 +75,6 @@ void LogGaps::note(const LogEvent& event) {
   if (*channel == Channel::kFrameStats) last_frame_ = std::max(last_frame_, header.frame);
 }
 
-/// With what the run says of the messages before.
 void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
   checksums_t stated;
   if (!decode(event.data, stated).empty() || stated.checksum_kind != kChecksumKind) return;
@@ -94,7 +93,7 @@ std::string LogGaps::describe(double step_s) const {
   std::vector<std::string> sentences;
   if (is_torn_)
     sentences.push_back(
-        fmt::format("The log is torn: it ends inside a message {}, and all that came later is "
+        fmt::format("The log is torn: it ends inside a message {}, and the rest is "
                     "missing.",
                     where_of(last_frame_, step_s)));
   else if (!has_end_)
@@ -110,7 +109,7 @@ std::vector<std::string> LogGaps::describe_damage() const {
                                     counted(damaged_bytes_, "byte")));
   if (damaged_spans_ > 0)
     sentences.push_back(fmt::format(
-        "The log is damaged: {} not what was written; `throng check` names them.",
+        "The log is damaged: {} altered; `throng check` lists them.",
         counted(damaged_spans_, "stretch of messages is", "stretches of messages are")));
   if (missing_ > 0)
     sentences.push_back(fmt::format("The log lacks {} of its run.", counted(missing_, "message")));

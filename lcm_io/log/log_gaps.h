@@ -1,6 +1,6 @@
-// LogGaps reads the whole messages of a log and notes what of its run is missing.
-// Invariant: a log that it calls whole ends with the end of its run, and nothing lies before it
-// that is no message, is not what the checks say, or has a number that proves a message missing.
+// LogGaps reads the sound messages of a log and records which parts of its run are missing.
+// Invariant: a log reported as complete ends with the end of its run. Before it there are only
+// messages, all match their checksums, and none is missing by number.
 #pragma once
 
 #include <array>
@@ -14,34 +14,35 @@
 
 namespace throng {
 
-/// What next() of a log could not read, and what followed.
+/// Damage after a message, and what follows it.
 struct LogDamage {
   std::string problem;
-  uint64_t from = 0;  ///< byte
+  uint64_t from = 0;
   uint64_t bytes = 0;
-  bool continues = false;  ///< another event follows
-  bool is_torn = false;    ///< the file ends inside an event; otherwise bytes are damaged
+  bool continues = false;
+  bool is_torn = false;  ///< the file ends inside an event; otherwise bytes are damaged
 };
-/// That a log ends between two messages without the end of its run: a sentence.
+/// Returns a sentence for a log that ends between two messages, before the end of its run.
 std::string describe_cut(int64_t last_frame, double step_s);
 
-/// Goes to the next event after `status` of next(), which was kTorn or kDamaged. A torn event that
-/// others follow is damage: its length was hit.
+/// Goes to the next event after `status` of next(), which was kTorn or kDamaged. A torn event
+/// followed by others is damage in its length field.
 LogDamage skip_damage(LogReader& log, LogReader::Status status);
 
 class LogGaps {
  public:
-  /// The next whole event of `log`; damage before it is skipped and noted. False at the end.
+  /// Reads the next sound event of `log`; damage before it is skipped and recorded. False at the
+  /// end.
   bool next(LogReader& log, LogEvent& event);
 
-  /// What is missing, in sentences for a person; "" where next() has read a whole log to its end.
-  /// `step_s`: of the run, to tell times.
+  /// Returns sentences on missing parts; "" after next() has read a complete log. `step_s`: step of
+  /// the run, to convert frames to times.
   std::string describe(double step_s) const;
-  /// The same without how the log ends: of what is missing or altered before, a sentence each.
+  /// Returns one sentence for each missing or altered part, without the end of the log.
   std::vector<std::string> describe_damage() const;
-  /// Where bytes are no messages, a torn end included.
+  /// Number of places whose bytes are not messages, including a torn end.
   int64_t damaged_places() const { return damaged_places_; }
-  /// Where no description of a run was read: what was found instead, for an InputError.
+  /// Returns the FOUND part of an InputError for a log without a run description.
   std::string found_no_description() const;
 
  private:
@@ -55,7 +56,7 @@ class LogGaps {
   size_t damaged_spans_ = 0;
   int64_t missing_ = 0, last_frame_ = -1;
   int64_t run_id_ = 0, instance_ = 0;
-  std::string first_refusal_;  // of a message whose header could not be read
+  std::string first_refusal_;  // for the first message whose header could not be read
   std::array<int64_t, kChannelCount> next_seq_{};
 };
 

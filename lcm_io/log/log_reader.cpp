@@ -22,7 +22,7 @@ LogReader::LogReader(const std::filesystem::path& file) : path_(file) {
   if (!std::filesystem::is_regular_file(file, error))
     throw InputError(file.string(), "an LCM log",
                      std::filesystem::is_directory(file, error) ? "a directory"
-                     : std::filesystem::exists(file, error)     ? "no regular file"
+                     : std::filesystem::exists(file, error)     ? "a special file"
                                                                 : "no such file");
   size_ = std::filesystem::file_size(file, error);
   file_.reset(std::fopen(file.c_str(), "rb"));
@@ -88,7 +88,7 @@ LogReader::Status LogReader::next(LogEvent& event) {
 }
 
 bool LogReader::resync() {
-  // Windows that overlap by a head, so that none is cut in two.
+  // Windows overlap by one header, so that each header lies completely in one of them.
   constexpr size_t kWindow = 1 << 16;
   std::vector<uint8_t> window(kWindow);
   for (uint64_t from = offset_ + 1; from + kLogHeadBytes <= size_;

@@ -1,6 +1,6 @@
-// Reads any LCM log event by event.
-// One rule: the end of the file, a torn tail and damage in the middle are three different things,
-// and no length is believed before it is checked.
+// LogReader reads any LCM log event by event.
+// Invariant: it distinguishes the end of the file, a torn tail and damage in the middle, and checks
+// each length before using it.
 #pragma once
 
 #include <cstdio>
@@ -18,33 +18,34 @@ namespace throng {
 struct LogEvent {
   int64_t number = 0;
   int64_t stamp_us = 0;
-  std::string_view channel;  ///< this and data hold until the next call
+  std::string_view channel;  ///< like `data` valid until the next call
   std::span<const uint8_t> data;
-  uint64_t offset = 0;  ///< of the event in the file
-  uint64_t bytes = 0;   ///< head included
+  uint64_t offset = 0;  ///< offset of the event in the file
+  uint64_t bytes = 0;   ///< size with header
 };
 
 class LogReader {
  public:
   enum class Status {
     kEvent,
-    kEnd,     ///< the file ends where an event ends
-    kTorn,    ///< the file ends inside an event
-    kDamaged  ///< what is here is no event; resync() looks for the next
+    kEnd,  ///< the file ends at the end of an event
+    kTorn,
+    kDamaged  ///< the bytes here are not an event; resync() finds the next
   };
 
   /// Throws InputError if the file cannot be read or does not begin like a log.
   explicit LogReader(const std::filesystem::path& file);
 
-  /// After kTorn or kDamaged, problem() says what and where; further calls return the same.
+  /// Reads the next event. After kTorn or kDamaged, problem() describes the place; further calls
+  /// return the same.
   Status next(LogEvent& event);
   const std::string& problem() const { return problem_; }
 
-  /// Goes to the next place after the damage where an event begins whose lengths are possible.
-  /// False if there is none.
+  /// Skips to the next place that begins like an event with possible lengths. Returns false if
+  /// there is none.
   bool resync();
 
-  /// Where next() will read. Any event's offset may be sought.
+  /// Position of the next read. Offsets of events may be sought.
   uint64_t offset() const { return offset_; }
   void seek(uint64_t offset);
   uint64_t size() const { return size_; }

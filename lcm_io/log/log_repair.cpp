@@ -10,8 +10,8 @@
 namespace throng {
 namespace {
 
-/// Copies what is sound. What it writes is counted by the judge's own means, so that the checks in
-/// the new log are right for the judge.
+/// Copies sound messages. It counts them with the code of the checker, so that its checksums are
+/// right.
 class LogRepairer {
  public:
   LogRepairer(const LogReport& report, const std::filesystem::path& out)
@@ -46,7 +46,7 @@ class LogRepairer {
   }
 
   bool is_damaged(Channel channel, uint64_t byte) const {
-    // The spans are in the order of the log: those before this byte are done with.
+    // Spans are in the order of the log; those before this byte are finished.
     while (next_span_ < report_.damage.size() && report_.damage[next_span_].to_byte <= byte)
       ++next_span_;
     for (size_t i = next_span_; i < report_.damage.size(); ++i) {
@@ -58,9 +58,9 @@ class LogRepairer {
 
   void keep(Channel channel, const LogEvent& event, const MessageHeader& header,
             std::span<const uint8_t> data) {
-    LogEvent kept = event;
-    kept.data = data;
-    spans_.add(channel, kept, &header);
+    LogEvent copied = event;
+    copied.data = data;
+    spans_.add(channel, copied, &header);
     if (channel == Channel::kEvents) add_to_hash(header.frame, data);
     write(event, data);
   }
@@ -70,7 +70,7 @@ class LogRepairer {
   }
 
   void add_to_hash(int64_t frame, std::span<const uint8_t> data) {
-    RunReader reader;  // without a description it takes every pair
+    RunReader reader;  // without a description it accepts every pair
     reader.take(name_of(Channel::kEvents), data);
     hash_.add(frame, reader.new_events());
   }
@@ -78,7 +78,7 @@ class LogRepairer {
   void take_checks(const LogEvent& event, const MessageHeader& header) {
     checksums_t stated;
     if (!decode(event.data, stated).empty()) return;
-    const checksums_t was = stated;
+    const checksums_t sent = stated;
     if (stated.checksum_kind == kChecksumKind && spans_.is_gap(stated, event, header)) {
       spans_.adopt(stated, event);
       adopt_hash(stated);
@@ -86,9 +86,10 @@ class LogRepairer {
       if (!spans_.differences(stated, event, header).empty()) spans_.fill(stated, event, header);
       update_hash(stated);
     }
-    const bool is_changed = stated.number != was.number || stated.hash != was.hash ||
-                            stated.channels != was.channels || stated.messages != was.messages ||
-                            stated.bytes != was.bytes || stated.checks != was.checks;
+    const bool is_changed = stated.message_index != sent.message_index ||
+                            stated.hash != sent.hash || stated.channels != sent.channels ||
+                            stated.messages != sent.messages || stated.bytes != sent.bytes ||
+                            stated.checksums != sent.checksums;
     if (!is_changed) {
       keep(Channel::kChecksums, event, header, event.data);
     } else {
@@ -120,7 +121,7 @@ class LogRepairer {
   mutable size_t next_span_ = 0;
 };
 
-/// Copies what is sound by the report on `in`; how many messages.
+/// Copies the sound messages by the report on `in`; returns their number.
 int64_t repair(const std::filesystem::path& in, const std::filesystem::path& out) {
   const LogReport report = check_log(in);
   LogReader log(in);
@@ -143,13 +144,13 @@ int64_t repair_log(const std::filesystem::path& in, const std::filesystem::path&
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error))
     throw EnvironmentError(out.string() +
-                           ": the repaired log has to be another file than the torn one");
+                           ": expected a file other than the damaged log, found the same file");
   const int64_t messages = repair(in, out);
-  // Pieces of several logs whose numbers repeat may agree with checks that are not theirs, until
-  // something between them is gone. What lies before the first doubt is beyond it.
-  const LogReport mended = check_log(out);
-  if (mended.damage.empty()) return messages;
-  std::filesystem::resize_file(out, mended.damage.front().from_byte);
+  // Pieces of several logs with equal numbers may agree with checksums of another piece, until
+  // messages between them are removed. Messages before the first remaining problem are sound.
+  const LogReport repaired = check_log(out);
+  if (repaired.damage.empty()) return messages;
+  std::filesystem::resize_file(out, repaired.damage.front().from_byte);
   return check_log(out).log_events;
 }
 

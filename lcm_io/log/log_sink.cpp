@@ -34,11 +34,10 @@ void LogSink::after_begin(TargetState& target_state) {
   last_frame_ = Clock::now();
 }
 
-/// Flushes where that is due.
 void LogSink::after_frame(TargetState&) {
   log_.check();
   const auto now = Clock::now();
-  // The next chance comes one frame later: flush now if it would be too late then.
+  // The next chance is one frame later; flush now if that would be too late.
   const auto age_after_next = (now - oldest_unwritten_) + (now - last_frame_);
   if (log_.buffered() > 0 && age_after_next >= flush_interval_) {
     log_.start_writing();

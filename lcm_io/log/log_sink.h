@@ -1,6 +1,6 @@
-// Records a run as an LCM log that LCM's own tools read.
-// One rule: the bytes depend on the run alone (stamps are simulation time, instance is 0), and a
-// byte that could not be written is an error at the next frame.
+// LogSink records a run as an LCM log that LCM's tools read.
+// Invariant: the bytes depend on the run only (stamps are simulation time, instance is 0). A failed
+// write throws in the next frame.
 #pragma once
 
 #include <chrono>
@@ -13,30 +13,30 @@
 
 namespace throng {
 
-/// An LCM log file. An event is, big-endian:
-/// u32 0xEDA1DA01 | i64 number | i64 stamp | i32 channel length | i32 data length | channel | data.
-/// liblcm's own file provider stamps wall-clock time and does not report a full disk.
+/// An LCM log file. An event is, big-endian: u32 0xEDA1DA01, i64 number, i64 stamp, i32 channel
+/// length, i32 data length, channel, data. It replaces liblcm's file provider, which stamps clock
+/// time and does not report a full disk.
 class LogFile {
  public:
   /// Opens or creates the file; the first event, or close(), empties it. Throws EnvironmentError
   /// naming it.
   explicit LogFile(const std::filesystem::path& file) : file_(file) {}
 
-  /// Throws EnvironmentError when a buffer could not be written.
+  /// Throws EnvironmentError if a buffer could not be written.
   void write(std::string_view channel, int64_t stamp_us, std::span<const uint8_t> data) {
     copy(events_, channel, stamp_us, data);
   }
-  /// Writes an event under the number that it had elsewhere.
+  /// Writes an event with its number from another log.
   void copy(int64_t number, std::string_view channel, int64_t stamp_us,
             std::span<const uint8_t> data);
-  /// Throws EnvironmentError, once, when something could not be written.
+  /// Throws EnvironmentError once after a failed write.
   void check() { file_.check(); }
-  /// What was written so far goes to the file from now on.
+  /// Starts writing the buffered events, without waiting.
   void start_writing() { file_.start_writing(); }
   void flush() { file_.flush(); }
   void close() { file_.close(); }
 
-  uint64_t bytes() const { return bytes_; }  ///< written and buffered
+  uint64_t bytes() const { return bytes_; }
   int64_t events() const { return events_; }
   size_t buffered() const { return file_.buffered(); }
 
@@ -47,13 +47,12 @@ class LogFile {
 };
 
 struct LogOptions {
-  double state_every = 1;  ///< see EncoderOptions
+  double state_every = 1;
   bool part_poses = false;
   bool with_clock_times = false;  ///< true: the log differs from run to run
-  int threads = 1;                ///< that encode
-  /// A frame goes to the file after at most this, unless a single frame takes longer; 0: it is
-  /// there before the next one. A kill -9 costs that much, and the 16 MB at most that a slow disk
-  /// has not taken.
+  int threads = 1;
+  /// Maximum time until a frame is in the file, unless a single frame takes longer; 0: before the
+  /// next frame. A kill -9 loses this much, and up to 16 MB that a slow disk has not taken.
   double flush_s = 0.25;
 };
 
@@ -70,7 +69,7 @@ class LogSink final : public TargetSink {
 
   uint64_t bytes() const { return log_.bytes(); }
   int64_t messages() const { return log_.events(); }
-  size_t buffered() const { return log_.buffered(); }  ///< bytes that wait for flush_s
+  size_t buffered() const { return log_.buffered(); }
 
  private:
   using Clock = std::chrono::steady_clock;

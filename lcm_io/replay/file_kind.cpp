@@ -32,7 +32,7 @@ constexpr std::string_view kLogBegins = "\xED\xA1\xDA\x01";
 
 constexpr std::array<Signature, 13> kSignatures = {{
     {kLogBegins, "a log of a run", kLogReaders},
-    {"THRONGCP", "a checkpoint", "`throng run SCENE --resume FILE` goes on from it"},
+    {"THRONGCP", "a checkpoint", "`throng run SCENE --resume FILE` continues from it"},
     {"\x89PNG\r\n", "a picture", ""},
     {"RIFF", "a picture or a sound", ""},
     {"\x1f\x8b", "a gzip archive", "unpack it first"},
@@ -63,7 +63,7 @@ std::string head_of(const fs::path& file) {
   return head;
 }
 
-/// Without a byte order mark and blanks.
+/// Skips a byte order mark and blanks.
 std::string_view text_of(std::string_view head) {
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size()));
@@ -88,7 +88,7 @@ std::optional<FileKind> known_kind(const fs::path& file) {
     return FileKind{"a .tri mesh", "`throng info` reads it", false};
   if (text.starts_with("<")) return FileKind{"XML", "", false};
   if (text.starts_with("{") && text.find("\"throng\"") != std::string_view::npos)
-    return FileKind{"results that --json wrote", "", false};
+    return FileKind{"results written by --json", "", false};
   return std::nullopt;
 }
 

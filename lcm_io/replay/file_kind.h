@@ -1,5 +1,5 @@
-// What a file is by its first bytes, for whoever hands a command the wrong one.
-// One rule: only what is certain is named; everything else is left to the reader that was asked.
+// file_kind recognises the kind of a file by its first bytes, for errors about unsuitable files.
+// Invariant: it names only certain kinds; other files are left to the reader of the command.
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,13 @@ struct FileKind {
   bool is_recording = false;
 };
 
-/// Nothing for a scene, for what nobody knows, and for what is not a regular file.
+/// Returns nothing for a scene, an unknown kind, or anything but a regular file.
 std::optional<FileKind> known_kind(const std::filesystem::path& file);
 
-/// Whether it begins like a log of a run, or of anything else that LCM recorded.
+/// Returns whether the file begins like an LCM log.
 bool is_log(const std::filesystem::path& file);
 
-/// Throws InputError if `name` is a file of a known kind that is no scene.
+/// Throws InputError if `name` is a file of a known kind other than a scene.
 void require_no_other_kind(const std::string& name);
 
 }  // namespace throng

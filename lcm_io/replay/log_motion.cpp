@@ -18,7 +18,7 @@
 namespace throng {
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& expected,
+[[noreturn]] void reject(const std::filesystem::path& file, const std::string& expected,
                          const std::string& found) {
   throw InputError(file.string(), expected, found);
 }
@@ -26,15 +26,15 @@ namespace {
 void require_name(const std::filesystem::path& file, const std::string& what,
                   const std::string& name) {
   if (const std::string defect = defect_of_name(name); !defect.empty())
-    refuse(file, fmt::format("a name of {}", what), defect);
+    reject(file, fmt::format("a name of {}", what), defect);
 }
 
 void require_few(const std::filesystem::path& file, const char* what, size_t found, int64_t max) {
   if (static_cast<int64_t>(found) > max)
-    refuse(file, fmt::format("at most {} {}", max, what), fmt::format("{}", found));
+    reject(file, fmt::format("at most {} {}", max, what), fmt::format("{}", found));
 }
 
-/// Whatever a scene file could not ask for either.
+/// Throws InputError for descriptions that no scene file could produce.
 void require_runnable(const std::filesystem::path& file, const run_description_t& run) {
   require_few(file, "models", run.models.size(), kMaxModels);
   require_few(file, "obstacles", run.obstacles.size(), kMaxObstacles);
@@ -48,7 +48,7 @@ void require_runnable(const std::filesystem::path& file, const run_description_t
     require_name(file, "a model", model.name);
     for (const part_t& part : model.parts) require_name(file, "a part", part.name);
     for (const joint_t& joint : model.joints) require_name(file, "a joint", joint.name);
-    if (model.parts.empty()) refuse(file, fmt::format("parts of model '{}'", model.name), "none");
+    if (model.parts.empty()) reject(file, fmt::format("parts of model '{}'", model.name), "none");
   }
 }
 
@@ -77,7 +77,7 @@ Obstacle to_obstacle(const std::filesystem::path& file, const obstacle_t& descri
   };
   if (!is_within(out.centre_m, kMaxCoordinate_m) || !is_within(out.size_m, kMaxReach_m) ||
       !(static_cast<double>(reach_m) <= kMaxReach_m) || footprint_of(out).size() < 3)
-    refuse(file,
+    reject(file,
            fmt::format("obstacle '{}' to cover some ground, at most {:g} m wide", out.name,
                        kMaxReach_m),
            "another");
@@ -97,7 +97,7 @@ Scene scene_of(const LogSurvey& survey) {
   const double max_distance_m =
       std::max(scene.ground.min_m.cwiseAbs().maxCoeff(), scene.ground.max_m.cwiseAbs().maxCoeff());
   if (!(max_distance_m <= kMaxCoordinate_m) || !(scene.ground.size_m().minCoeff() > 0))
-    refuse(survey.file,
+    reject(survey.file,
            fmt::format("a ground within {:g} km of the origin", kMaxCoordinate_m / 1e3), "another");
   for (const obstacle_t& obstacle : run.obstacles)
     scene.obstacles.push_back(to_obstacle(survey.file, obstacle));
@@ -107,7 +107,7 @@ Scene scene_of(const LogSurvey& survey) {
                              run.models[static_cast<size_t>(run.model_of_avatar[id])].height_m);
   try {
     scene.part_volume = part_volumes_of(run.part_volume, survey.file.string());
-  } catch (const InputError&) {  // one that this version does not know: culled as any other scene
+  } catch (const InputError&) {  // unknown to this version: culled with defaults
   }
   scene.exact = run.exact != 0;
   scene.planted_feet = false;
@@ -132,7 +132,7 @@ class LogMotion final : public MotionSource {
   const std::vector<std::string>& notes() const override { return survey_->notes; }
 
  private:
-  /// Vectors of the same length stay where they are: rows are held in them.
+  /// Copies into vectors of equal length, because rows point into them.
   void show() { shown_ = states_.state(); }
   const run_description_t& run() const { return survey_->description; }
   void require_reach(size_t model) const;
@@ -140,10 +140,10 @@ class LogMotion final : public MotionSource {
   std::shared_ptr<const LogSurvey> survey_;
   LogStates states_;
   std::vector<std::shared_ptr<const Model>> models_;
-  std::vector<std::optional<RootSphere>> spheres_;  ///< by model
-  CrowdState shown_;                                ///< a copy: the log is read ahead across a hole
+  std::vector<std::optional<RootSphere>> spheres_;
+  CrowdState shown_;  ///< a copy, because the log is read ahead across a gap
   int64_t step_ = 0;
-  int64_t next_shown_ = 0;  ///< the step from which the latest states count
+  int64_t next_shown_ = 0;  ///< the step from which the latest states apply
 };
 
 LogMotion::LogMotion(std::shared_ptr<const LogSurvey> survey)
@@ -171,7 +171,7 @@ void LogMotion::require_reach(size_t model) const {
   const double reach_m =
       static_cast<double>(scale) * static_cast<double>(sphere.centre_m.norm() + sphere.radius_m);
   if (!(reach_m <= kMaxReach_m))
-    refuse(survey_->file, fmt::format("all parts within {:g} m of their root", kMaxReach_m),
+    reject(survey_->file, fmt::format("all parts within {:g} m of their root", kMaxReach_m),
            fmt::format("model '{}', which reaches {:g} m", models_[model]->name, reach_m));
 }
 
@@ -187,12 +187,12 @@ void LogMotion::place(BodyStates& bodies) {
 
 void LogMotion::describe(RunInfo& info) const {
   info.groups = run().groups;
-  info.control_channels.resize(info.groups.size());  // nobody drives what has been
+  info.control_channels.resize(info.groups.size());  // poses come from the log
   info.group_of_avatar.assign(run().group_of_avatar.begin(), run().group_of_avatar.end());
 }
 
 void LogMotion::step() {
-  // The last ones stay, whoever goes on beyond the log.
+  // After the last states the avatars keep their poses.
   if (++step_ >= survey_->steps) return;
   if (step_ > next_shown_) {
     if (!states_.next())
@@ -213,13 +213,13 @@ std::span<const uint8_t> LogMotion::present() const {
   return shown_.present;
 }
 
-/// What is saved is how far the log was read; it is read again up to there.
+/// Saves how far the log was read; loading reads it again up to there.
 void LogMotion::archive(Archive& a) {
   int64_t step = step_, frame = shown_.frame;
   a(step, frame);
   if (!a.is_reading()) return;
   if (!(step >= 0 && step < survey_->steps))
-    a.refuse(fmt::format("a step of {}", survey_->steps), std::to_string(step));
+    a.refuse(fmt::format("a step up to {}", survey_->steps), std::to_string(step));
   while (step_ < step) this->step();
   if (frame != shown_.frame)
     a.refuse(fmt::format("frame {} of the log", shown_.frame), std::to_string(frame));

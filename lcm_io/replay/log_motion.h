@@ -1,6 +1,7 @@
-// A log as a recording: its poses are culled again, with other options, without simulating.
-// One rule: whoever is in the log is as the log has it: place, posture, presence. What the log says
-// of contacts is not looked at.
+// LogMotion replays a log as a motion source: its poses are culled again, with other options,
+// without simulation.
+// Invariant: position, posture and presence of all avatars are those of the log; its contacts are
+// not read.
 #pragma once
 
 #include <filesystem>
@@ -10,19 +11,18 @@
 
 namespace throng {
 
-/// What a log gives to run.
 struct LogRun {
-  /// Name, seed, ground, obstacles, part volume and exactness of its run; step and duration of its
+  /// Name, seed, ground, obstacles, part volume and exactness of the run; step and duration of its
   /// states. No groups.
   Scene scene;
   MotionFactory motion;
   int64_t people = 0;
-  /// Kind, rate, frames, duration, oddities; all else is of people alone.
+  /// Kind, rate, frames, duration and anomalies; the other facts concern recorded people only.
   RecordingFacts facts;
 };
 
-/// Reads a log from end to end; each world then reads it again, frame by frame. Throws InputError,
-/// one line that names the file, if nothing in it can be culled.
+/// Reads a log from end to end; each motion source reads it again, frame by frame. Throws
+/// InputError, one line naming the file, if the log cannot be culled.
 LogRun read_log_run(const std::filesystem::path& file);
 
 }  // namespace throng

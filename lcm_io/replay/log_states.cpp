@@ -23,7 +23,7 @@ bool LogStates::next() {
   return false;
 }
 
-/// True if it completes states.
+/// Returns true if the message completes states.
 bool LogStates::take(const LogEvent& event) {
   const std::optional<Channel> channel = channel_of(event.channel);
   if (channel != Channel::kRun && channel != Channel::kStates) return false;
@@ -32,7 +32,7 @@ bool LogStates::take(const LogEvent& event) {
     return false;
   if (is_damaged_at(*channel, event.offset)) {
     has_gap_ = has_gap_ || channel == Channel::kStates;
-    refusal_ = "damaged, as the checks in the log say";
+    refusal_ = "damaged, according to the checksums in the log";
     return false;
   }
   if (channel == Channel::kRun) {
@@ -58,12 +58,12 @@ bool LogStates::take(const LogEvent& event) {
   return true;
 }
 
-/// The run that is described first.
+/// Follows the run that is described first.
 bool LogStates::belongs_to_run(Channel channel, const MessageHeader& header) {
   const std::pair id(header.run_id, header.instance);
   if (!id_ && channel == Channel::kRun) id_ = id;
   if (!id_) return false;
-  // The same run once more, behind its first.
+  // The same run starts again in this log.
   const bool begins_anew = channel == Channel::kRun && header.seq == 0 && frame_ >= 0;
   if (id == id_ && !begins_anew) return true;
   has_other_runs_ = true;

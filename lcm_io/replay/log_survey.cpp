@@ -14,15 +14,14 @@
 namespace throng {
 namespace {
 
-/// Beyond, culling was never tried: an hour from states to states is no run.
+/// Longer intervals between states are rejected; culling of such logs is untested.
 constexpr double kMaxStep_s = 3600;
 constexpr double kMinStep_s = 1e-6;
-/// As long as any run may be.
+/// Longest supported duration of a run.
 constexpr double kMaxDuration_s = 1e7;
-/// Everybody on the largest ground, and as far beyond it as a body reaches.
+/// The largest ground plus the reach of a body.
 constexpr double kMaxDistance_m = kMaxCoordinate_m + kMaxReach_m;
 
-/// How far apart the states of a log are.
 class Intervals {
  public:
   void add(int64_t frames, bool is_hole) {
@@ -33,7 +32,7 @@ class Intervals {
     frames_ += frames;
     ++count_;
   }
-  /// Of those with nothing missing between them, if there are any.
+  /// Mean over intervals without missing states, if there are any.
   double mean() const {
     if (count_ > 0) return static_cast<double>(frames_) / static_cast<double>(count_);
     return holes_.empty() ? 1 : static_cast<double>(holes_.begin()->first);
@@ -46,7 +45,7 @@ class Intervals {
 
  private:
   int64_t frames_ = 0, count_ = 0;
-  std::map<int64_t, int64_t> holes_;  ///< how often, by length; at most kMaxBridgedGap_s long
+  std::map<int64_t, int64_t> holes_;  ///< number of gaps by length; at most kMaxBridgedGap_s long
 };
 
 class Surveyor {
@@ -59,7 +58,7 @@ class Surveyor {
   LogSurvey run() {
     LogStates states(survey_.file, survey_.damage);
     while (states.next() && continues(states)) take(states);
-    if (survey_.states == 0) refuse(states);
+    if (survey_.states == 0) reject(states);
     survey_.description = *states.run().run();
     survey_.hash = states.hash();
     measure();
@@ -68,19 +67,19 @@ class Surveyor {
   }
 
  private:
-  [[noreturn]] void refuse(LogStates& states) const {
+  [[noreturn]] void reject(LogStates& states) const {
     const run_description_t* run = states.run().run();
     throw InputError(survey_.file.string(),
                      run == nullptr ? "a log with a run's description" : "a log with states",
                      !states.refusal().empty()                  ? states.refusal()
-                     : run != nullptr && run->avatar_count == 0 ? "a run of nobody"
+                     : run != nullptr && run->avatar_count == 0 ? "a run without avatars"
                                                                 : "none");
   }
 
   bool continues(LogStates& states) {
     const double hole_s = static_cast<double>(states.frames_since()) * states.run().run()->step_s;
     if (!states.is_behind_gap() || hole_s <= kMaxBridgedGap_s) return true;
-    end_ = fmt::format("no states for {:.3g} s behind frame {}: culled until there", hole_s,
+    end_ = fmt::format("no states for {:.3g} s after frame {}: culled up to that frame", hole_s,
                        survey_.last_frame);
     return false;
   }
@@ -105,7 +104,7 @@ class Surveyor {
     if (!(max_distance_m <= kMaxDistance_m))
       throw InputError(
           survey_.file.string(),
-          fmt::format("everybody within {:g} km of the origin", kMaxDistance_m / 1000),
+          fmt::format("all avatars within {:g} km of the origin", kMaxDistance_m / 1000),
           fmt::format("avatar {} at {:g} m in frame {}", avatar, max_distance_m, crowd.frame));
     if (std::isfinite(crowd.speeds_mps[avatar])) return;
     if (no_speeds_.count++ == 0)
@@ -126,7 +125,7 @@ class Surveyor {
 
   void note_gap(const LogStates& states) {
     if (holes_.first.empty())
-      holes_.first = fmt::format("behind frame {}", states.state().frame - states.frames_since());
+      holes_.first = fmt::format("after frame {}", states.state().frame - states.frames_since());
   }
 
   void measure() {
@@ -146,23 +145,23 @@ class Surveyor {
 
   void note(const LogStates& states) {
     if (survey_.every > 1)
-      add_note(fmt::format("its states are {:.4g} frames apart: culled at those, {:.4g} a second",
+      add_note(fmt::format("its states are {:.4g} frames apart: culled at these, {:.4g} per second",
                            survey_.every, 1 / survey_.step_s));
     if (survey_.first_frame > 0)
       add_note(
-          fmt::format("its first states are those of frame {}, at {:.6g} s: that is frame 0 "
-                      "here",
+          fmt::format("its first states are those of frame {}, at {:.6g} s: they become "
+                      "frame 0",
                       survey_.first_frame,
                       static_cast<double>(survey_.first_frame) * survey_.description.step_s));
-    if (states.has_other_runs()) add_note("more than one run is in it: the first is culled");
-    if (report_.torn) add_note("it ends inside a message: culled as far as it is whole");
+    if (states.has_other_runs()) add_note("it contains several runs: the first is culled");
+    if (report_.torn) add_note("it ends inside a message: culled up to there");
     if (report_.damaged || !report_.damage.empty())
-      add_note("damaged, see `throng check`: what is sound is culled");
-    holes_.what = "frames without sound states: everybody stands as before";
+      add_note("it is damaged, see `throng check`: the sound part is culled");
+    holes_.what = "frames without sound states: avatars keep their last poses";
     holes_.count = survey_.steps - survey_.states;
     if (holes_.count > 0) add_note(fmt::format("{} {}", holes_.count, holes_.what));
     if (!end_.empty()) add_note(end_);
-    no_speeds_.what = "speeds that are no number: taken for 0";
+    no_speeds_.what = "speeds that are not numbers: replaced by 0";
     if (no_speeds_.count > 0) add_note(fmt::format("{} {}", no_speeds_.count, no_speeds_.what));
     for (const Anomaly* anomaly : {&holes_, &no_speeds_})
       if (anomaly->count > 0) survey_.anomalies.push_back(*anomaly);

@@ -16,28 +16,28 @@
 namespace throng {
 namespace {
 
-/// Options that ask for other people than a file has.
-void refuse_other_people(const std::string& name, const RunOptions& options, bool has_seed,
+void reject_other_people(const std::string& name, const RunOptions& options, bool has_seed,
                          const char* expected) {
-  const std::pair<bool, const char*> asked[] = {{options.avatars.has_value(), "avatars"},
-                                                {options.seed && !has_seed, "seed"},
-                                                {options.steering.has_value(), "steering"}};
-  for (const auto& [is_enabled, option] : asked)
+  const std::pair<bool, const char*> people_options[] = {
+      {options.avatars.has_value(), "avatars"},
+      {options.seed && !has_seed, "seed"},
+      {options.steering.has_value(), "steering"}};
+  for (const auto& [is_enabled, option] : people_options)
     if (is_enabled) throw InputError(options.where(option), expected, fmt::format("'{}'", name));
 }
 
-/// All but the people; a file has an end.
+/// Applies all options but those on people; a file has an end.
 void apply_to_file(const std::string& name, RunOptions options, RunSource& source) {
   if (options.seconds && *options.seconds > source.scene.duration_s) {
-    source.notes.push_back(fmt::format("{} is over after {:.6g} s", name, source.scene.duration_s));
+    source.notes.push_back(fmt::format("{} ends after {:.6g} s", name, source.scene.duration_s));
     options.seconds.reset();
   }
   apply(options, source.scene, source.notes);
 }
 
 RunSource log_source(const std::string& name, const RunOptions& options) {
-  require_no_recording_options(options, "a log, which says all of this itself");
-  refuse_other_people(name, options, false, "a scene: whoever is in a log is as the log has it");
+  require_no_recording_options(options, "a recording; a log contains these properties");
+  reject_other_people(name, options, false, "a scene; a log contains its people");
   LogRun log = read_log_run(name);
   RunSource out{std::move(log.scene), std::move(log.motion),
                 RunSource::Recording{std::move(log.facts), log.people}};
@@ -50,7 +50,7 @@ RunSource::Recording report_of(const Recording& recording) {
 }
 
 RunSource recording_source(const std::string& name, const RunOptions& options) {
-  refuse_other_people(name, options, true, "a scene: whoever is in a recording goes as recorded");
+  reject_other_people(name, options, true, "a scene; a recording contains its people");
   RunSource out{
       recorded_scene(recording_options(name, options.recording), options.step == "recorded")};
   apply_to_file(name, options, out);
@@ -65,7 +65,7 @@ RunSource scene_source(const std::string& name, const RunOptions& options) {
   return out;
 }
 
-/// Not by what it holds, as a table of other columns: then by its options.
+/// Decides by options if the content is not recognised, as for a table with other columns.
 bool is_meant_as_recording(const std::string& name, const RunOptions& options) {
   const std::vector<RunOption>& all = run_options();
   const auto is_enabled = [&](const RunOption& option) {
@@ -78,7 +78,6 @@ bool is_meant_as_recording(const std::string& name, const RunOptions& options) {
          file.extension() != ".yaml" && file.extension() != ".yml";
 }
 
-/// A name that scenes hardly have.
 bool is_named_as_recording(const std::string& name) {
   constexpr std::string_view kEndings[] = {".csv", ".txt", ".tsv",  ".dat", ".gz",
                                            ".pp",  ".h5",  ".hdf5", ".traj"};
@@ -88,7 +87,7 @@ bool is_named_as_recording(const std::string& name) {
          std::filesystem::is_regular_file(name, error) && !known_kind(name);
 }
 
-/// Of what is neither, the error says what recordings hold if the name is that of one.
+/// For a file of neither kind, the error lists recording formats if the name suggests a recording.
 RunSource scene_or_recording(const std::string& name, const RunOptions& options) {
   if (!is_named_as_recording(name)) return scene_source(name, options);
   try {

@@ -1,6 +1,5 @@
-// What is run: a scene, a recording or a log, whichever the file is.
-// One rule: the kind is known by content; an option that a kind has no use for is refused, never
-// left aside.
+// RunSource is the input of a run: a scene, a recording or a log, recognised by its content.
+// Invariant: an option that does not apply to the kind is an InputError.
 #pragma once
 
 #include <optional>
@@ -12,20 +11,20 @@
 namespace throng {
 
 struct RunSource {
-  /// What is culled instead of a crowd of our own.
+  /// Motion other than a simulated crowd.
   struct Recording {
     RecordingFacts facts;
     int64_t people = 0;
   };
 
   Scene scene;
-  MotionFactory motion = {};  ///< empty: the scene's own
+  MotionFactory motion = {};  ///< empty: the scene's crowd
   std::optional<Recording> recording = {};
-  double scale_factor = 1;  ///< how many times longer --avatars made the plan
+  double scale_factor = 1;  ///< factor by which --avatars scaled the plan
   std::vector<std::string> notes = {};
 };
 
-/// Reads what is to be run: `name` is a file, or a bundled scene. Throws InputError.
+/// Opens a file or bundled scene for a run. Throws InputError.
 RunSource open_run_source(const std::string& name, const RunOptions& options);
 
 }  // namespace throng

@@ -1,5 +1,5 @@
-// What pose_command_t and step_reply_t say of avatars, for both who take it in.
-// One rule: a message is looked at as a whole before anybody moves.
+// Poses of externally controlled avatars from pose_command_t and step_reply_t.
+// Invariant: a message is checked completely before any avatar moves.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ inline size_t joints_of(const RunInfo& run, size_t avatar) {
   return run.models[run.model_of_avatar[avatar]]->kinematics.columns().size();
 }
 
-/// Why a decoded message is none for this group, or "".
+/// Returns why a decoded message does not suit this group, or "".
 template <class Message>
 std::string defect_for_group(const RunInfo& run, uint16_t group, const Message& message) {
   size_t columns = 0;
@@ -28,8 +28,7 @@ std::string defect_for_group(const RunInfo& run, uint16_t group, const Message& 
     columns += joints_of(run, id);
   }
   if (!message.joint_positions.empty() && message.joint_positions.size() != columns)
-    return fmt::format("{} joint values, the avatars have {}", message.joint_positions.size(),
-                       columns);
+    return fmt::format("{} joint positions, expected {}", message.joint_positions.size(), columns);
   return "";
 }
 

@@ -16,13 +16,12 @@ namespace throng {
 namespace {
 
 constexpr size_t kMaxFilteredChannel =
-    63 - std::string_view("_EVENTS").size();  // liblcm's, of the longest
+    63 - std::string_view("_PROXIMITY").size();  // limit of liblcm, minus the longest suffix
 
 int64_t now_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// The number of a body, or -1.
 int64_t body_of(const std::string& who) {
   int64_t body = -1;
   const auto [end, error] = std::from_chars(who.data(), who.data() + who.size(), body);
@@ -40,7 +39,7 @@ FilteredChannel parse_filtered_channel(const std::string& text) {
       own.channel.starts_with("THRONG_") ||
       !std::all_of(own.channel.begin(), own.channel.end(), is_fine))
     throw InputError("--publish-for",
-                     fmt::format("WHO:CHANNEL, WHO a group, the number of a body or all, CHANNEL 1 "
+                     fmt::format("WHO:CHANNEL, WHO a group, a body id or all, CHANNEL 1 "
                                  "to {} letters, digits or '_', not beginning with THRONG_",
                                  kMaxFilteredChannel),
                      fmt::format("'{}'", text));
@@ -56,7 +55,7 @@ FilteredChannels::FilteredChannels(const RunInfo& run, std::span<const FilteredC
     PublishedTotals& totals = totals_.emplace_back();
     totals.to = own;
     subscriber.events.channel = own.channel + "_EVENTS";
-    subscriber.proximity.channel = own.channel + "_NEAR";
+    subscriber.proximity.channel = own.channel + "_PROXIMITY";
     subscriber.stamp.channel = own.channel + "_STAMP";
     const int64_t body = body_of(own.who);
     const bool is_body = body >= 0 && body < bodies;
@@ -69,14 +68,15 @@ FilteredChannels::FilteredChannels(const RunInfo& run, std::span<const FilteredC
     const std::string namesake =
         is_body || NamedBodies::is_kind(own.who) ? named.namesake(own.who) : "";
     if (totals.bodies == 0 && own.who != kAll)
-      throw InputError("--publish-for",
-                       fmt::format("a group of {}, a body from 0 to {}, or all{}", run.scene->name,
-                                   bodies - 1, did_you_mean(own.who, named.names())),
-                       fmt::format("'{}'{}", own.who,
-                                   namesake.empty() ? "" : ", which no body is; " + namesake));
+      throw InputError(
+          "--publish-for",
+          fmt::format("a group of {}, a body id from 0 to {}, or all{}", run.scene->name,
+                      bodies - 1, did_you_mean(own.who, named.names())),
+          fmt::format("'{}'{}", own.who,
+                      namesake.empty() ? "" : ", which is not a body id; " + namesake));
     if (!namesake.empty())
       notes_.push_back(fmt::format("--publish-for: '{}' means {}; {}", own.who,
-                                   is_body ? "the body of this number" : "all of that kind",
+                                   is_body ? "the body with this id" : "all of that kind",
                                    namesake));
   }
 }
@@ -139,7 +139,7 @@ void FilteredChannels::send_proximity(size_t i, const RunInfo& run, const Frame&
   const size_t rows = selected_pairs_.size() + selected_closest_.size();
   stamp_.proximity_rows = static_cast<int32_t>(rows);
   totals_[i].proximity_rows += static_cast<int64_t>(rows);
-  // Also when nothing is near: a receiver learns that nothing is.
+  // Sent also without rows, so that receivers learn of empty frames.
   const int chunks = std::max(1, chunks_of(rows, kRowsPerMessage<proximity_t>));
   for (int chunk = 0; chunk < chunks; ++chunk) {
     set_proximity_chunk(proximity_, run.culler.proximity, frame.proximity_hash, selected_pairs_,

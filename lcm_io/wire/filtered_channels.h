@@ -1,6 +1,7 @@
-// Channels of their own for who asks: the contacts and near rows of one group or body alone.
-// One rule: every row of the run that names one of them is there, in the run's order, numbered and
-// chunked as on the run's own channels; nothing else is.
+// FilteredChannels publishes the contacts and proximity rows of one group or body on separate
+// channels.
+// Invariant: exactly the rows with one of its bodies are published, in the run's order, numbered
+// and chunked as on the run's own channels.
 #pragma once
 
 #include <cstdint>
@@ -16,35 +17,36 @@
 
 namespace throng {
 
-/// Bodies, and where to publish what names one of them.
+/// Bodies, and the channels for their rows.
 struct FilteredChannel {
-  std::string who;      ///< the number of a body, or a name, see NamedBodies
-  std::string channel;  ///< followed by _EVENTS, _NEAR and _STAMP
+  std::string who;      ///< a body id or a name, see NamedBodies
+  std::string channel;  ///< prefix of _EVENTS, _PROXIMITY and _STAMP
 };
 
-/// "WHO:CHANNEL". Throws InputError.
+/// Parses "WHO:CHANNEL". Throws InputError.
 FilteredChannel parse_filtered_channel(const std::string& text);
 
 class FilteredChannels final : public Sink {
  public:
-  /// Throws InputError if no body of this run is called so.
+  /// Throws InputError if a name matches no body of this run.
   FilteredChannels(const RunInfo& run, std::span<const FilteredChannel> requested);
-  /// From now on; it outlives this.
+  /// Sets the sink, which must outlive this object.
   void publish_by(LcmSink& sink) { sink_ = &sink; }
 
   void begin(const RunInfo& run) override;
-  /// Of each channel: events, if there are some, near rows, if the run asks for distances, stamp.
+  /// Sends on each channel: events if there are some, proximity rows if the run has a margin, the
+  /// stamp.
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;
 
   struct PublishedTotals {
     FilteredChannel to;
-    int64_t bodies = 0;  ///< that it is about
+    int64_t bodies = 0;
     int64_t messages = 0, events = 0, proximity_rows = 0;
   };
-  /// One a channel.
+  /// One entry per channel.
   const std::vector<PublishedTotals>& totals() const { return totals_; }
-  /// A line for each name that a group or an obstacle has, too, which is not meant.
+  /// One line for each name that is also that of a group or an obstacle, which is not selected.
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -53,7 +55,7 @@ class FilteredChannels final : public Sink {
     int64_t seq = 0;
   };
   struct Subscriber {
-    std::vector<uint8_t> is_selected;  // by body
+    std::vector<uint8_t> is_selected;
     OutputChannel events, proximity, stamp;
   };
   static bool involves(const Subscriber& subscriber, const PairKey& pair);

@@ -1,5 +1,5 @@
-// Everything that comes in on our channels, from whichever runs: one of them is followed, all are
-// counted. One rule: nothing that is received can stop it or make it grow without end.
+// Inbox receives the messages of all runs on Throng's channels; it follows one run and counts all.
+// Invariant: no input stops it or lets its memory grow without bound.
 #pragma once
 
 #include <array>
@@ -16,29 +16,26 @@ namespace throng {
 
 class Inbox {
  public:
-  /// Runs that are remembered; the one that was silent longest makes room.
+  /// Number of runs kept; a new one replaces the run that was silent longest.
   static constexpr size_t kMaxRuns = 32;
 
-  /// Judges, counts and uses a message.
   RunReader::Update take(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// The run that is followed.
   RunReader& run() { return run_; }
   const RunReader& run() const { return run_; }
 
-  /// Every run heard, told apart by run id and instance; the one heard last comes last.
+  /// All received runs, by run id and instance; the most recent is last.
   const std::deque<RunTally>& runs() const { return runs_; }
 
   struct ChannelTotals {
-    int64_t messages = 0;  ///< of any run, damaged ones included
+    int64_t messages = 0;  ///< of any run, including damaged ones
     int64_t bytes = 0;
-    int64_t refused = 0;  ///< damaged, hostile or of another version
-    std::string refusal;  ///< why, the newest
+    int64_t refused = 0;  ///< damaged, malicious or of another version
+    std::string refusal;  ///< reason of the last one
   };
   const ChannelTotals& totals(Channel channel) const {
     return totals_[static_cast<size_t>(channel)];
   }
-  /// Messages on channels that are not ours.
   int64_t others() const { return others_; }
   int64_t refused() const;
 

@@ -16,10 +16,10 @@ namespace {
 constexpr int kEndCopies = 5;
 constexpr std::chrono::milliseconds kEndPause{20};
 constexpr std::chrono::duration<double> kDescriptionPeriod{1.0};
-// A receiver with the stock buffer of 208 kB takes three messages of 60 kB at once: give it time.
+// Gives receivers time: the default buffer of 208 kB holds three messages of 60 kB.
 constexpr std::chrono::milliseconds kDescriptionPause{1};
 
-void say_line(const std::string& text) { print_message("{}\n", text); }
+void print_line(const std::string& text) { print_message("{}\n", text); }
 
 }  // namespace
 
@@ -31,20 +31,20 @@ LcmSink::LcmSink(const LcmOptions& options, std::shared_ptr<lcm::LCM> lcm)
     : options_(options), lcm_(std::move(lcm)) {
   for (const Channel channel : kAllChannels)
     channels_[static_cast<size_t>(channel)] = name_of(channel);
-  if (!options_.warn) options_.warn = say_line;
+  if (!options_.warn) options_.warn = print_line;
   if (good()) return;
   if (is_tcpq(options_.url)) {
     server_is_lost_ = true;
     options_.warn(fmt::format(
-        "LCM has no server at {}: nothing is published, messages are counted as dropped, "
-        "the run goes on; start the server before the run; to do without LCM: --lcm off",
+        "warning: LCM has no server at {}: nothing is published, messages count as dropped, "
+        "the run continues; start the server before the run, or use --lcm off",
         options_.url));
     return;
   }
-  options_.warn(fmt::format(
-      "LCM cannot use {}: nothing is published, the run goes on; {}; to do without LCM: "
-      "--lcm off",
-      options_.url, kMulticastRemedy));
+  options_.warn(
+      fmt::format("warning: LCM cannot use {}: nothing is published, the run continues; {}, or use "
+                  "--lcm off",
+                  options_.url, kMulticastRemedy));
 }
 
 LcmSink::~LcmSink() = default;
@@ -65,7 +65,7 @@ void LcmSink::after_begin(TargetState& target_state) {
 }
 
 void LcmSink::after_frame(TargetState& target_state) {
-  // Spread over the second, so that a large description does not come as a burst on top of a frame.
+  // Spread over the second, to avoid a burst of description chunks after a frame.
   const auto now = Clock::now();
   const int chunks = target_state.description_chunks();
   const double round = (now - round_started_) / kDescriptionPeriod;
@@ -98,11 +98,11 @@ void LcmSink::send(const std::string& name, std::span<const uint8_t> bytes) {
     bytes_ += static_cast<int64_t>(bytes.size());
     return;
   }
-  // liblcm would look for the server again with each message, and say so each time.
+  // Otherwise liblcm would look for the server, and print, with each message.
   const bool was_lost = std::exchange(server_is_lost_, is_tcpq(options_.url));
   if (dropped_++ == 0 && !was_lost)
     options_.warn(
-        fmt::format("LCM did not take a message on {} ({}); the run goes on, further ones "
+        fmt::format("warning: LCM rejected a message on {} ({}); the run continues, further ones "
                     "are only counted",
                     name, options_.url));
 }

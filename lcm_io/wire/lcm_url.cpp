@@ -25,10 +25,10 @@ bool has_route(const std::string& url) {
   if (!url.starts_with(kScheme)) return true;
   const size_t end = url.find_first_of(":?", kScheme.size());
   std::string group = url.substr(kScheme.size(), end - kScheme.size());
-  if (group.empty()) group = "239.255.76.67";  // what liblcm uses
+  if (group.empty()) group = "239.255.76.67";  // default of liblcm
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(7667);  // any: connecting a UDP socket only looks the route up
+  address.sin_port = htons(7667);  // any port: connecting a UDP socket only looks up the route
   if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return true;
   const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return true;
@@ -67,13 +67,13 @@ bool has_server(const std::string& url) {
   const size_t colon = place.find(':');
   std::string host = place.substr(0, colon);
   std::string port = colon == std::string::npos ? "" : place.substr(colon + 1);
-  if (host.empty()) host = "127.0.0.1";  // both are what liblcm uses
+  if (host.empty()) host = "127.0.0.1";  // defaults of liblcm
   if (port.empty()) port = "7700";
-  addrinfo wanted{};
-  wanted.ai_family = AF_INET;
-  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  if (::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found) != 0) return false;
+  if (::getaddrinfo(host.c_str(), port.c_str(), &hints, &found) != 0) return false;
   bool is_there = false;
   for (const addrinfo* each = found; each != nullptr && !is_there; each = each->ai_next)
     is_there = answers(*each);
@@ -90,7 +90,7 @@ bool is_usable(const std::string& url) {
 }
 
 std::string_view remedy(const std::string& url) {
-  return is_tcpq(url) ? "start its server (lcm-tcpq-server or another) first" : kMulticastRemedy;
+  return is_tcpq(url) ? "start its server first, for example lcm-tcpq-server" : kMulticastRemedy;
 }
 
 }  // namespace throng

@@ -17,13 +17,13 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A controller that missed a turn, or whose answer was lost, gets another so soon.
-constexpr milliseconds kTurnPeriod{250};
-// How often somebody who waits looks up.
+// Time until a request without reply is repeated; the request or its reply may be lost.
+constexpr milliseconds kRequestPeriod{250};
+// Interval at which a waiting run checks for stop requests.
 constexpr milliseconds kPollPeriod{20};
-// A stopped run would still like its last frame answered, for its checkpoint.
+// A stopped run waits this long for the replies to its last frame, for its checkpoint.
 constexpr std::chrono::seconds kGrace{1};
-constexpr size_t kMaxChannel = 63;  // liblcm's
+constexpr size_t kMaxChannel = 63;  // limit of liblcm
 constexpr size_t kAvatarsPerRequest = (kMaxMessageBytes - 100) / (4 + 3 * 8 + 6 * 4);
 constexpr size_t kNamedAvatars = 5;
 constexpr int kQueuedAnswers = 200;
@@ -38,8 +38,7 @@ Lockstep::Lockstep(const RunInfo& run, const std::string& url, double timeout_s)
     : Lockstep(run, is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr, timeout_s) {
   if (!lcm_ || !lcm_->good())
     throw EnvironmentError(
-        fmt::format("--lockstep waits for answers over LCM, and LCM cannot listen on {}; {}", url,
-                    remedy(url)));
+        fmt::format("--lockstep: LCM cannot listen on {} for replies; {}", url, remedy(url)));
 }
 
 Lockstep::Lockstep(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm, double timeout_s)
@@ -48,7 +47,9 @@ Lockstep::Lockstep(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm, double tim
   for (size_t group = 0; group < run.control_channels.size(); ++group)
     if (!run.control_channels[group].empty()) listen(group);
   if (controllers_.empty())
-    throw InputError("--lockstep", "a scene with a driven group ('driven: CHANNEL')", "none");
+    throw InputError("--lockstep",
+                     "a scene with an externally controlled group (control_channel: CHANNEL)",
+                     "none");
 }
 
 Lockstep::~Lockstep() = default;
@@ -57,13 +58,13 @@ void Lockstep::listen(size_t group) {
   const std::string& channel = run_.control_channels[group];
   if (channel.size() + kReplySuffix.size() > kMaxChannel)
     throw InputError("--lockstep",
-                     fmt::format("channels of driven groups of at most {} characters, for '{}' to "
-                                 "follow",
+                     fmt::format("control channels of at most {} characters, because '{}' is "
+                                 "appended",
                                  kMaxChannel - kReplySuffix.size(), kReplySuffix),
                      fmt::format("'{}'", channel));
   if (std::count(run_.control_channels.begin(), run_.control_channels.end(), channel) > 1)
-    throw InputError("--lockstep", "a channel for each driven group",
-                     fmt::format("'{}' for several", channel));
+    throw InputError("--lockstep", "a separate control channel for each group",
+                     fmt::format("'{}' for several groups", channel));
   auto controller = std::make_unique<Controller>();
   controller->self = this;
   controller->index = counts_.size();
@@ -110,7 +111,7 @@ bool Lockstep::await(Simulation& simulation, const Stopped& stopped) {
   const auto start = Clock::now();
   auto deadline = start + std::chrono::duration_cast<Clock::duration>(
                               std::chrono::duration<double>(timeout_s_));
-  auto next_turn = start;
+  auto next_request = start;
   bool is_stopped = false;
   while (missing_ > 0 && failure_.empty()) {
     const auto now = Clock::now();
@@ -119,14 +120,14 @@ bool Lockstep::await(Simulation& simulation, const Stopped& stopped) {
       deadline = std::min<Clock::time_point>(deadline, now + kGrace);
     }
     if (now >= deadline) break;
-    if (now >= next_turn) {
+    if (now >= next_request) {
       send_requests();
-      next_turn = now + kTurnPeriod;
+      next_request = now + kRequestPeriod;
     }
-    const auto left = std::chrono::ceil<milliseconds>(std::min(deadline, next_turn) - now);
+    const auto left = std::chrono::ceil<milliseconds>(std::min(deadline, next_request) - now);
     if (lcm_->handleTimeout(
             static_cast<int>(std::clamp(left, milliseconds{1}, kPollPeriod).count())) < 0)
-      failure_ = "lockstep: LCM receives nothing any more; is its server still there?";
+      failure_ = "lockstep: LCM stopped receiving; check that its server is running";
   }
   if (missing_ > 0 && !is_stopped && failure_.empty()) failure_ = late_controllers();
   const double total_wait_s = seconds_since(start);
@@ -180,7 +181,7 @@ void Lockstep::send_request(Controller& controller) {
 
 void Lockstep::take(Controller& controller, std::span<const uint8_t> bytes) {
   Counts& counts = counts_[controller.index];
-  // Through liblcm's C code nothing may be thrown.
+  // No exception may pass through liblcm's C code.
   try {
     std::string defect = decode(bytes, reply_);
     if (defect.empty() && (reply_.run_id != static_cast<int64_t>(run_.run_id) ||
@@ -189,7 +190,7 @@ void Lockstep::take(Controller& controller, std::span<const uint8_t> bytes) {
       return;
     }
     if (defect.empty() && reply_.frame > frame_)
-      defect = fmt::format("an answer to frame {}, asked was {}", reply_.frame, frame_);
+      defect = fmt::format("a reply to frame {}, expected frame {}", reply_.frame, frame_);
     if (defect.empty()) defect = defect_for_group(run_, controller.group, reply_);
     if (!defect.empty()) {
       ++counts.refused;
@@ -208,7 +209,7 @@ void Lockstep::handle(Controller& controller, const step_reply_t& reply) {
   Counts& counts = counts_[controller.index];
   bool is_new = false;
   for_each_pose(run_, reply, [&](uint32_t avatar, const ExternalPose& pose) {
-    if (has_replied_[avatar] != 0) return;  // the first answer counts
+    if (has_replied_[avatar] != 0) return;
     counts.clamped += std::max(0, simulation_->set_pose(avatar, pose));
     has_replied_[avatar] = 1;
     --missing_;
@@ -234,9 +235,9 @@ std::string Lockstep::late_controllers() const {
         counts_[controller->index].group, counts_[controller->index].channel);
   }
   const std::string to =
-      is_first_ ? "the turn before the first frame" : fmt::format("frame {}", frame_);
+      is_first_ ? "the request before the first frame" : fmt::format("frame {}", frame_);
   return fmt::format(
-      "lockstep: no answer to {} within {:g} s for {}; is the controller alive? A slow one: "
+      "lockstep: no reply to {} within {:g} s for {}; check the controller, or raise "
       "--lockstep-timeout",
       to, timeout_s_, text);
 }

@@ -1,6 +1,7 @@
-// Moves the driven groups of a simulation in lockstep: a frame waits for the answers to the last.
-// One rule: what a run computes depends on what its controllers answer, never on when; who does not
-// answer ends the run, by name, and what comes for another frame or run is counted and not used.
+// Lockstep makes each frame wait for replies from the controllers of externally controlled groups.
+// Invariant: results depend on the replies of the controllers, never on their timing. A missing
+// reply ends the run and names the avatars; replies to another frame or run are counted and
+// ignored.
 #pragma once
 
 #include <chrono>
@@ -23,15 +24,15 @@ namespace throng {
 
 class Lockstep {
  public:
-  /// What a group's channel is followed by.
+  /// Suffixes of the control channel.
   static constexpr std::string_view kRequestSuffix = "_REQUEST", kReplySuffix = "_REPLY";
   static constexpr double kDefaultTimeout_s = 30;
 
-  /// Listens on the answer channel of every driven group. Throws EnvironmentError, with the way
-  /// out, if LCM cannot use the URL; InputError if the scene has no driven group, two that share a
-  /// channel, or a channel too long for its answers.
+  /// Listens on the reply channel of every externally controlled group. Throws EnvironmentError
+  /// with the remedy if LCM cannot use the URL. Throws InputError if the scene has no such group,
+  /// if two share a channel, or if a channel name is too long.
   Lockstep(const RunInfo& run, const std::string& url, double timeout_s = kDefaultTimeout_s);
-  /// Over a connection that the caller has.
+  /// Uses the caller's connection.
   Lockstep(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm, double timeout_s = kDefaultTimeout_s);
   ~Lockstep();
   Lockstep(const Lockstep&) = delete;
@@ -39,45 +40,43 @@ class Lockstep {
 
   using Stopped = std::function<bool()>;
 
-  /// Before the first frame: waits until every driven avatar was answered for once, so that no
-  /// controller misses a message. Throws EnvironmentError naming who is not there.
+  /// Waits before the first frame for one reply per externally controlled avatar, so that no
+  /// controller misses a message. Throws EnvironmentError naming the missing avatars.
   void begin(Simulation& simulation);
-  /// After a frame was sent: hands the answers to it to the simulation. False if somebody is late
-  /// or LCM broke down, see failure(). Once `stopped` says so it waits a second at most.
+  /// Waits for the replies to a frame and applies them. Returns false if one is late or LCM failed,
+  /// see failure(). Once `stopped` returns true it waits at most one second.
   bool after(Simulation& simulation, const Frame& frame, const Stopped& stopped = {});
 
   const std::string& failure() const { return failure_; }
-  /// Whether after() gave up on the answers to its last frame, being stopped.
+  /// Whether after() gave up waiting for replies to its last frame because of a stop.
   bool has_missing_replies() const { return missing_ > 0; }
 
-  /// Whoever publishes over it, too, has all messages of a frame on the wire before its turn.
+  /// Connection of the requests. Messages published over it before after() precede the request.
   const std::shared_ptr<lcm::LCM>& connection() const { return lcm_; }
 
   struct Counts {
     std::string group;
-    std::string channel;     ///< of the answers
-    int64_t requests = 0;    ///< messages that asked, repeated ones too
-    int64_t replies = 0;     ///< that moved somebody
+    std::string channel;
+    int64_t requests = 0;  ///< sent, including repeated ones
+    int64_t replies = 0;
     int64_t late = 0;        ///< to an earlier frame
-    int64_t repeated = 0;    ///< to this frame, for avatars that had been answered for
+    int64_t repeated = 0;    ///< to this frame, for avatars that had a reply
     int64_t other_runs = 0;  ///< to another run
-    int64_t refused = 0;     ///< damaged, hostile, to a frame to come, of avatars of others
-    int64_t clamped = 0;     ///< numbers set to the nearest that is possible
-    std::string refusal;     ///< the newest
+    int64_t refused = 0;  ///< damaged, malicious, to a later frame, or for avatars of another group
+    int64_t clamped = 0;  ///< values clamped to the valid range
+    std::string refusal;
   };
-  /// One a driven group.
   const std::vector<Counts>& counts() const { return counts_; }
   double timeout_s() const { return timeout_s_; }
-  double total_wait_s() const { return total_wait_s_; }  ///< over all frames, begin() left out
-  double max_wait_s() const { return max_wait_s_; }      ///< of a frame
+  double total_wait_s() const { return total_wait_s_; }  ///< over all frames, without begin()
+  double max_wait_s() const { return max_wait_s_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// One a driven group.
   struct Controller {
     Lockstep* self = nullptr;
-    size_t index = 0;    // into counts_
-    uint16_t group = 0;  // of the run
+    size_t index = 0;
+    uint16_t group = 0;
     std::string request_channel;
     int64_t requests = 0;
     std::vector<uint32_t> avatars;
@@ -94,14 +93,14 @@ class Lockstep {
   std::shared_ptr<lcm::LCM> lcm_;
   double timeout_s_;
   std::vector<Counts> counts_;
-  std::vector<std::unique_ptr<Controller>> controllers_;  // liblcm keeps pointers to them
+  std::vector<std::unique_ptr<Controller>> controllers_;  // stable addresses for liblcm
 
-  Simulation* simulation_ = nullptr;  // while it waits
-  int64_t frame_ = 0;                 // the one to be answered
+  Simulation* simulation_ = nullptr;
+  int64_t frame_ = 0;
   int64_t utime_us_ = 0;
   bool is_first_ = false;
-  std::vector<uint8_t> has_replied_;  // by avatar
-  int64_t missing_ = 0;               // avatars that are driven and not answered for
+  std::vector<uint8_t> has_replied_;
+  int64_t missing_ = 0;  // externally controlled avatars without a reply
   double total_wait_s_ = 0, max_wait_s_ = 0;
   std::string failure_;
   step_request_t request_{};

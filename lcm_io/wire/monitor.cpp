@@ -54,7 +54,7 @@ void Monitor::begin_run(double now_s) {
   instance_ = inbox_.run().instance();
   sums_ = {};
   first_ = {};
-  first_.now_s = now_s;  // the message that was just heard counts
+  first_.now_s = now_s;  // including the message just received
   history_.clear();
   notes_.clear();
   began_us_.clear();
@@ -133,7 +133,7 @@ void Monitor::take_events() {
       for (PartTotal* side : sides) {
         if (begins) ++side->begins;
         if (note.lasted_s > 0) side->contact_s += note.lasted_s;
-        if (sides[0] == sides[1]) break;  // hand on hand is one contact of hands
+        if (sides[0] == sides[1]) break;  // two hands are one contact of hands
       }
     }
     notes_.push_back(note);
@@ -149,7 +149,7 @@ void Monitor::drop_unseen_ends() {
 
 void Monitor::take_frame_stats() {
   const frame_stats_t& m = *inbox_.run().frame_stats();
-  // A hostile sender may claim any number: sums must not overflow.
+  // A malicious sender may state any number: sums must not overflow.
   const auto sane = [](int64_t n) { return std::clamp<int64_t>(n, 0, int64_t{1} << 40); };
   ++sums_.frames;
   for (size_t i = 0; i < kCullingStageCount; ++i) {
@@ -182,7 +182,7 @@ std::vector<Monitor::PartTotal> Monitor::parts() const {
 Monitor::FrameTime Monitor::frame_time() const {
   if (frame_ms_.empty()) return {};
   std::vector<float> sorted(frame_ms_.begin(), frame_ms_.end());
-  // Damaged times may be no numbers, which no order holds for.
+  // Damaged times may be NaN, which breaks the order of a sort.
   std::erase_if(sorted, [](float ms) { return !(ms >= 0); });
   if (sorted.empty()) return {};
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);

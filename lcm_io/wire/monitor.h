@@ -1,6 +1,5 @@
-// What somebody who watches a run wants to know: rates, stage counters, newest contacts, parts.
-// One rule: it follows the run that the inbox follows, and a message costs it little more than its
-// length; nothing is kept that could grow without end.
+// Monitor summarises the followed run of an Inbox: rates, stage counters, newest contacts, parts.
+// Invariant: the cost of a message is proportional to its length, and memory is bounded.
 #pragma once
 
 #include <array>
@@ -17,14 +16,13 @@ namespace throng {
 
 class Monitor {
  public:
-  /// Keeps a reference.
   explicit Monitor(const Inbox& inbox) : inbox_(inbox) {}
 
-  /// After inbox.take() said `update`. now_s: seconds of any clock that runs forward: the wall's
-  /// for a live run, the log's stamps for a log.
+  /// Call after inbox.take(), with its result. now_s: seconds of a monotonic clock for a live run,
+  /// the stamps of a log.
   void take(RunReader::Update update, double now_s);
 
-  /// Sums over what was heard of the run; the stages in the order of scenes/run/stages.h.
+  /// Sums over the received messages of the run; stages in the order of scenes/run/stages.h.
   struct Totals {
     double now_s = 0;
     int64_t frames = 0;
@@ -39,37 +37,36 @@ class Monitor {
     int64_t begins = 0;
     int64_t ends = 0;
   };
-  /// Since the run was first heard.
+  /// Returns the totals since the run was first received.
   Totals overall(double now_s) const;
-  /// The last two seconds or so.
+  /// Returns the totals of about the last two seconds.
   Totals recent(double now_s) const;
   static constexpr double kRecent_s = 2;
 
-  /// A pair that began or ended.
   struct Note {
     PairKey pair;
     EventKind kind = EventKind::kBegin;
     PairLevel level = PairLevel::kSphere;
     int64_t utime_us = 0;
-    double lasted_s = -1;  ///< of an end; below 0 if its begin was not heard
+    double lasted_s = -1;  ///< for an end; below 0 if its begin was not received
   };
-  /// The newest last.
+  /// The newest is last.
   const std::deque<Note>& notes() const { return notes_; }
   static constexpr size_t kNotes = 64;
 
-  /// All parts of one name, over all models.
+  /// Totals of all parts with one name, over all models.
   struct PartTotal {
-    std::string name;  ///< "obstacle" and "whole body" are two of them
+    std::string name;  ///< including "obstacle" and "whole body"
     int64_t begins = 0;
     int64_t touching = 0;
-    double contact_s = 0;  ///< of the contacts that ended
+    double contact_s = 0;
   };
-  /// The part with the most begins first.
+  /// Sorted by begins, descending.
   std::vector<PartTotal> parts() const;
 
   struct FrameTime {
     double last_ms = 0;
-    double median_ms = 0;  ///< of the last kFrameTimes frames
+    double median_ms = 0;  ///< over the last kFrameTimes frames
   };
   FrameTime frame_time() const;
   static constexpr size_t kFrameTimes = 240;
@@ -88,11 +85,11 @@ class Monitor {
   int64_t instance_ = 0;
   bool has_run_ = false;
   Totals first_, sums_;
-  std::deque<Totals> history_;  // a quarter of a second apart, kRecent_s long
+  std::deque<Totals> history_;  // every quarter of a second, for kRecent_s
   std::deque<Note> notes_;
   std::map<PairKey, int64_t> began_us_;
   std::vector<PartTotal> parts_;            // 0 obstacle, 1 whole body, then by name
-  std::vector<std::vector<size_t>> names_;  // by model and part, into parts_
+  std::vector<std::vector<size_t>> names_;  // by model and part, index into parts_
   std::deque<float> frame_ms_;
 };
 

@@ -13,9 +13,9 @@
 namespace throng {
 namespace {
 
-// Messages that wait for a step; a controller at 1 kHz sends 17 a frame.
+// Queued messages until a step; a controller at 1 kHz sends 17 per frame.
 constexpr int kQueuedCommands = 200;
-// A controller that was started again counts from anywhere.
+// After this silence a controller may have restarted, with any numbers.
 constexpr std::chrono::seconds kRestart{1};
 
 }  // namespace
@@ -23,8 +23,8 @@ constexpr std::chrono::seconds kRestart{1};
 PoseCommandReceiver::PoseCommandReceiver(const RunInfo& run, const std::string& url)
     : run_(run), lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
   if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(fmt::format(
-        "a group is driven over LCM, and LCM cannot listen on {}; {}", url, remedy(url)));
+    throw EnvironmentError(
+        fmt::format("LCM cannot listen on {} for pose commands; {}", url, remedy(url)));
   subscribe();
 }
 
@@ -59,7 +59,7 @@ void PoseCommandReceiver::subscribe() {
 void PoseCommandReceiver::apply(Simulation& simulation) {
   simulation_ = &simulation;
   for (const auto& listener : listeners_) listener->is_new = false;
-  // As many as can wait, no more: who sends without end must not hold up the run.
+  // At most one full queue, because a continuous sender must not delay the run.
   for (int i = 0; i < kQueuedCommands && lcm_->handleTimeout(0) > 0; ++i) {
   }
   for (const auto& listener : listeners_) {
@@ -87,7 +87,7 @@ bool PoseCommandReceiver::is_current(Listener& listener, const pose_command_t& m
   header.seq = message.seq;
   tally.count(header, bytes);
   if (!is_newest) return false;
-  // Of messages that are refused or ignored none keeps a channel from starting anew.
+  // Rejected or ignored messages do not delay a restart of the numbering.
   listener.last = now;
   listener.last_hole = tally.missing - missing;
   return true;
@@ -97,12 +97,11 @@ void PoseCommandReceiver::restart(Listener& listener, const pose_command_t& mess
                                   double silence_s) {
   ChannelTally& tally = listener.tally;
   print_message(
-      "note: drive channel {}: nothing newer than number {} came for {:.1f} s; counting starts "
-      "anew "
+      "note: control channel {}: no message after number {} for {:.1f} s; numbering restarts "
       "at {}\n",
       counts_[listener.index].channel, tally.next_seq - 1, silence_s, message.seq);
   ++counts_[listener.index].restarts;
-  // The number that nobody came up to was none: what seemed to be missing before it was never sent.
+  // Messages before that number were never sent, so they are not missing.
   tally.missing -= listener.last_hole;
   listener.last_hole = 0;
   tally.next_seq = message.seq;
@@ -110,8 +109,7 @@ void PoseCommandReceiver::restart(Listener& listener, const pose_command_t& mess
 
 void PoseCommandReceiver::take(Listener& listener, std::span<const uint8_t> bytes) {
   Counts& counts = counts_[listener.index];
-  // Through liblcm's C code nothing may be thrown; there is nothing here that throws but for
-  // memory.
+  // No exception may pass through liblcm's C code; only memory allocation could throw here.
   try {
     std::string defect = decode(bytes, message_);
     if (defect.empty()) defect = defect_for_group(run_, listener.group, message_);

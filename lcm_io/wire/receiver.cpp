@@ -11,8 +11,8 @@
 namespace throng {
 namespace {
 
-// liblcm queues 30 messages a subscription: a frame of 5000 people is ten. This holds some seconds
-// of a large crowd, 120 MB at the very most.
+// liblcm queues 30 messages per subscription; a frame of 5000 people has ten. This holds some
+// seconds of a large crowd, at most 120 MB.
 constexpr int kQueuedMessages = 2000;
 constexpr int kMaxMessagesPerCall = 4096;
 
@@ -30,7 +30,7 @@ Receiver::Receiver(std::shared_ptr<lcm::LCM> lcm) : lcm_(std::move(lcm)) { subsc
 Receiver::~Receiver() = default;
 
 void Receiver::subscribe() {
-  // A function, not a member: g++ 12's sanitizer mistakes LCM's call through a member pointer.
+  // A function, because the sanitizer of g++ 12 mistakes LCM's call through a member pointer.
   static constexpr auto on_message = [](const lcm::ReceiveBuffer* buffer,
                                         const std::string& channel, Receiver* self) {
     self->take(channel, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
@@ -39,7 +39,7 @@ void Receiver::subscribe() {
 }
 
 void Receiver::take(std::string_view channel, std::span<const uint8_t> bytes) {
-  // Between here and receive() lies C code that nothing may be thrown through.
+  // No exception may pass through the C code between here and receive().
   try {
     const int64_t foreign = inbox_.run().foreign();
     const RunReader::Update update = inbox_.take(channel, bytes);

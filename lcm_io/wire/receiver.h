@@ -1,6 +1,6 @@
-// Listens to runs over LCM, live.
-// One rule: messages are taken as raw bytes and judged by the guard before anything decodes them;
-// what is damaged, foreign or missing is counted, never fatal.
+// Receiver listens to live runs over LCM.
+// Invariant: messages are taken as raw bytes and validated before decoding; damaged, foreign and
+// missing ones are counted, never fatal.
 #pragma once
 
 #include <chrono>
@@ -20,32 +20,32 @@ class LCM;
 
 namespace throng {
 
-/// Valid during the call that it is passed to.
+/// Valid during the callback.
 struct ReceivedMessage {
   std::string_view channel;
   std::span<const uint8_t> bytes;
-  RunReader::Update update;  ///< what it did to inbox().run()
+  RunReader::Update update;  ///< its effect on inbox().run()
 };
 
 class Receiver {
  public:
   using Listener = std::function<void(const ReceivedMessage&)>;
 
-  /// Throws EnvironmentError, with the way out, if LCM cannot use the URL.
+  /// Throws EnvironmentError with the remedy if LCM cannot use the URL.
   explicit Receiver(const std::string& url = std::string(kDefaultLcmUrl));
-  /// Over a connection that the caller has.
+  /// Uses the caller's connection.
   explicit Receiver(std::shared_ptr<lcm::LCM> lcm);
   ~Receiver();
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
 
-  /// Waits for a message as long as said, then takes all that are there (at most a few thousand, so
-  /// that the caller gets its turn); returns how many. Rethrows what the listener threw.
+  /// Waits up to `wait` for a message, then takes all queued ones, at most a few thousand to return
+  /// control. Returns their number. Rethrows exceptions of the listener.
   int receive(std::chrono::milliseconds wait, const Listener& listener = {});
 
   Inbox& inbox() { return inbox_; }
 
-  /// After this long without a message of the run that is followed, another may take over.
+  /// After this time without a message of the followed run another run may take over.
   static constexpr std::chrono::seconds kSilence{3};
 
  private:

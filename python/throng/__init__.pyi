@@ -62,11 +62,11 @@ def run(
     steering: Optional[str] = None,
     part_volume: Optional[str] = None,
     exact: bool = False,
-    near: Optional[float] = None,
-    person_near: Optional[float] = None,
+    proximity: Optional[float] = None,
+    closest_parts: Optional[float] = None,
     contact_points: bool = False,
-    between: Optional[str] = None,
-    parts: Optional[str] = None,
+    filter_groups: Optional[str] = None,
+    filter_parts: Optional[str] = None,
     threads: Optional[int] = None,
     budget_ms: Optional[float] = None,
     budget_tests: Optional[int] = None,
@@ -78,9 +78,9 @@ def run(
     heading_unit: Optional[str] = None,
     columns: Optional[str] = None,
     separator: Optional[str] = None,
-    tracks: Optional[str] = None,
+    tracked_point: Optional[str] = None,
     strict: bool = False,
-    step: Optional[str] = None,
+    sampling: Optional[str] = None,
     trajectories: bool = True,
     trajectory_fps: Optional[float] = None,
     log: Optional[Path] = None,
@@ -115,13 +115,13 @@ class Frame:
     @property
     def present(self) -> npt.NDArray[np.bool_]: ...
     @property
-    def postures(self) -> npt.NDArray[np.float32]: ...
+    def joint_positions(self) -> npt.NDArray[np.float32]: ...
     @property
     def pairs(self) -> Table: ...
     @property
     def events(self) -> Table: ...
     @property
-    def near(self) -> Table: ...
+    def proximity(self) -> Table: ...
     @property
     def closest_parts(self) -> Table: ...
     @property
@@ -142,12 +142,12 @@ class Simulation:
     def __next__(self) -> Frame: ...
     def save(self) -> bytes: ...
     def resume(self, state: Union[bytes, bytearray, memoryview]) -> None: ...
-    def drive(
+    def set_pose(
         self,
         avatar: int,
         position_m: npt.ArrayLike,
         rotation_xyzw: npt.ArrayLike = (0, 0, 0, 1),
-        joints: npt.ArrayLike = (),
+        joint_positions: npt.ArrayLike = (),
         velocity_mps: npt.ArrayLike = (0, 0),
     ) -> int: ...
     @property
@@ -161,7 +161,7 @@ class Simulation:
     @property
     def hash(self) -> str: ...
     @property
-    def posture_offsets(self) -> npt.NDArray[np.int64]: ...
+    def joint_offsets(self) -> npt.NDArray[np.int64]: ...
 
 class Model:
     def __init__(self, urdf: Path) -> None: ...
@@ -189,7 +189,7 @@ class Model:
     def part_count(self) -> int: ...
     def poses(
         self,
-        joints: npt.ArrayLike,
+        joint_positions: npt.ArrayLike,
         positions_m: Optional[npt.ArrayLike] = None,
         rotations_xyzw: Optional[npt.ArrayLike] = None,
         scales: Optional[npt.ArrayLike] = None,
@@ -219,12 +219,12 @@ class Culler:
         pair_search: str = "grid",
         threads: Optional[int] = None,
         step_s: float = 1.0,
-        near: float = 0.0,
-        body_near: float = 0.0,
+        proximity: float = 0.0,
+        closest_parts: float = 0.0,
         contact_points: bool = False,
     ) -> None: ...
     @property
-    def near(self) -> Table: ...
+    def proximity(self) -> Table: ...
     @property
     def closest_parts(self) -> Table: ...
     @property

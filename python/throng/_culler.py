@@ -1,4 +1,4 @@
-"""Own bodies and own poses, without any scene."""
+"""Contacts of custom bodies in custom poses."""
 
 import os
 import warnings
@@ -13,13 +13,13 @@ from ._table import Table, has_columns
 
 
 class Body:
-    """A kind of body: rigid parts, each a mesh in its own frame.
+    """A kind of body: rigid parts, each a mesh in its own coordinate frame.
 
     Args:
-        parts: one a part: a mesh file (.tri, .ply, .stl, ...), a pair (vertices V x 3 in metres, triangles
-            T x 3), or vertices alone, whose hull counts. At most 255. Coordinates of at most 1e6 m.
-        names: of the parts.
-        static: True for what never moves; two such bodies are never tested against each other.
+        parts: one entry per part, at most 255: a mesh file (.tri, .ply, .stl, ...), a pair (vertices V x 3 in
+            metres, triangles T x 3), or vertices, whose convex hull counts. Coordinates up to 1e6 m.
+        names: names of the parts ["part 0", ...].
+        static: True for a body that never moves; static bodies are not tested against each other.
     """
 
     def __init__(self, parts, names=None, static=False):
@@ -28,7 +28,7 @@ class Body:
         meshes = [_mesh(f"parts[{i}]", part) for i, part in enumerate(parts)]
         names = [f"part {i}" for i in range(len(meshes))] if names is None else list(names)
         if len(names) != len(meshes) or not all(isinstance(name, str) for name in names):
-            raise input_error("names", f"a name a part, {len(meshes)}", abbreviated(names))
+            raise input_error("names", f"one name per part, {len(meshes)}", abbreviated(names))
         self._made_of = (meshes, names, bool(static))
         self._body = _core.body_of_parts(*self._made_of)
 
@@ -40,7 +40,7 @@ class Body:
 
 
 def _mesh(where, part):
-    """Vertices and triangles, or None."""
+    """Return vertices and triangles, or None instead of triangles."""
     if isinstance(part, (str, bytes, os.PathLike)):
         vertices, triangles, notes = _core.read_mesh(path_of(where, part))
         for note in notes:
@@ -55,7 +55,7 @@ def _mesh(where, part):
 
 
 class _BodyNames:
-    """What the numbers of bodies and parts stand for in the tables of a culler."""
+    """Maps body and part numbers in the tables of a culler to names."""
 
     def __init__(self, part_names):
         self.part_names = part_names
@@ -64,10 +64,10 @@ class _BodyNames:
     def __call__(self, table):
         return {
             f"part_{side}_name": numpy.array(
-                [self._name(*pair) for pair in zip(table[side].tolist(), table[f"part_{side}"].tolist())], dtype=object
+                [self._name(*pair) for pair in zip(table[f"body_{side}"].tolist(), table[f"part_{side}"].tolist())], dtype=object
             )
             for side in "ab"
-            if has_columns(table, side, f"part_{side}")
+            if has_columns(table, f"body_{side}", f"part_{side}")
         }
 
     def _name(self, body, part):
@@ -76,49 +76,53 @@ class _BodyNames:
 
 
 class Culler:
-    """Finds which part of which body overlaps which part of which other body, step after step.
+    """Finds overlapping parts of different bodies, step after step.
+
+    A pair whose triangles intersect is always reported, in any pose. A table that was not requested (`proximity`,
+    `closest_parts`, `contact_points`) raises RuntimeError. One thread at a time may use a culler.
 
     Args:
         bodies: a Model or Body, or a list of them: the kinds of bodies.
-        exact: triangles decide; otherwise a part is its volume, and pairs that nearly touch are reported, too.
-        part_volume: "ordop26", "obb", "aabb", ..., or by words of parts' names: "hand: obb, default: sphere".
-        pair_search: "grid", "sweep" or "brute". threads: [all].
-        step_s: from step to step, for begin_s and end_s of contacts, and for closing speeds.
-        near: every pair of parts of two bodies within so many metres is listed in `near`. body_near: of each two
-            bodies within so many metres the nearest parts, in `closest_parts`.
-        contact_points: where parts touch and how deep, in `contact_points`; needs exact=True.
-
-    A table that was not asked for (`near`, `closest_parts`, `contact_points`) raises RuntimeError.
-    A pair whose triangles intersect is always reported, however bodies are posed.
+        exact: True tests triangles; False tests part volumes, which also reports pairs that nearly touch.
+        part_volume: "ordop26", "obb", "aabb", ..., or a map by words of part names: "hand: obb, default: sphere".
+        pair_search: "grid", "sweep" or "brute".
+        threads: number of threads [all cores].
+        step_s: duration of a step in seconds, for begin_s and end_s of contacts and for closing speeds.
+        proximity: margin in metres; `proximity` lists each pair of parts of two bodies within it.
+        closest_parts: margin in metres; `closest_parts` lists the nearest parts of each two bodies within it.
+        contact_points: True fills `contact_points` with points and penetration depths; needs exact=True.
     """
 
     def __init__(self, bodies, exact=False, part_volume="ordop26", pair_search="grid", threads=None, step_s=1.0,
-                 near=0.0, body_near=0.0, contact_points=False):
+                 proximity=0.0, closest_parts=0.0, contact_points=False):
         kinds = list(bodies) if isinstance(bodies, (list, tuple)) else [bodies]
         made = [_body_of(kind) for kind in kinds]
-        body_near = numbers("body_near", body_near, "a number of metres", ()).item()
+        closest_parts = numbers("closest_parts", closest_parts, "a number of metres", ()).item()
         step_s = numbers("step_s", step_s, "a number of seconds above 0", ()).item()
         options = {"part_volume": part_volume, "exact": exact, "pair_search": pair_search, "threads": threads,
-                   "near": near, "body_near": body_near, "contact_points": contact_points, "step_s": step_s}
+                   "proximity": proximity, "closest_parts": closest_parts, "contact_points": contact_points,
+                   "step_s": step_s}
         self._culler = _core.Culler(made, options)
-        # What is looked for, by the names of options.
-        self._requested = {"near=M": near, "body_near=M": body_near, "contact_points=True": contact_points}
+        # Requested tables, by the option that requests them.
+        self._requested = {"proximity=M": proximity, "closest_parts=M": closest_parts,
+                           "contact_points=True": contact_points}
         self.step_s = step_s
         self._names = _BodyNames([body.part_names for body in made])
 
     def step(self, poses, types=None, ids=None, scales=None):
-        """Takes where everybody is now; returns what begins and ceases to touch (Table, see Run.events).
+        """Advance one step and return the begin and end events as a Table (see Run.events).
 
         Args:
-            poses: N x P x 4 x 4 (or 3 x 4), world_from_part; of bodies with different numbers of parts a list
-                of N arrays P x 4 x 4. Rotations without scale, positions within 1e9 m of the origin along each axis.
-            types: N, index into the kinds of bodies [0]. ids: N ascending numbers [0, 1, ...]; a body that is
-                not there any more touches nothing. scales: N, how large bodies are [1].
+            poses: N x P x 4 x 4 (or 3 x 4) matrices, world_from_part; for bodies with different numbers of parts a
+                list of N arrays P x 4 x 4. Rotations without scale, positions within 1e9 m of the origin per axis.
+            types: N indices into the kinds of bodies [0].
+            ids: N ascending numbers [0, 1, ...]. A body that is missing in a step touches nothing.
+            scales: N sizes of the bodies [1].
         """
         if isinstance(poses, (list, tuple)):
             bodies = [_matrices(f"poses[{i}]", body) for i, body in enumerate(poses)]
             count = len(bodies)
-            if len({body.shape[1] for body in bodies}) > 1:  # 3 x 4 beside 4 x 4
+            if len({body.shape[1] for body in bodies}) > 1:  # both 3 x 4 and 4 x 4
                 bodies = [body[:, :3] for body in bodies]
             matrices = numpy.concatenate(bodies) if count else numpy.zeros((0, 4, 4))
         else:
@@ -126,16 +130,16 @@ class Culler:
             count = len(poses)
         ids = numpy.arange(count) if ids is None else integers("ids", ids)
         types = numpy.zeros(count, dtype=int) if types is None else integers("types", types)
-        scales = numpy.ones(count) if scales is None else numbers("scales", scales, "a number a body", (None,))
+        scales = numpy.ones(count) if scales is None else numbers("scales", scales, "one number per body", (None,))
         if not len(ids) == len(types) == len(scales) == count:
-            raise input_error("ids, types, scales", f"one of each a body, {count}",
+            raise input_error("ids, types, scales", f"one of each per body, {count}",
                           f"{len(ids)}, {len(types)} and {len(scales)}")
         try:
             events = self._culler.step(matrices, ids, types, scales)
         except InputError:
-            raise  # nothing has happened
+            raise  # the culler is unchanged
         except KeyboardInterrupt:
-            self._remember(ids, types)  # the step ends by itself
+            self._remember(ids, types)  # the step completes in its thread
             raise
         self._remember(ids, types)
         return Table(events, self._names)
@@ -145,26 +149,26 @@ class Culler:
             self._names.type_of_id.update(zip(ids.tolist(), types.tolist()))
 
     def _requested_table(self, option, rows):
-        """A table of what is looked for; an empty one would say that there is nothing."""
+        """Return a requested table; an empty one would mean that no pair was found."""
         if not self._requested[option]:
             raise RuntimeError(f"this culler was made without {option}: there is no table")
         return Table(rows(), self._names)
 
     def finish(self):
-        """Ends all that still touches; returns these ends."""
+        """End all contacts that still exist and return these end events as a Table."""
         return Table(self._culler.finish(), self._names)
 
-    #: Table: a, b, part_a, part_b of all that touches after the last step
+    #: Table: body_a, part_a, body_b, part_b of each pair that touches after the last step
     pairs = property(lambda self: Table(self._culler.pairs(), self._names))
-    #: Table: how near parts are after the last step, see Frame.near; needs near=M
-    near = property(lambda self: self._requested_table("near=M", self._culler.near))
-    #: Table: of each two bodies the nearest parts, see Frame.near; needs body_near=M
-    closest_parts = property(lambda self: self._requested_table("body_near=M", self._culler.closest_parts))
-    #: Table: where parts touch after the last step, see Frame.contact_points; needs contact_points=True
+    #: Table: distances of parts after the last step, see Frame.proximity; needs proximity=M
+    proximity = property(lambda self: self._requested_table("proximity=M", self._culler.proximity))
+    #: Table: nearest parts of each two bodies, see Frame.proximity; needs closest_parts=M
+    closest_parts = property(lambda self: self._requested_table("closest_parts=M", self._culler.closest_parts))
+    #: Table: points of touching pairs after the last step, see Frame.contact_points
     contact_points = property(lambda self: self._requested_table("contact_points=True", self._culler.contact_points))
-    #: Table: of all steps so far, see Run.events
+    #: Table: events of all steps so far, see Run.events
     events = property(lambda self: Table(self._culler.events(), self._names))
-    #: Table: of all steps so far, see Run.contacts; end_s is nan while it lasts
+    #: Table: contacts of all steps so far, see Run.contacts; end_s is nan while a contact lasts
     contacts = property(lambda self: Table(self._culler.contacts(self.step_s), self._names))
     frame = property(lambda self: self._culler.frame)
     hash = property(lambda self: self._culler.hash)

@@ -1,26 +1,26 @@
-"""What goes wrong, as exceptions that keep where it did."""
+"""Exceptions of this module."""
 
 import re
 
 
 class Error(Exception):
-    """What every exception of this module's own is."""
+    """Base class of this module's exceptions."""
 
 
 class InputError(Error, ValueError):
-    """Bad input: a file, a scene, an option, an array that cannot be.
+    """Invalid input: a file, a scene, an option or an array.
 
     ``str(error)`` is one line, "where: expected ..., found ...".
 
     Attributes:
-        where: what the message begins with: "file:line", a file, or an argument.
-        file: the file, or None where it is not one that is at fault.
-        line: the line in it from 1, or None.
+        where: the beginning of the message: "file:line", a file, or an argument.
+        file: the file, or None if the cause is not a file.
+        line: the line in the file, from 1, or None.
     """
 
     def __init__(self, message, where=""):
         option = re.match(r"--[a-z]", where)
-        # Errors name options as the command does.
+        # Messages of the compiled module name options as the command does.
         super().__init__(re.sub(r"--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), message))
         self.where = where.lstrip("-").replace("-", "_") if option else where
         at_line = re.fullmatch(r"(?s)(.+):(\d+)", where)
@@ -45,7 +45,7 @@ def _restore(kind, args, state):
 
 
 class EnvironmentFault(Error, OSError):
-    """The machine failed us: a full disk, a folder that vanished, a program that is not installed."""
+    """A fault of the environment: a full disk, a missing folder, a missing program."""
 
     def __init__(self, message, where=""):
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""What a log says."""
+"""Logs: reading, checking and pictures."""
 
 import html
 import os
@@ -10,11 +10,16 @@ from ._run import Run, progress_of
 
 
 def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
-    """A log that `throng run` or run(..., log=FILE) wrote, as arrays: a Run.
+    """Read a log written by `throng run` or run(..., log=FILE); returns a Run.
 
-    trajectory_fps: places a second [all that the log has]. Of a damaged log what is sound is read;
-    summary["left_out"] counts the rest, notes say what is missing or is not what was written, and check() judges
-    it. Ctrl-C raises KeyboardInterrupt.
+    Of a damaged log the sound part is read. summary["left_out"] counts the unreadable places, notes describe the
+    missing or altered parts, and check() reports them in full. Ctrl-C raises KeyboardInterrupt.
+
+    Args:
+        file: the log.
+        trajectory_fps: positions per second [all in the log].
+        trajectories: False leaves Run.trajectories empty.
+        progress: as in run().
     """
     facts = _core.read_log(path_of("file", file), trajectory_fps, trajectories, progress_of(progress))
     facts["notes"] += _missing(**facts["summary"])
@@ -22,11 +27,11 @@ def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
 
 
 def _missing(frames, finished, left_out, damage):
-    """What a log does not hold, or holds altered, a line each."""
+    """Return one line for each missing or altered part of a log."""
     notes = list(damage)
     if left_out:
         places, are = ("1 place", "is") if left_out == 1 else (f"{left_out} places", "are")
-        notes.append(f"{places} of the log cannot be read and {are} left out; check() says what and where")
+        notes.append(f"{places} of the log cannot be read and {are} left out; check() lists them")
     if not finished:
         count = "1 frame" if frames == 1 else f"{frames} frames"
         notes.append(f"the log breaks off after {count}: the end of the run and its hash are missing")
@@ -34,22 +39,22 @@ def _missing(frames, finished, left_out, damage):
 
 
 class LogReport(dict):
-    """What check() found: sound, finished, cut_off (a sentence, or ""), problems (a line each), messages, bytes,
-    begins, ends, open_pairs, frames, seconds, ...; true where the log is sound and finished."""
+    """Result of check(): sound, finished, cut_off (a sentence, or ""), problems (one line each), messages, bytes,
+    begins, ends, open_pairs, frames, seconds, ... True if the log is sound and finished."""
 
     def __bool__(self):
         return self["sound"] and self["finished"]
 
 
 def check(file):
-    """Judges a log, as `throng check` does: numbering, gaps, checksums, that begins and ends pair up."""
+    """Check a log as `throng check` does: numbering, gaps, checksums, and that begins and ends pair up."""
     return LogReport(_core.check(path_of("file", file)))
 
 
 def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
-    """A picture of one frame of a log: height x width x 3, uint8 (red, green, blue).
+    """Return a picture of one frame of a log: height x width x 3, uint8 (red, green, blue).
 
-    eye_m, target_m: where from and what at (x, y, z) [the whole crowd].
+    eye_m, target_m: position of the camera and the point it looks at (x, y, z) [shows the whole crowd].
     """
     return _core.render(
         path_of("log", log), integer("frame", frame, 0, 2**63 - 1),
@@ -60,7 +65,7 @@ def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
 
 
 class Page:
-    """The 3-D page with a run in it, whole in itself: a notebook shows it, save() writes it."""
+    """The 3-D page with a run embedded in it. A notebook shows it; save() writes it."""
 
     def __init__(self, text, height=540):
         self.html = text
@@ -81,7 +86,7 @@ class Page:
 
 
 def view(log, limit_mb=25, height=540):
-    """The page of `throng view LOG --html` for a log, or for a Run that was kept: shown inline in a notebook."""
+    """Return the page of `throng view LOG --html` for a log, or for a Run made with view=True."""
     if isinstance(log, Run):
         return log.view()
     with tempfile.TemporaryDirectory() as folder:

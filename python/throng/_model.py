@@ -1,4 +1,4 @@
-"""A robot or a person: parts, joints, kinematics."""
+"""Body models of robots and people: parts, joints, kinematics."""
 
 import os
 
@@ -7,13 +7,14 @@ from ._validation import integer, numbers, path_of
 
 
 class Model:
-    """A URDF and the meshes that it names; "adult" is the bundled person.
+    """A body model: a URDF and its meshes. "adult" is the bundled person.
 
     Attributes:
-        name, height_m, is_person; reach_m: from the root to the farthest point in any posture.
-        joint_names (J), joint_lower and joint_upper (J, rad or m): joints that move by themselves.
+        name, height_m, is_person.
+        reach_m: distance from the root to the farthest point, over all postures.
+        joint_names (J), joint_lower and joint_upper (J, rad or m): the independently moving joints.
         part_names (P): links with geometry.
-        notes: what the URDF leaves open and how it is read, a line each.
+        notes: how incomplete entries of the URDF are interpreted, one line each.
     """
 
     def __init__(self, urdf):
@@ -35,27 +36,28 @@ class Model:
     joint_count = property(lambda self: len(self._model.joint_names))
     part_count = property(lambda self: len(self._model.part_names))
 
-    def poses(self, joints, positions_m=None, rotations_xyzw=None, scales=None):
-        """world_from_part of many postures at once.
+    def poses(self, joint_positions, positions_m=None, rotations_xyzw=None, scales=None):
+        """Return world_from_part of many postures at once.
 
         Args:
-            joints: N x J, or J for a single one; radians, or metres of the unscaled model.
-            positions_m: N x 3, where the roots are [0]. rotations_xyzw: N x 4 [as the world].
-            scales: N, how large the bodies are [1].
+            joint_positions: N x J, or J for a single posture; radians, or metres of the unscaled model.
+            positions_m: N x 3 positions of the roots [0].
+            rotations_xyzw: N x 4 rotations of the roots [world axes].
+            scales: N sizes of the bodies [1].
 
         Returns:
-            N x P x 4 x 4, float64: matrices; a point p of a part lies at R (scale p) + t.
+            N x P x 4 x 4 matrices, float64. A point p of a part lies at R (scale p) + t.
         """
         given = {"positions_m": positions_m, "rotations_xyzw": rotations_xyzw, "scales": scales}
         rows = {name: None if value is None else numbers(name, value) for name, value in given.items()}
-        return self._model.poses(numbers("joints", joints), **rows)
+        return self._model.poses(numbers("joint_positions", joint_positions), **rows)
 
     def vertices_m(self, part):
-        """V x 3, float32: the mesh of part number `part` in its own frame."""
+        """Return the vertices of part number `part` in its own frame: V x 3, float32."""
         return self._model.vertices_m(self._part(part))
 
     def triangles(self, part):
-        """T x 3, int32: indices into vertices_m(part), counter-clockwise from outside; none: points alone."""
+        """Return indices into vertices_m(part): T x 3, int32, counter-clockwise from outside; empty for a point cloud."""
         return self._model.triangles(self._part(part))
 
     def _part(self, part):

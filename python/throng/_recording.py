@@ -1,4 +1,4 @@
-"""Recordings of people, and two crowds side by side."""
+"""Recordings of people, and comparisons of two crowds."""
 
 import os
 import tempfile
@@ -12,15 +12,18 @@ from ._table import Table
 
 
 class Recording:
-    """Where people of an experiment or of another simulator were, whatever the format of the file.
+    """Trajectories of people from an experiment or another simulator, in any supported file format.
 
-    Takes what the file does not say: fps, unit, heading_unit, columns, separator, tracks, strict, as run() does.
+    Options supply properties that the file does not state, as in run(): fps, unit, heading_unit, columns, separator,
+    tracked_point, strict.
 
     Attributes:
         people: Table: id, samples, first_s, last_s, height_m (nan: none).
-        samples: Table: id, time_s, x_m, y_m, z_m, heading_rad (nan: none), person after person.
-        facts: a dict: kind, tracks, fps, frames, duration_s, odd (what is odd: what, how often, where first), ...
-        summary: a dict: mean_people, most_people; speed_mps, density_per_m2, height_m as (5 %, median, 95 %).
+        samples: Table: id, time_s, x_m, y_m, z_m, heading_rad (nan: none), sorted by person.
+        facts: dict: kind, tracked_point, fps, frames, duration_s, samples, shift_m, wkt, and anomalies as a list of
+            (kind, count, first occurrence).
+        summary: dict: mean_people, max_people, max_people_at_s; speed_mps, density_per_m2 and height_m as
+            (5 %, median, 95 %).
     """
 
     def __init__(self, file, **options):
@@ -37,7 +40,7 @@ class Recording:
     summary = property(lambda self: self._recording.summary())
 
     def run(self, **options):
-        """Dresses its people in bodies and culls them: run() with this file."""
+        """Retarget bodies onto the tracks and cull them: run() with this file."""
         return run(self._file, **{**self._options, **options})
 
 
@@ -46,12 +49,12 @@ def _opened(file, options):
 
 
 class Comparison:
-    """Two crowds, measure by measure. print() shows all of it; a notebook shows the figures, too.
+    """Two crowds, measure by measure. print() shows all measures; a notebook also shows the figures.
 
     Attributes:
-        a, b: dicts of what was run: name, people, seconds, person_s.
-        tables: a dict by measure (speed_density, spacing, flow, contacts, depth, ...) of Tables: at, from, to,
-            which, what, unit, a, b; nan where one of them has nothing.
+        a, b: dicts of the two runs: name, people, seconds, person_s.
+        tables: dict by measure (speed_density, spacing, flow, contacts, depth, ...) of Tables: at, from, to, which,
+            what, unit, a, b; nan where a run has no value.
     """
 
     _ROW = numpy.dtype(
@@ -71,7 +74,7 @@ class Comparison:
         return self._found.text()
 
     def figures(self, folder=None):
-        """A dict by figure of (title, SVG), drawn by gnuplot; with a folder they are written there, too."""
+        """Return a dict by figure of (title, SVG), drawn by gnuplot; with a folder also write them there."""
         if folder is not None:
             os.makedirs(folder, exist_ok=True)
             return self._found.figures(os.fspath(folder))
@@ -87,9 +90,9 @@ def _without_none(row):
 
 
 def compare(a, b, seconds=None, line=None, threads=None, progress=None):
-    """Runs two scenes, recordings or logs with triangles and measures both, as `throng compare` does.
+    """Run two scenes, recordings or logs with triangles and measure both, as `throng compare` does.
 
-    line: where the flow is measured, (x, y, x, y) [the narrowest place]. Returns a Comparison.
+    line: where the flow is measured, (x, y, x, y) in metres [the narrowest place]. Returns a Comparison.
     """
     given = {"seconds": seconds, "threads": threads, "exact": True}
     if line is not None:

@@ -1,4 +1,4 @@
-"""A run as a whole."""
+"""Complete runs."""
 
 import os
 import sys
@@ -11,19 +11,19 @@ from ._validation import input_error, integers, path_of
 from ._table import Table, has_columns
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
-# What stands for all parts of a body.
+# Part number that stands for a whole body.
 _WHOLE_BODY = 255
 
 
 def options_of(source, given):
-    """What the compiled half takes: names as given, without what is None."""
+    """Return the options for the compiled module: those given, without None."""
     options = {name: value for name, value in given.items() if value is not None}
     options["source"] = path_of("source", source, "the name of a scene, or a path")
     return options
 
 
 class Names:
-    """What the numbers of bodies, parts and groups stand for."""
+    """Maps numbers of bodies, parts and groups to names."""
 
     def __init__(self, facts):
         self.groups = list(facts["groups"])
@@ -31,8 +31,8 @@ class Names:
         self.parts = [list(names) for names in facts["part_names"]]
         self.obstacles = list(facts["obstacles"])
         self._model_of_person = facts["people"]["model"]
-        # One row a model, one for each obstacle, and what stands for a whole body at the end of each. The last row
-        # is of bodies that the run does not have.
+        # One row per model, one per obstacle, each with the name of the whole body. The last row is
+        # for bodies that the run does not have.
         kinds = self.parts + [[name] for name in self.obstacles]
         self._part_counts = numpy.array([len(names) for names in kinds], dtype=numpy.int64)
         self._table = numpy.full((len(kinds) + 1, 256), "", dtype=object)
@@ -41,20 +41,20 @@ class Names:
             self._table[row, _WHOLE_BODY] = "whole body" if row < len(self.parts) else names[0]
 
     def part(self, bodies, parts):
-        """Names of parts, one for each pair of a body's and a part's number; 255 is the whole body."""
+        """Return one name for each pair of a body number and a part number; 255 is the whole body."""
         bodies, parts = integers("bodies", bodies), integers("parts", parts)
         if len(bodies) != len(parts):
-            raise input_error("bodies, parts", "as many of one as of the other", f"{len(bodies)} and {len(parts)}")
+            raise input_error("bodies, parts", "arrays of equal length", f"{len(bodies)} and {len(parts)}")
         count = len(self._model_of_person) + len(self.obstacles)
         for i in numpy.flatnonzero((bodies < 0) | (bodies >= count))[:1]:
-            raise input_error(f"bodies[{i}]", f"a body's number from 0, below {count}", bodies[i])
+            raise input_error(f"bodies[{i}]", f"a body number from 0 to {count - 1}", bodies[i])
         counts = self._part_counts[self._kinds(bodies)]
         for i in numpy.flatnonzero((parts != _WHOLE_BODY) & ((parts < 0) | (parts >= counts)))[:1]:
-            raise input_error(f"parts[{i}]", f"a part's number from 0, below {counts[i]}, or {_WHOLE_BODY}", parts[i])
+            raise input_error(f"parts[{i}]", f"a part number from 0 to {counts[i] - 1}, or {_WHOLE_BODY}", parts[i])
         return self._of_parts(bodies, parts)
 
     def _kinds(self, bodies):
-        """Rows of the table."""
+        """Return the row of the table for each body."""
         people = len(self._model_of_person)
         kinds = numpy.minimum(len(self.parts) + bodies - people, len(self._table) - 1)
         is_person = bodies < people
@@ -66,9 +66,9 @@ class Names:
 
     def of_pairs(self, table):
         out = {
-            f"part_{side}_name": self._of_parts(table[side], table[f"part_{side}"])
+            f"part_{side}_name": self._of_parts(table[f"body_{side}"], table[f"part_{side}"])
             for side in "ab"
-            if has_columns(table, side, f"part_{side}")
+            if has_columns(table, f"body_{side}", f"part_{side}")
         }
         if has_columns(table, "level"):
             out["level_name"] = _LEVELS[table["level"]]
@@ -84,28 +84,28 @@ class Names:
 
 
 class Run:
-    """What a run was, in arrays.
-
-    It can be pickled, with all its tables.
+    """Results of a run, as arrays. Can be pickled with all its tables.
 
     Attributes:
-        scene: its name; seed, run_id, step_s as well.
-        hash: of all events, 16 hexadecimal digits, as `throng run` prints it; None of a log that is cut off.
-        people: Table (people): id, group, model, scale, height_m.
-        events: Table (events): frame, a, b, part_a, part_b, kind (0 begins, 1 ends), level (0 spheres, 1 boxes,
-            2 part volumes, 3 triangles); a < b are bodies, people first, then obstacles.
-        contacts: Table (contacts): a, b, part_a, part_b, level, ended (0: it lasted to the end of the run),
-            begin_frame, end_frame, begin_s, end_s; in the order in which they begin.
-        trajectories: Table (rows): frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps; a row for everybody
-            who is there.
-        counters: Table (frames): time_s, touching, begins, ends, persisting, and updates, tests and passed of
-            each stage of culling (avatar, body_box, part_box, part, exact), frame_ms, cull_ms.
-        summary: a dict of totals.
-        separation: None, or of a scene with a `separation`: a dict of robots, shortfalls, pairs, undetermined,
-            beyond_margin and regions: name -> a dict of shortfalls, shortfall_s, max_shortfall_m, min_distance_lo_m, min_distance_hi_m.
-        notes: what the user should know, a line each.
-        names: .groups, .models, .parts (a list a model), .obstacles; .part(bodies, parts) gives names.
-        log: the log that was written, or None.
+        scene, seed, run_id, step_s: name of the scene, random seed, hash of all inputs, step in seconds.
+        hash: hash of all events, 16 hexadecimal digits, as printed by `throng run`; None for an incomplete log.
+        people: Table, one row per person: id, group, model, scale, height_m.
+        events: Table, one row per begin or end: frame, body_a, body_b, part_a, part_b, kind (0 begins, 1 ends),
+            level (0 spheres, 1 boxes, 2 part volumes, 3 triangles). body_a < body_b; people come before obstacles.
+        contacts: Table, one row per contact, in order of begin: body_a, body_b, part_a, part_b, level, ended (0:
+            lasted to the end of the run), begin_frame, end_frame, begin_s, end_s.
+        trajectories: Table, one row per person in the scene and sampled frame: frame, time_s, id, x_m, y_m, z_m,
+            heading_rad, speed_mps.
+        counters: Table, one row per frame: frame, time_s, touching, begins, ends, persisting; updates, tests and
+            passed of each stage of culling (body_sphere, body_box, part_box, part_volume, triangles); posed_bodies,
+            frame_ms, cull_ms.
+        summary: dict of totals.
+        separation: None, or for a scene with a `separation` a dict of robots, shortfalls, pairs, undetermined,
+            beyond_margin and regions: name -> a dict of shortfalls, shortfall_s, max_shortfall_m, min_distance_lo_m,
+            min_distance_hi_m.
+        notes: notes and warnings, one line each.
+        names: .groups, .models, .parts (one list per model), .obstacles; .part(bodies, parts) returns names.
+        log: path of the written log, or None.
     """
 
     def __init__(self, facts, log=None, page=None):
@@ -134,18 +134,18 @@ class Run:
         return self._contacts
 
     def __getstate__(self):
-        self.contacts  # what finds them stays here
+        self.contacts  # computed now, because the function that finds them cannot be pickled
         return {**self.__dict__, "_find_contacts": None}
 
     def view(self):
-        """The page with this run in it, shown in a notebook. Needs run(..., view=True) or a log."""
+        """Return the page with this run, which a notebook shows. Needs run(..., view=True) or a log."""
         from ._log import Page, view
 
         if self._page is not None:
             return Page(self._page)
         if self.log is not None:
             return view(self.log)
-        raise ValueError("this run was not kept to be viewed: run(..., view=True) or run(..., log=FILE) does")
+        raise ValueError("this run has no page; use run(..., view=True) or run(..., log=FILE)")
 
     def __repr__(self):
         return (
@@ -155,7 +155,7 @@ class Run:
 
 
 def progress_of(progress):
-    """None, or what is called with (done, all): a bar on stderr for True."""
+    """Return None, or a function of (done, total); for True a progress bar on stderr."""
     if progress is None or progress is False:
         return None
     if progress is not True:
@@ -179,11 +179,11 @@ def run(
     steering=None,
     part_volume=None,
     exact=False,
-    near=None,
-    person_near=None,
+    proximity=None,
+    closest_parts=None,
     contact_points=False,
-    between=None,
-    parts=None,
+    filter_groups=None,
+    filter_parts=None,
     threads=None,
     budget_ms=None,
     budget_tests=None,
@@ -195,9 +195,9 @@ def run(
     heading_unit=None,
     columns=None,
     separator=None,
-    tracks=None,
+    tracked_point=None,
     strict=False,
-    step=None,
+    sampling=None,
     trajectories=True,
     trajectory_fps=None,
     log=None,
@@ -212,34 +212,43 @@ def run(
     view=False,
     progress=None,
 ):
-    """Runs a scene, a recording or a log to its end: who touches whom, frame by frame.
+    """Run a scene, a recording or a log to its end and return all contacts.
 
-    The options are those of `throng run`, with the same names and defaults, and give the same hash; but nothing
-    is published or written unless asked for. Others may run Python meanwhile. Ctrl-C ends the run after the
-    frame that it is in, with files complete, and raises KeyboardInterrupt.
+    The options are those of `throng run`, with the same names and defaults, and give the same hash. Nothing is
+    published, and only files named by an argument are written. Other Python threads run meanwhile. Ctrl-C ends the
+    run after the current frame, completes the files and raises KeyboardInterrupt.
 
     Args:
         source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
-        seconds, avatars, seed, steering, part_volume, exact: as the command's.
-        near, person_near: margins in metres, as the command's: rows go to the log, and to Frame.near of a Simulation.
-        contact_points: where parts touch and how deep, with exact=True: to the log, and to Frame.contact_points.
-        between, parts: the pairs that are asked for, as the command's: "robots: people", "hands: head".
-        threads, budget_ms, budget_tests, strategy, simd, pair_search: as the command's.
-        fps, unit, heading_unit, columns, separator, tracks, strict, step: of a recording, as the command's.
-        trajectories, trajectory_fps: whether places are kept, and how many a second [10, or a recording's].
-        log, states_hz, publish_part_poses: a log to write.
-        html: a page to write, with the run in it. trajectory: a file .sqlite or .csv, or a list of them.
-        trajectory_area: of a walkable area in pieces the one in FILE.sqlite: "largest", or its number by size, from 1.
-        contacts: a folder for contact statistics. separation: a folder for how near robots came to people.
-        trace_hash: a file for a hash a stage and frame.
-        view: True keeps the page, for Run.view().
-        progress: True for a bar on stderr, or a function that is called with (frames done, all frames).
+        seconds, avatars, seed, steering, part_volume, exact: as in the command.
+        proximity, closest_parts: margins in metres, as in the command; rows go to the log and to Frame.proximity
+            and Frame.closest_parts of a Simulation.
+        contact_points: True adds points and penetration depths to the log and to Frame.contact_points; needs
+            exact=True.
+        filter_groups, filter_parts: pairs to report, as in the command: "robots: people", "hands: head".
+        threads, budget_ms, budget_tests, strategy, simd, pair_search: as in the command.
+        fps, unit, heading_unit, columns, separator, tracked_point, strict, sampling: properties of a recording, as
+            in the command.
+        trajectories: False leaves Run.trajectories empty.
+        trajectory_fps: positions per second [10, or the rate of the recording].
+        log, states_hz, publish_part_poses: log to write, and its contents.
+        html: page with the run to write.
+        trajectory: file .sqlite or .csv to write, or a list of them.
+        trajectory_area: for a walkable area in several pieces, the piece in FILE.sqlite: "largest", or its number
+            by size, from 1.
+        contacts: folder for contact statistics.
+        separation: folder for distances of robots from people.
+        trace_hash: file for one hash per stage and frame.
+        view: True keeps the page for Run.view().
+        progress: True shows a bar on stderr; a function is called with (frames done, all frames).
 
     Returns:
         Run
 
     Raises:
-        InputError: with .file and .line where a file is at fault. EnvironmentFault. KeyboardInterrupt.
+        InputError: invalid file, option or array; .file and .line name the place in a file.
+        EnvironmentFault: full disk, missing folder, missing program.
+        KeyboardInterrupt: Ctrl-C.
     """
     given = {name: value for name, value in locals().items() if name not in ("source", "view", "progress")}
     for name in ("log", "html", "contacts", "separation", "trace_hash"):
@@ -263,5 +272,5 @@ def run(
 
 
 def scenes():
-    """The bundled scenes: a dict of their names and what they are."""
+    """Return the bundled scenes: a dict of names and descriptions."""
     return dict(_core.scenes())

@@ -1,13 +1,13 @@
-"""Structured arrays that become data frames where pandas is there."""
+"""Structured arrays that convert to data frames."""
 
 import numpy
 
 
 class Table(numpy.ndarray):
-    """A structured array of numpy: ``table["begin_s"]`` is a column, ``table[3]`` a row.
+    """A structured numpy array: ``table["begin_s"]`` is a column, ``table[3]`` a row.
 
-    ``to_pandas()`` gives a DataFrame, with names beside the numbers of bodies, parts and groups. It can be pickled
-    with these names.
+    ``to_pandas()`` returns a DataFrame with names for the numbers of bodies, parts and groups. Can be pickled with
+    these names.
     """
 
     def __new__(cls, rows, names=None):
@@ -28,15 +28,15 @@ class Table(numpy.ndarray):
 
     def __getitem__(self, key):
         part = super().__getitem__(key)
-        # A column, and what is worked out of one, is an array like any other.
+        # A column, and any array computed from it, is a plain array.
         return part.view(numpy.ndarray) if isinstance(part, Table) and part.dtype.names is None else part
 
     def to_pandas(self):
-        """A pandas.DataFrame with a column for each field, and names where there are any.
+        """Return a pandas.DataFrame with a column for each field, and names for numbers.
 
-        A point or a direction becomes three columns: a_m gives point_a_x_m, point_a_y_m and point_a_z_m; normal gives normal_x, ...
-        Of a table of some columns, ``table[["a", "part_a"]]``, those numbers are named whose columns are there: a
-        part's needs its body's, too.
+        A point or direction becomes three columns: point_a_m gives point_a_x_m, point_a_y_m and point_a_z_m; normal
+        gives normal_x, ... A table of some columns gets the names whose numbers it has; the name of a part also
+        needs the column of its body.
         """
         try:
             import pandas
@@ -49,12 +49,12 @@ class Table(numpy.ndarray):
 
 
 def has_columns(table, *names):
-    """Whether all of them are there: somebody may have selected others."""
+    """Return whether the table has all these columns; callers may have selected others."""
     return all(name in table.dtype.names for name in names)
 
 
 def _columns(table):
-    """Names and values: of a field of several numbers each by itself, its unit last."""
+    """Yield names and values; a field of several numbers gives one column each, with its unit last."""
     for name in table.dtype.names:
         values = numpy.asarray(table[name])
         if values.ndim == 1:

@@ -1,4 +1,4 @@
-"""What users give as numbers, turned into arrays; what is none is refused in words."""
+"""Conversion of arguments to arrays, with an InputError for unsuitable values."""
 
 import os
 from numbers import Real
@@ -9,12 +9,12 @@ from ._errors import InputError
 
 
 def input_error(where, expected, found):
-    """The InputError, to be raised."""
+    """Return the InputError to raise."""
     return InputError(f"{where}: expected {expected}, found {found}", where)
 
 
 def abbreviated(value):
-    """The beginning of what somebody gave, on one line."""
+    """Return the beginning of a value, on one line."""
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # a whole number of more than 4300 digits
@@ -37,7 +37,7 @@ def _array(where, value, expected):
 
 
 def numbers(where, value, expected="numbers", shape=None):
-    """An array of doubles; shape: lengths of its axes, None where any will do."""
+    """Return an array of doubles. shape: lengths of its axes, None for any length."""
     array = _array(where, value, expected)
     fits = shape is None or (
         array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape))
@@ -48,7 +48,7 @@ def numbers(where, value, expected="numbers", shape=None):
 
 
 def integers(where, value, expected="whole numbers"):
-    """An array of 64-bit integers of one axis, of whatever type whose values are whole."""
+    """Return a one-dimensional array of 64-bit integers, from any type with whole values."""
     array = _array(where, value, expected)
     if array.ndim != 1:
         raise input_error(where, f"{expected} in one row", f"an array {array.shape}" if array.ndim else abbreviated(value))
@@ -66,7 +66,7 @@ def integers(where, value, expected="whole numbers"):
 
 
 def integer(where, value, low, high=None):
-    """One number from low to high; as an index of Python it may be of any integral type."""
+    """Return a number from low to high. Like an index in Python it may have any integral type."""
     expected = f"a whole number from {low}" + ("" if high is None else f" to {high}")
     try:
         number = value.__index__()
@@ -78,7 +78,7 @@ def integer(where, value, low, high=None):
 
 
 def path_of(where, value, expected="the name of a file"):
-    """A path as text."""
+    """Return a path as text."""
     try:
         path = os.fsdecode(os.fspath(value))
     except TypeError:

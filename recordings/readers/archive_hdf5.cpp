@@ -1,5 +1,5 @@
-// HDF5 as the archive of experiments has it: a dataset `trajectory` of id, frame, x, y and perhaps
-// z, with an attribute fps; an attribute wkt_geometry may say where people can walk.
+// ArchiveHdf5 reads HDF5 files of the archive: a dataset `trajectory` with columns id, frame, x, y
+// and perhaps z. An attribute gives fps; wkt_geometry may give the walkable area.
 #include <fmt/format.h>
 #include <hdf5.h>
 
@@ -22,7 +22,6 @@ constexpr const char* kExpectedHdf5 =
 constexpr hsize_t kRowsPerRead = 8192;
 constexpr size_t kMaxTextBytes = 1 << 20;
 
-/// What HDF5 lends, given back.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -44,12 +43,11 @@ struct Row {
   double x, y, z, time;
 };
 
-/// As the file has its columns, in our layout.
 class RowType {
  public:
   explicit RowType(hid_t file_type) : type_(H5Tcreate(H5T_COMPOUND, sizeof(Row)), H5Tclose) {
     if (H5Tget_class(file_type) != H5T_COMPOUND)
-      throw ParseFailure(kExpectedHdf5, "one that has no columns");
+      throw ParseFailure(kExpectedHdf5, "a dataset without columns");
     for (int i = 0; i < H5Tget_nmembers(file_type); ++i) {
       char* const name = H5Tget_member_name(file_type, static_cast<unsigned>(i));
       names_.emplace_back(name == nullptr ? "" : name);
@@ -66,11 +64,10 @@ class RowType {
     if (time_) add(file_type, ColumnRole::kTime, HOFFSET(Row, time), false);
   }
   hid_t id() const { return type_.id(); }
-  /// Of times beside the frames; none where there are none.
   const std::optional<UnitScale>& time() const { return time_; }
   bool has_z() const { return columns_.has(ColumnRole::kZ); }
   const std::string& name_of(ColumnRole role) const { return names_[columns_[role]]; }
-  /// As its name states it; empty if it does not. A remark is taken for one.
+  /// Unit in the name of a column, or its remark; empty: none.
   const std::string& unit_of(ColumnRole role) const {
     const std::string& unit = columns_.units[static_cast<size_t>(role)];
     return unit.empty() ? columns_.remarks[static_cast<size_t>(role)] : unit;
@@ -130,27 +127,25 @@ std::string text_of(hid_t object, const char* name) {
   if (H5Tis_variable_str(type.id()) > 0) {
     char* text = nullptr;
     if (H5Aread(attribute.id(), type.id(), static_cast<void*>(&text)) < 0 || text == nullptr)
-      throw ParseFailure(fmt::format("a text as attribute {}", name), "one that cannot be read");
+      throw ParseFailure(fmt::format("a text as attribute {}", name), "an unreadable one");
     std::string out(text, ::strnlen(text, kMaxTextBytes));
     H5free_memory(text);
     return out;
   }
   std::string out(std::min(H5Tget_size(type.id()), kMaxTextBytes), '\0');
   if (H5Tget_size(type.id()) > out.size() || H5Aread(attribute.id(), type.id(), out.data()) < 0)
-    throw ParseFailure(fmt::format("a text as attribute {}", name), "one that cannot be read");
-  // Padded with zeros or blanks.
+    throw ParseFailure(fmt::format("a text as attribute {}", name), "an unreadable one");
   out.resize(::strnlen(out.data(), out.size()));
   return std::string(trimmed(out));
 }
 
-/// The attribute fps, a number or a text; NaN if there is none.
 double rate_of(hid_t object, const RecordingOptions& options) {
   return has_text(object, "fps") ? parsed_rate(text_of(object, "fps"), "the attribute fps", options)
                                  : number_of(object, "fps");
 }
 
-/// Of x, y and z: from the names of columns, attributes that describe them ("pedestrian
-/// x-coordinate (meter [m])"), or one for all.
+/// Units of x, y and z: from column names, attributes such as "pedestrian x-coordinate (meter
+/// [m])", or one for all.
 std::array<std::string, 3> units_of(hid_t file, hid_t dataset, const RowType& type,
                                     const RecordingOptions& options) {
   std::array<std::string, 3> out;
@@ -186,8 +181,7 @@ void send_rows(hid_t dataset, const RowType& type, SampleSender& sender) {
     const Handle memory(H5Screate_simple(1, &some, nullptr), H5Sclose);
     H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, &at, nullptr, &some, nullptr);
     if (H5Dread(dataset, type.id(), memory.id(), space.id(), H5P_DEFAULT, rows.data()) < 0)
-      throw ParseFailure(kExpectedHdf5,
-                         fmt::format("one whose rows from {} on cannot be read", at + 1));
+      throw ParseFailure(kExpectedHdf5, fmt::format("one with unreadable rows from {} on", at + 1));
     for (size_t i = 0; i < some; ++i)
       sender.sample({.id = rows[i].id,
                      .frame = rows[i].frame,
@@ -200,10 +194,9 @@ void send_rows(hid_t dataset, const RowType& type, SampleSender& sender) {
   }
 }
 
-/// In the child.
 void parse_hdf5(const RegularFile& file, const RecordingOptions& options, SampleSender& sender) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  H5PLset_loading_state(0);  // a file names filters; none is loaded for it
+  H5PLset_loading_state(0);  // no plugins: files may name filters
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.id(), false, true);
   const Handle opened(H5Fopen(path_of(file).c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
@@ -228,7 +221,7 @@ class ArchiveHdf5 final : public RecordingReader {
   bool knows(std::string_view head) const override { return head.starts_with("\x89HDF\r\n\x1a\n"); }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    refuse_packed(source, *this);
+    reject_packed(source, *this);
     const SandboxedKind foreign{.parser = {.library = "HDF5",
                                            .expected = kExpectedHdf5,
                                            .remedy = "export it again, for example as text"},

@@ -1,5 +1,5 @@
-// Archive text, as PeTrack writes it: a line of id, frame, x, y and mostly z for each head and
-// frame; comments say rate and unit, in older files nothing does.
+// ArchiveText reads text as PeTrack writes it: a line of id, frame, x, y and mostly z per head and
+// frame. Comments state rate and unit; older files lack them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,11 +20,10 @@
 namespace throng {
 namespace {
 
-/// What the columns of a line are, in their order.
 using Roles = std::vector<std::optional<ColumnRole>>;
 
-/// The names in a comment say which column is what, if they fit the number of columns; a comment
-/// "x cm y cm" has two names or four.
+/// Columns named in a comment, if the names fit the number of columns; "x cm y cm" has two names or
+/// four.
 struct NamedColumns {
   Roles roles;
   std::vector<std::string> names;
@@ -67,17 +66,16 @@ class ArchiveLines final : public LineHandler {
  private:
   void comment(std::string_view line, int64_t number) {
     if (columns_ == 0) return comments_.read(line, number);
-    // A second file behind the first one.
     HeaderComments later;
     later.read(line, number);
     StatedUnits units = later.units();
     const NamedColumns named = named_columns(later, columns_);
     units.state(named.columns, named.names, number);
     later.state_lists(units, roles_);
-    refuse_contradiction(builder_, later, units_, units, number);
+    reject_contradiction(builder_, later, units_, units, number);
   }
 
-  /// The first position: what comments and options said until now must be enough.
+  /// Called at the first position: the preceding comments and the options have to be complete.
   void begin(std::string_view line, int64_t number) {
     std::vector<std::string_view> fields;
     fields_of(line, 0, fields);
@@ -91,7 +89,7 @@ class ArchiveLines final : public LineHandler {
     for (const ColumnRole role :
          {ColumnRole::kId, ColumnRole::kFrame, ColumnRole::kX, ColumnRole::kY})
       if (std::find(roles_.begin(), roles_.end(), role) == roles_.end())
-        builder_.refuse(number, "id, frame, x, y and perhaps z",
+        builder_.reject(number, "id, frame, x, y and perhaps z",
                         fmt::format("{} columns: {}", columns_, in_quotes(line)));
     units_ = comments_.units();
     units_.state(named.columns, named.names, comments_.names_line());
@@ -101,13 +99,13 @@ class ArchiveLines final : public LineHandler {
     comments_.state_rate(builder_);
     scales_ = units_.settle(builder_, false);
     if (!rate || !scales_.has_lengths)
-      ask_for(builder_, !rate, !scales_.has_lengths, "archive text whose comments do not say so");
+      throw_missing(builder_, !rate, !scales_.has_lengths, "archive text whose comments lack it");
     if (!(*rate > 0 && *rate <= 10'000))
-      builder_.refuse(number, "a frame rate above 0 and up to 10000",
-                      fmt::format("{:g}; --fps 25 overrules the file", *rate));
+      builder_.reject(number, "a frame rate above 0 and up to 10000",
+                      fmt::format("{:g}; --fps 25 overrides the file", *rate));
     if (!scales_.has_z && std::find(roles_.begin(), roles_.end(), ColumnRole::kZ) != roles_.end())
       note_no_z(builder_);
-    RecordingHead& head = builder_.head();
+    RecordingHeader& head = builder_.header();
     head.clock = RecordedClock::kFrames;
     head.per_s = *rate;
   }
@@ -115,7 +113,7 @@ class ArchiveLines final : public LineHandler {
   struct Position {
     int64_t id = 0, frame = 0;
     double x = 0, y = 0, z = kMissing;
-    double time = kMissing, time_rounding = 0;  ///< beside the frame, which counts
+    double time = kMissing, time_rounding = 0;  ///< only compared; `frame` is used
   };
 
   void position(const char* at, const char* end, int64_t number) {
@@ -129,15 +127,15 @@ class ArchiveLines final : public LineHandler {
       ++column;
       while (at < end && is_blank(*at)) ++at;
     }
-    if (column != columns_) refuse_columns(column, number);
+    if (column != columns_) reject_columns(column, number);
     add(position, number);
   }
 
-  /// A field between two tabs may be empty.
+  /// Parses a line with tabs, whose fields may be empty.
   void cells(std::string_view line, int64_t number) {
     std::vector<std::string_view> fields;
     fields_of(line, columns_, fields);
-    if (fields.size() != columns_) refuse_columns(fields.size(), number);
+    if (fields.size() != columns_) reject_columns(fields.size(), number);
     Position position;
     for (size_t column = 0; column < columns_; ++column)
       field(fields[column].data(), fields[column].data() + fields[column].size(), column, position,
@@ -145,12 +143,11 @@ class ArchiveLines final : public LineHandler {
     add(position, number);
   }
 
-  [[noreturn]] void refuse_columns(size_t count, int64_t number) const {
-    builder_.refuse(number, fmt::format("{} columns, as in the first line", columns_),
+  [[noreturn]] void reject_columns(size_t count, int64_t number) const {
+    builder_.reject(number, fmt::format("{} columns, as in the first line", columns_),
                     fmt::format("{}", count));
   }
 
-  /// Reads a field, and returns its end.
   const char* field(const char* at, const char* end, size_t column, Position& out,
                     int64_t number) const {
     if (!roles_[column]) return word_end(at, end);
@@ -178,7 +175,7 @@ class ArchiveLines final : public LineHandler {
   }
 
   void add(const Position& position, int64_t number) {
-    if (std::isinf(position.z)) builder_.refuse(number, "z", "infinity");
+    if (std::isinf(position.z)) builder_.reject(number, "z", "infinity");
     if (scales_.has_time && !std::isnan(position.time))
       builder_.frame_times().take(static_cast<double>(position.frame),
                                   scales_.time.si(position.time),
@@ -205,7 +202,7 @@ class ArchiveLines final : public LineHandler {
     const char* const word = word_end(at, end);
     const std::string_view text(at, static_cast<size_t>(word - at));
     if (!parse_whole(text, out))
-      builder_.refuse(number, fmt::format("{} that is a whole number", what),
+      builder_.reject(number, fmt::format("{} that is a whole number", what),
                       defect_of_whole(text));
     return word;
   }
@@ -217,13 +214,13 @@ class ArchiveLines final : public LineHandler {
     const char* const word = word_end(at, end);
     const std::string_view text(at, static_cast<size_t>(word - at));
     if (!parse_number_or_missing(text, out))
-      builder_.refuse(number, fmt::format("{} that is a number", what), in_quotes(text));
+      builder_.reject(number, fmt::format("{} that is a number", what), in_quotes(text));
     return word;
   }
 
   RecordingBuilder& builder_;
   HeaderComments comments_;
-  StatedUnits units_;  ///< in comments and in the names of columns
+  StatedUnits units_;
   Roles roles_;
   size_t columns_ = 0;
   ColumnScales scales_;
@@ -233,7 +230,7 @@ class ArchiveText final : public RecordingReader {
  public:
   std::string_view kind() const override { return "archive text"; }
 
-  /// The first line that is no comment begins with two whole numbers and goes on with two numbers.
+  /// The first non-comment line begins with two whole numbers, then two numbers.
   bool knows(std::string_view head) const override {
     if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
     HeaderComments comments;
@@ -249,8 +246,8 @@ class ArchiveText final : public RecordingReader {
   }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    builder.head().kind = kind();
-    builder.head().tracked_point = TrackedPoint::kHead;
+    builder.header().kind = kind();
+    builder.header().tracked_point = TrackedPoint::kHead;
     ArchiveLines lines(builder);
     source.lines(lines);
   }

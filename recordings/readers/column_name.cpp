@@ -31,7 +31,6 @@ bool is_parting(char c) {
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 
-/// "x in" of "x in cm" is x.
 std::string_view without_in(std::string_view text) {
   while (!text.empty() && is_parting(text.back())) text.remove_suffix(1);
   if (text.size() > 3 && is_parting(text[text.size() - 3]) && lower(text).ends_with("in"))
@@ -39,7 +38,7 @@ std::string_view without_in(std::string_view text) {
   return text;
 }
 
-/// Where the last word begins: behind a blank or an underscore, or at a capital inside a name.
+/// Start of the last word: after a blank or underscore, or at an inner capital.
 size_t last_word(std::string_view text) {
   for (size_t i = text.size(); i-- > 1;) {
     if (is_parting(text[i])) return i + 1;
@@ -58,27 +57,25 @@ void find_suffix(std::string_view text, ColumnName& out) {
       out.plain_before_suffix = plain(without_in(text));
       return;
     }
-  if (text.ends_with('.')) text.remove_suffix(1);  // "in."
+  if (text.ends_with('.')) text.remove_suffix(1);
   const size_t word = last_word(text);
   if (word == std::string_view::npos || word >= text.size()) return;
-  // A capital inside a name begins a word: "timeMs".
+  // An inner capital begins a word: "timeMs".
   const bool is_parted = is_parting(text[word - 1]);
   out.suffix = is_parted ? folded(text.substr(word)) : lower(text.substr(word));
   out.plain_before_suffix = plain(without_in(text.substr(0, word)));
 }
 
-/// What columns may count in, beside units: a word of these is no mere remark.
+/// Units of counting and other scales: such words are no remarks.
 bool names_a_scale(std::string_view word) {
   constexpr std::string_view kScales[] = {
       "image",      "screen",   "grid",      "index",         "percent",    "normalised",
       "normalized", "scaled",   "relative",  "dimensionless", "lat",        "lon",
       "points",     "latitude", "longitude", "pts",           "rev",        "unitless",
       "rods",       "chains",   "frames",    "hundredths",    "thousandths"};
-  // One or several of them.
   constexpr std::string_view kCounted[] = {"day",  "week",  "month", "year", "step",  "sample",
                                            "beat", "count", "unit",  "cell", "cycle", "revolution",
                                            "tile", "block", "dot",   "turn", "texel", "league"};
-  // Of other languages and other days, and short for a unit.
   constexpr std::string_view kOthers[] = {
       "cubit", "verst",   "parsec",  "angstrom", "ell",     "meile",  "zoll",
       "fuss",  "elle",    "sekunde", "stunde",   "schritt", "pouce",  "pied",
@@ -93,7 +90,8 @@ bool names_a_scale(std::string_view word) {
          std::find(std::begin(kCounted), std::end(kCounted), single) != std::end(kCounted);
 }
 
-/// One letter more, less or other, or two that changed places.
+/// Returns whether words differ by one inserted, missing or changed letter, or by swapped
+/// neighbours.
 bool differs_by_a_slip(std::string_view a, std::string_view b) {
   const auto same =
       static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin());
@@ -107,28 +105,30 @@ bool differs_by_a_slip(std::string_view a, std::string_view b) {
   return is_swapped || (a.size() <= 1 && b.size() <= 1);
 }
 
-/// Without vowels, as "mtr" and "pxl" are.
+/// Words without vowels, such as "mtr" and "pxl".
 bool is_abbreviation(std::string_view word) {
   constexpr std::string_view kClocks[] = {"gmt", "gps", "bst", "cst", "mst", "pst"};
   return word.find_first_of("aeiou") == std::string_view::npos &&
          std::find(std::begin(kClocks), std::end(kClocks), word) == std::end(kClocks);
 }
 
-/// A unit, what could be one of another language or was meant to be one: "kilometros", "secnds".
+/// Returns whether a word is a unit, a misspelt unit or one of another language: "kilometros",
+/// "secnds".
 bool is_like_unit(std::string_view word) {
   if (unit_named(word) || names_a_scale(word) || is_abbreviation(word) ||
       word.find("metr") != std::string_view::npos || word.ends_with("meter") ||
       word.ends_with("meters") || word.find("pixel") != std::string_view::npos)
     return true;
-  constexpr size_t kLongEnough = 5;  // "head" is no "feet", and "main" no "min"
+  // Shorter words are too similar: "head" and "feet", "main" and "min".
+  constexpr size_t kLongEnough = 5;
   const std::vector<std::string_view> spellings = spelt_units();
   return std::any_of(spellings.begin(), spellings.end(), [&](std::string_view spelling) {
     return spelling.size() >= kLongEnough && differs_by_a_slip(word, spelling);
   });
 }
 
-/// Plain words of which one at least has three letters, and none could be a unit: "head", "UTC",
-/// "centre of mass".
+/// Returns whether words are a remark: plain words, one with at least three letters, none similar
+/// to a unit. Examples: "head", "UTC", "centre of mass".
 bool is_remark(std::string_view text) {
   std::string words = lower(text);
   std::replace_if(
@@ -138,24 +138,24 @@ bool is_remark(std::string_view text) {
     if (!std::all_of(word.begin(), word.end(), is_lower) || is_like_unit(word)) return false;
     longest = std::max(longest, word.size());
   }
-  // "world frame" is one, "frame" could be a number of them.
+  // "world frame" is a remark; "frame" alone may be a unit of counting.
   return longest >= 3 && words != "frame" && !words.starts_with("in ");
 }
 
-/// The first of all brackets that holds a unit, else what the first one holds that is no remark:
-/// "(seen) [cm]".
+/// Unit in the first bracket that holds one, else the first bracket's content unless it is a
+/// remark: "(seen) [cm]".
 std::string unit_in_brackets(std::string_view text, std::string& remark) {
   std::string first;
   for (size_t at = text.find_first_of(kOpeningBrackets); at != std::string_view::npos;
        at = text.find_first_of(kOpeningBrackets, at + 1)) {
     const std::string_view inner = text.substr(at + 1);
-    // "[meter(s)]" has brackets within.
+    // "[meter(s)]" has nested brackets.
     const size_t plural = inner.find("(s)");
     std::string unit = bare_unit(inner.substr(0, inner.find_first_of(kClosingBrackets)));
     if (plural != std::string_view::npos && unit_named(bare_unit(inner.substr(0, plural))))
       return bare_unit(inner.substr(0, plural));
     if (unit_named(unit)) return unit;
-    // "[s since start]", but "in" begins prose.
+    // "[s since start]" has a unit; "in" begins prose.
     const std::string word = unit.substr(0, unit.find(' '));
     if (word != "in" && unit_named(word)) return word;
     const std::string_view whole = trimmed(inner.substr(0, inner.find_first_of(kClosingBrackets)));

@@ -1,5 +1,5 @@
-// ETH and UCY, as the first benchmarks of trajectories have them: "frame id x y", 2.5 positions a
-// second, or the obsmat.txt of "frame id x z y vx vz vy".
+// EthText reads ETH and UCY files: "frame id x y" at 2.5 positions per second, or obsmat.txt with
+// "frame id x z y vx vz vy".
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,25 +19,24 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kPositionsPerS = 2.5;
-constexpr size_t kShort = 4, kLong = 8;  ///< columns
+constexpr size_t kShort = 4, kLong = 8;
 
-/// How far people go from one line to their next if the one column is their id and the other the
-/// frame.
+/// Guess measures displacements between lines of one id, for both orders of id and frame.
 class Guess {
  public:
   void take(int64_t id, int64_t frame, double x, double y) {
     const auto [it, is_new] = last_.try_emplace(id, Place{frame, x, y});
     if (is_new) return;
     if (frame > it->second.frame) {
-      ways_ += std::hypot(x - it->second.x, y - it->second.y);
+      path_m_ += std::hypot(x - it->second.x, y - it->second.y);
       ++steps_;
     }
     it->second = {frame, x, y};
   }
   bool is_nearer_than(const Guess& other) const {
     if (steps_ == 0) return false;
-    return other.steps_ == 0 ||
-           ways_ * static_cast<double>(other.steps_) < other.ways_ * static_cast<double>(steps_);
+    return other.steps_ == 0 || path_m_ * static_cast<double>(other.steps_) <
+                                    other.path_m_ * static_cast<double>(steps_);
   }
 
  private:
@@ -46,7 +45,7 @@ class Guess {
     double x, y;
   };
   std::unordered_map<int64_t, Place> last_;
-  double ways_ = 0;
+  double path_m_ = 0;
   int64_t steps_ = 0;
 };
 
@@ -61,17 +60,17 @@ class EthLines final : public LineHandler {
     if (words.empty()) return;
     if (columns_ == 0) begin(words.size());
     if (words.size() != columns_)
-      builder_.refuse(number, fmt::format("{} columns, as in the first line", columns_),
+      builder_.reject(number, fmt::format("{} columns, as in the first line", columns_),
                       fmt::format("{}", words.size()));
     int64_t frame = 0, id = 0;
     if (!parse_whole(words[0], frame))
-      builder_.refuse(number, "a frame that is a whole number", defect_of_whole(words[0]));
+      builder_.reject(number, "a frame that is a whole number", defect_of_whole(words[0]));
     if (!parse_whole(words[1], id))
-      builder_.refuse(number, "an id that is a whole number", defect_of_whole(words[1]));
+      builder_.reject(number, "an id that is a whole number", defect_of_whole(words[1]));
     double x = 0, y = 0;
     const std::string_view y_text = words[columns_ == kLong ? 4 : 3];
     if (!parse_number_or_missing(words[2], x) || !parse_number_or_missing(y_text, y))
-      builder_.refuse(number, "x and y that are numbers", in_quotes(line));
+      builder_.reject(number, "x and y that are numbers", in_quotes(line));
     builder_.add(id,
                  {.instant = static_cast<double>(frame),
                   .x_m = scales_.x.si(x),
@@ -88,7 +87,7 @@ class EthLines final : public LineHandler {
     later.read(line, number);
     StatedUnits units = later.units();
     later.state_lists(units, roles());
-    refuse_contradiction(builder_, later, units_, units, number);
+    reject_contradiction(builder_, later, units_, units, number);
   }
 
   std::vector<std::optional<ColumnRole>> roles() const {
@@ -99,19 +98,18 @@ class EthLines final : public LineHandler {
     return out;
   }
 
-  /// The first position: what comments and options said until now counts.
+  /// Called at the first position: the preceding comments and the options apply.
   void begin(size_t columns) {
     columns_ = columns;
     units_ = comments_.units();
     comments_.state_lists(units_, roles());
     scales_ = units_.settle(builder_, false);
-    // Of a comment further down.
     if (!builder_.options().unit_m) units_.state_all("m", "this kind of file", 0);
     const std::optional<double> rate = comments_.rate(builder_);
     if (rate && !(*rate > 0 && *rate <= 10'000))
       throw InputError(builder_.options().file.string(), "a frame rate above 0 and up to 10000",
-                       fmt::format("{:g}; --fps 25 overrules the file", *rate));
-    RecordingHead& head = builder_.head();
+                       fmt::format("{:g}; --fps 25 overrides the file", *rate));
+    RecordingHeader& head = builder_.header();
     head.clock = rate ? RecordedClock::kFrames : RecordedClock::kSteps;
     head.per_s = rate.value_or(kPositionsPerS);
   }
@@ -128,8 +126,8 @@ class EthText final : public RecordingReader {
  public:
   std::string_view kind() const override { return "ETH/UCY text"; }
 
-  /// Eight columns, or four of which the second is the likelier id: archive text has it first. A
-  /// comment that names the columns leaves nothing to guess, and archive text reads it.
+  /// Accepts eight columns, or four with the more likely id in the second; archive text has it
+  /// first. A comment that names the columns is decisive: archive text reads it.
   bool knows(std::string_view head) const override {
     Guess frame_first, id_first;
     HeaderComments comments;
@@ -162,13 +160,13 @@ class EthText final : public RecordingReader {
       frame_first.take(second, first, x, y);
       id_first.take(first, second, x, y);
     }
-    // Names of these two alone decide as well.
+    // A comment that names only these two is also decisive.
     if (columns == kShort && comments.has_ids_first()) return !*comments.has_ids_first();
     return columns == kLong || (columns == kShort && frame_first.is_nearer_than(id_first));
   }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    builder.head().kind = kind();
+    builder.header().kind = kind();
     EthLines lines(builder);
     source.lines(lines);
   }

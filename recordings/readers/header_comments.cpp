@@ -15,24 +15,22 @@ namespace {
 
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-/// Letters from the first to the last, and one at least.
 bool is_word(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), is_letter);
 }
 
-/// Without signs of comments and blanks.
 std::string_view content_of(std::string_view line) {
   while (!line.empty() && (is_blank(line.front()) ||
                            std::string_view("#*$%/;").find(line.front()) != std::string_view::npos))
     line.remove_prefix(1);
-  // A spreadsheet fills the line up to its last column.
+  // Spreadsheets pad the line to their last column.
   while (!line.empty() && (is_blank(line.back()) || line.back() == ',' || line.back() == ';'))
     line.remove_suffix(1);
   return trimmed(line);
 }
 
-/// Up to where the next statement of a line begins: a semicolon, or a comma and a blank,
-/// unless a number follows, which then is a second rate.
+/// Text up to the next statement of a line. Statements end at a semicolon, or at a comma and a
+/// blank unless a number follows: that is a second rate.
 std::string_view statement(std::string_view text) {
   const size_t end = std::min({text.find(';'), text.find(", "), text.size()});
   const std::string_view rest = trimmed(text.substr(std::min(end + 1, text.size())));
@@ -43,7 +41,7 @@ bool has_one_word(std::string_view text) {
   return text.find_first_of(" \t") == std::string_view::npos;
 }
 
-/// A unit that stands without brackets at the end: "positions in cm".
+/// Unit at the end without brackets: "positions in cm".
 std::string unit_at_end(std::string_view text) {
   while (text.ends_with('.')) text.remove_suffix(1);
   const size_t in = text.rfind(" in ");
@@ -52,10 +50,10 @@ std::string unit_at_end(std::string_view text) {
   return unit_named(unit) ? unit : "";
 }
 
-/// "in" between words is not an inch.
+/// "in" between words is no inch.
 bool is_plain_unit(std::string_view unit) { return unit != "in" && unit_named(unit).has_value(); }
 
-/// The quantity of all columns that a word names; none for words about anything else.
+/// Quantity of all columns that a word names; empty for other words.
 std::optional<Quantity> quantity_of_all(std::string_view word) {
   for (const std::string_view article : {"all ", "the "})
     if (word.starts_with(article)) word = trimmed(word.substr(article.size()));
@@ -66,8 +64,8 @@ std::optional<Quantity> quantity_of_all(std::string_view word) {
   return word == "time" || word == "times" ? std::optional(Quantity::kTime) : std::nullopt;
 }
 
-/// A statement about all columns, as a whole: "positions are given in cm", "lengths: cm", "all
-/// coordinates [cm]". What says more is about something else: "position error (cm): 2".
+/// Unit that a whole text states for all columns: "positions are given in cm", "lengths: cm", "all
+/// coordinates [cm]". Longer texts state something else: "position error (cm): 2".
 std::optional<std::string> unit_of_all(std::string_view text) {
   while (text.ends_with('.')) text.remove_suffix(1);
   const size_t end = std::min(text.find_first_of(":="), text.find_first_of(kOpeningBrackets));
@@ -87,7 +85,6 @@ std::optional<std::string> unit_of_all(std::string_view text) {
   return unit;
 }
 
-/// Calls `take` for each of the statements in a line: "x in cm, y in m".
 template <typename Take>
 void for_each_clause(std::string_view text, const Take& take) {
   while (!text.empty()) {
@@ -102,7 +99,7 @@ void for_each_clause(std::string_view text, const Take& take) {
   }
 }
 
-/// Roles of "x,y,z", "X and Y"; empty if a word of it is none.
+/// Roles of "x,y,z", "X and Y"; empty if a word has no role.
 std::vector<ColumnRole> roles_of(std::string_view list) {
   std::string words(list);
   std::replace_if(
@@ -117,7 +114,7 @@ std::vector<ColumnRole> roles_of(std::string_view list) {
       continue;
     }
     const std::optional<ColumnRole> role = role_named(word);
-    // "X,Y,v" describes speeds as well.
+    // "X,Y,v" also describes speeds.
     if (role)
       out.push_back(*role);
     else if (word != "v" && word != "a" && word != "b")
@@ -126,8 +123,8 @@ std::vector<ColumnRole> roles_of(std::string_view list) {
   return out;
 }
 
-/// Whether the words before "frame rate" leave it that of the file: "playback fps" and "original
-/// frame rate" are others.
+/// Returns whether the words before "frame rate" mean that of the file; "playback fps" and
+/// "original frame rate" do not.
 bool is_own_rate(std::string_view before) {
   before = trimmed(before);
   const size_t blank = before.find_last_of(" \t");
@@ -139,7 +136,6 @@ bool is_own_rate(std::string_view before) {
   return false;
 }
 
-/// True for words that no column is called by.
 bool is_prose(const std::vector<std::string>& names) {
   return std::any_of(names.begin(), names.end(), [](const std::string& name) {
     const std::string word = lower(name);
@@ -159,7 +155,7 @@ std::string unit_in_description(std::string_view text, Quantity quantity) {
     const std::string unit = bare_unit(whole);
     if (const std::optional<Unit> found = unit_named(unit); found && found->quantity == quantity)
       return unit;
-    // Prose stands in round brackets as well.
+    // Round brackets may also contain prose.
     const bool is_meant = text[at] == '[' || lower(whole).starts_with("in ");
     // "[1]" is a reference.
     const bool has_letter = std::any_of(unit.begin(), unit.end(), is_letter);
@@ -173,7 +169,7 @@ std::optional<double> overruled_rate(RecordingBuilder& builder, std::optional<do
   const std::optional<double> given = builder.options().fps;
   if (!given) return stated;
   if (stated && *stated != *given)
-    builder.note("a frame rate of the file that --fps overrules", 1, std::string(source));
+    builder.note("a frame rate of the file that --fps overrides", 1, std::string(source));
   return given;
 }
 
@@ -184,7 +180,6 @@ void HeaderComments::state_rate(RecordingBuilder& builder) const {
 
 void HeaderComments::read_rate_in_name(const TableColumns& columns, int64_t number) {
   const std::string& text = columns.units[static_cast<size_t>(ColumnRole::kFrame)];
-  // "[1]" is no rate.
   if (!std::any_of(text.begin(), text.end(), is_letter)) return;
   if (const std::optional<double> rate = frame_rate_named(text))
     add_rate({text, rate, number, "the name of the frames' column"});
@@ -218,7 +213,7 @@ void HeaderComments::read_rate(const std::string& text, int64_t number) {
     }
     const bool is_stated = !rest.empty() && (rest.front() == ':' || rest.front() == '=');
     if (is_stated) rest = trimmed(rest.substr(1));
-    // Prose speaks of rates as well: "recorded with 50 fps".
+    // Prose also mentions rates: "recorded with 50 fps".
     if (!is_stated && (at != 0 || rest.empty() || !is_digit(rest.front()))) continue;
     const std::string_view value = statement(rest);
     if (is_missing(value)) continue;
@@ -235,15 +230,15 @@ std::optional<double> HeaderComments::rate(RecordingBuilder& builder) const {
   if (builder.options().fps || !rate_)
     return overruled_rate(builder, rate_ ? rate_->per_s : std::nullopt, source);
   if (!rate_->per_s)
-    builder.refuse(rate_->line, kFrameRateForms, source + "; --fps overrules the file");
+    builder.reject(rate_->line, kFrameRateForms, source + "; --fps overrides the file");
   if (other_rate_)
-    builder.refuse(other_rate_->line, fmt::format("one frame rate, {:g}", *rate_->per_s),
-                   in_quotes(other_rate_->text) + "; --fps overrules the file");
+    builder.reject(other_rate_->line, fmt::format("one frame rate, {:g}", *rate_->per_s),
+                   in_quotes(other_rate_->text) + "; --fps overrides the file");
   return rate_->per_s;
 }
 
 void HeaderComments::read_names(std::string_view text, int64_t number) {
-  // "columns: id frame x y" names them behind the colon.
+  // "columns: id frame x y" has the names after the colon.
   if (const size_t colon = text.rfind(':'); colon != std::string_view::npos)
     text = trimmed(text.substr(colon + 1));
   std::string names(text);
@@ -256,7 +251,6 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
       id + frame == 1)
     has_ids_first_ = id == 0;
   if (!columns.missing().empty()) return;
-  // Two lines of names may not contradict each other.
   if (!names_.empty()) {
     const std::vector<std::string> before = names_between_blanks(names_, true);
     units_.state(columns_by_name(before, {}, ""), before, names_line_);
@@ -265,8 +259,8 @@ void HeaderComments::read_names(std::string_view text, int64_t number) {
   names_line_ = number;
 }
 
-/// "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]", "x in
-/// cm".
+/// Reads "X,Y,Z: the agents coordinates (in metres)", "COORDCENTX: coordinate of the centre [m]",
+/// "x in cm".
 void HeaderComments::read_description(std::string_view text, int64_t number) {
   const std::string source = "the comment " + in_quotes(text);
   if (const std::optional<std::string> unit = unit_of_all(text)) {
@@ -282,7 +276,7 @@ void HeaderComments::read_description(std::string_view text, int64_t number) {
   const auto unit_of = [&](Quantity quantity) -> std::string {
     const std::string bare = bare_unit(rest);
     if (colon == std::string_view::npos) {
-      // The unit ends the statement: what follows makes it prose, as "x in [0, 10]" is.
+      // The unit ends the statement; more text makes it prose, as in "x in [0, 10]".
       const bool is_bracket = text[end] != ' ';
       if (is_bracket && text.substr(end).find_first_of(kClosingBrackets) + 1 != text.size() - end)
         return "";
@@ -290,7 +284,7 @@ void HeaderComments::read_description(std::string_view text, int64_t number) {
       return unit_in_description(text, quantity);
     }
     if (is_plain_unit(bare)) return bare;
-    // A number makes it a value: "time: 14 [h]". "3d" is none.
+    // A number makes it a value: "time: 14 [h]", but not in "3d".
     for (size_t i = 0; i < rest.size(); ++i)
       if (is_digit(rest[i]) && (i + 1 == rest.size() || rest[i + 1] != 'd')) return "";
     return unit_in_description(text, quantity);
@@ -300,7 +294,7 @@ void HeaderComments::read_description(std::string_view text, int64_t number) {
       units_.state(role, unit_of(*quantity), source, number);
 }
 
-/// The units in an item of a list: "cm", "meters (m)", "1 m", "id frame m m". Empty: none is known.
+/// Units in an item of a list: "cm", "meters (m)", "1 m", "id frame m m"; empty: none known.
 std::vector<std::string> units_in(std::string_view item) {
   const std::string whole = bare_unit(item);
   if (unit_named(whole)) return {whole};
@@ -315,7 +309,7 @@ std::vector<std::string> units_in(std::string_view item) {
   return out;
 }
 
-/// "unit: cm", "units: m, s", "length unit = m".
+/// Reads "unit: cm", "units: m, s", "length unit = m".
 void HeaderComments::read_units(std::string_view text, int64_t number) {
   const std::string source = "the comment " + in_quotes(text);
   const size_t at = text.find("unit");
@@ -329,8 +323,8 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
   else if (at == 0 && unit_named(bare_unit(rest)))
     list = std::exchange(subject, "");  // "unit (cm)"
   if (list.empty()) return;
-  // What the unit is of stands before it or behind: "length unit", "unit of length". Others are
-  // units of what is not read.
+  // The quantity stands before or after: "length unit", "unit of length". Other quantities are not
+  // read.
   if (subject.starts_with("of ")) subject.remove_prefix(3);
   if (subject.empty()) subject = trimmed(text.substr(0, at));
   while (subject.starts_with('_')) subject.remove_prefix(1);
@@ -342,13 +336,13 @@ void HeaderComments::read_units(std::string_view text, int64_t number) {
     const size_t end = list.find_first_of(",;");
     const std::string_view item = trimmed(list.substr(0, end));
     list.remove_prefix(end == std::string_view::npos ? list.size() : end + 1);
-    // Another statement: "unit: cm, fps: 25".
+    // Another statement follows: "unit: cm, fps: 25".
     if (item.find_first_of(":=") != std::string_view::npos) return;
     const std::vector<std::string> units = units_in(item);
     for (const std::string& unit : units)
       if (const std::optional<Unit> found = unit_named(unit); !only || found->quantity == *only)
         units_.state_all(unit, source, number);
-    // A word that is no unit is refused, unless it says that there is none.
+    // A word that is no unit is rejected, unless it states that there is none.
     const std::string word = bare_unit(item);
     const bool says_none = word == "none" || word == "unknown" || word == "si" || word == "metric";
     if (units.empty() && is_first && is_word(word) && !says_none && only != Quantity::kTime)
@@ -381,10 +375,9 @@ void HeaderComments::read_list(std::string_view line, int64_t number) {
 
 namespace {
 
-/// What stands in a list of units for a column that has none.
 bool is_no_unit(const std::string& field) { return is_missing(field) || field == "1"; }
 
-/// Ids and frames are numbers without a unit.
+/// Returns whether ids and frames have units, which numbers lack.
 bool counts_have_units(const std::vector<std::string>& fields,
                        std::span<const std::optional<ColumnRole>> roles) {
   for (size_t column = 0; column < roles.size() && fields.size() == roles.size(); ++column)
@@ -392,7 +385,7 @@ bool counts_have_units(const std::vector<std::string>& fields,
   return false;
 }
 
-/// A list of units as one field for each column; empty if it is none or does not fit.
+/// Units with one field per column; empty if the list does not fit.
 std::vector<std::string> fitted(std::vector<std::string> fields, bool has_separators,
                                 std::span<const std::optional<ColumnRole>> roles) {
   const auto is_measured = [&](size_t column) {
@@ -400,10 +393,8 @@ std::vector<std::string> fitted(std::vector<std::string> fields, bool has_separa
   };
   size_t measured = 0;
   for (size_t column = 0; column < roles.size(); ++column) measured += is_measured(column) ? 1 : 0;
-  // A spreadsheet fills the line up to its last column.
   while (fields.size() > roles.size() && fields.back().empty()) fields.pop_back();
-  // The sign of the comment may have a field of its own, and those of ids and frames may be
-  // missing.
+  // The comment sign may be a field, and fields of ids and frames may be missing.
   if (fields.size() == roles.size() + 1 && fields.front().empty()) fields.erase(fields.begin());
   if (fields.size() == measured && measured < roles.size() &&
       std::all_of(fields.begin(), fields.end(),
@@ -456,7 +447,8 @@ void HeaderComments::state_lists(StatedUnits& units,
           const std::optional<Unit> unit = unit_named(field);
           return !unit || unit->in_si == 1;
         });
-    if (is_si && !counts_have_units(list.fields, roles)) continue;  // "# m, s" is what is read
+    if (is_si && !counts_have_units(list.fields, roles))
+      continue;  // "# m, s" are the default units
     if ((plain < 2 && !counts_have_units(list.fields, roles)) || !has_words_alone) continue;
     const std::string unfit = fmt::format("{} for {} columns", list.text, roles.size());
     for (const std::optional<ColumnRole>& role : roles)
@@ -464,25 +456,25 @@ void HeaderComments::state_lists(StatedUnits& units,
   }
 }
 
-void refuse_contradiction(RecordingBuilder& builder, const HeaderComments& later,
+void reject_contradiction(RecordingBuilder& builder, const HeaderComments& later,
                           const StatedUnits& now, const StatedUnits& then, int64_t number) {
-  const double per_s = builder.head().per_s;
+  const double per_s = builder.header().per_s;
   if (const std::optional<double> rate = later.stated_rate(); rate && *rate != per_s)
-    builder.refuse(number, fmt::format("one frame rate, {:g}", per_s),
+    builder.reject(number, fmt::format("one frame rate, {:g}", per_s),
                    fmt::format("{:g}; split the file there", *rate));
   if (!now.agrees_with(then))
-    builder.refuse(number, "one unit of length", "another one; split the file there");
+    builder.reject(number, "one unit of length", "another one; split the file there");
 }
 
 void HeaderComments::read(std::string_view line, int64_t number) {
-  // JSON says it in quotes and braces.
+  // JSON has quotes and braces around its keys.
   std::string text = folded(without_capitals_throughout(content_of(line)));
   std::erase(text, '"');
   if (text.starts_with('{') && text.ends_with('}')) text = text.substr(1, text.size() - 2);
   text = std::string(trimmed(text));
   if (text.empty()) return;
   read_rate(text, number);
-  // Capitals tell words apart: "xCm".
+  // Capitals separate words: "xCm".
   read_names(content_of(line), number);
   if (names_line_ == number && !names_.empty()) return;
   read_list(line, number);

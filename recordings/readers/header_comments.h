@@ -1,5 +1,4 @@
-// Comments before the first position of a text: the frame rate, the units and the names of columns
-// that they state.
+// HeaderComments reads frame rate, units and column names from comments before the first position.
 #pragma once
 
 #include <cstdint>
@@ -15,28 +14,27 @@ namespace throng {
 
 class HeaderComments {
  public:
-  /// A line with its comment sign. What states nothing is skipped.
+  /// Reads a line with its comment sign; lines without a statement are ignored.
   void read(std::string_view line, int64_t number);
 
-  /// The rate that the name of a column of frames states, if it does: "frame [25 fps]".
+  /// Reads the rate in the name of a frame column: "frame [25 fps]".
   void read_rate_in_name(const TableColumns& columns, int64_t number);
 
-  /// The rate that --fps or else the comments state. Throws InputError for one that is not
-  /// understood, or for two, unless the option overrules them; notes what is overruled.
+  /// Rate of --fps, or else of the comments. Throws InputError for an invalid rate or two rates,
+  /// unless the option overrides them; overridden rates are noted.
   std::optional<double> rate(RecordingBuilder& builder) const;
-  /// Tells the builder which rate is stated, and where: --fps goes before.
+  /// Passes the stated rate and its source to the builder; --fps takes precedence.
   void state_rate(RecordingBuilder& builder) const;
-  /// What the comments state, whatever --fps is.
   std::optional<double> stated_rate() const { return rate_ ? rate_->per_s : std::nullopt; }
-  /// But for those in names() and in lists.
+  /// Units of statements; excludes those in names() and lists.
   const StatedUnits& units() const { return units_; }
-  /// States the units of lines that list one for each column ("# -,ms,cm,mm"). A list that does not
-  /// fit the columns, whose roles are given in their order, makes settle() refuse the file.
+  /// States the units of lines with one unit per column ("# -,ms,cm,mm"). `roles` are in the order
+  /// of columns. A list that does not fit the columns makes settle() reject the file.
   void state_lists(StatedUnits& units, std::span<const std::optional<ColumnRole>> roles) const;
-  /// The last line that names id, frame or time, x and y; empty if there is none.
+  /// Last line that names id, frame or time, x and y; empty: none.
   const std::string& names() const { return names_; }
   int64_t names_line() const { return names_line_; }
-  /// Whether ids come before frames, as a comment that begins with both says: "# frame id ...".
+  /// Whether ids come before frames, from a comment with both names: "# frame id ...".
   std::optional<bool> has_ids_first() const { return has_ids_first_; }
 
  private:
@@ -47,11 +45,11 @@ class HeaderComments {
     std::string_view place = "the comment";
   };
 
-  /// A comment that names units, perhaps one for each column.
+  /// Comment that consists of units, perhaps one per column.
   struct List {
     std::string text;
-    std::vector<std::string> fields;  ///< without what surrounds units
-    bool has_separators = false;      ///< other than blanks
+    std::vector<std::string> fields;
+    bool has_separators = false;
     int64_t line = 0;
   };
 
@@ -63,7 +61,7 @@ class HeaderComments {
   void read_units(std::string_view text, int64_t number);
 
   std::optional<Rate> rate_;
-  std::optional<Rate> other_rate_;  ///< stated as well, and not the same
+  std::optional<Rate> other_rate_;
   StatedUnits units_;
   std::string names_;
   int64_t names_line_ = 0;
@@ -71,16 +69,16 @@ class HeaderComments {
   std::vector<List> lists_;
 };
 
-/// Throws InputError for a comment behind the first position that states another rate than the
-/// recording has, or another unit: a second file behind the first one.
-void refuse_contradiction(RecordingBuilder& builder, const HeaderComments& later,
+/// Throws InputError for a comment after the first position with another rate or unit, as in two
+/// concatenated files.
+void reject_contradiction(RecordingBuilder& builder, const HeaderComments& later,
                           const StatedUnits& now, const StatedUnits& then, int64_t number);
 
-/// The unit in a description of a column: "x-coordinate (meter [m])", "positions (in cm)". Empty if
-/// it states none.
+/// Unit in the description of a column: "x-coordinate (meter [m])", "positions (in cm)"; empty:
+/// none.
 std::string unit_in_description(std::string_view text, Quantity quantity);
 
-/// The rate of --fps, or what the file states; a note where these differ.
+/// Rate of --fps or of the file, with a note if they differ.
 std::optional<double> overruled_rate(RecordingBuilder& builder, std::optional<double> stated,
                                      std::string_view source);
 

@@ -1,4 +1,5 @@
-// JuPedSim's trajectories in SQLite, versions 1 to 3, and ours, which add headings.
+// JupedsimSqlite reads SQLite trajectories of JuPedSim, versions 1 to 3, and of Throng, with
+// headings.
 #include <fmt/format.h>
 #include <sqlite3.h>
 
@@ -25,7 +26,6 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  /// False behind the last row.
   bool step() {
     const int result = sqlite3_step(statement_);
     if (result != SQLITE_DONE && result != SQLITE_ROW) check(result);
@@ -53,7 +53,7 @@ class Statement {
   sqlite3_stmt* statement_ = nullptr;
 };
 
-/// In the child. What is open is read as it is: nobody's lock, no journal, nothing beside it.
+/// Runs in the child. The open file is read as it is, without locks, journals or other files.
 class Database {
  public:
   explicit Database(const RegularFile& file) {
@@ -91,7 +91,6 @@ bool has(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// A name in SQL.
 std::string quoted(const std::string& name) {
   std::string out = "\"";
   for (const char c : name) {
@@ -115,7 +114,6 @@ ParsedFacts facts_of(const Database& database, const std::vector<std::string>& t
       state_unit(unit, bare_unit(value), key + " in the table metadata", options);
     if (key == "version" && !parse_number(trimmed(value), number))
       throw ParseFailure("a number as version in the table metadata", in_quotes(value));
-    // A kind is named by it, no more.
     if (key == "version" && number >= 1 && number < 1000)
       facts.version = static_cast<int64_t>(number);
   }
@@ -141,7 +139,7 @@ double position_of(const Statement& row, int column) {
   return is_missing_in(row, column) ? std::nan("") : row.number(column);
 }
 
-/// A number where one belongs; a position may be missing.
+/// Throws unless a column holds a number; positions may be missing.
 void expect_number(const Statement& row, int column, bool is_whole, int64_t count) {
   const int type = row.type(column);
   if (!is_whole && is_missing_in(row, column)) return;
@@ -165,7 +163,7 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
     if (!has(columns, column))
       throw ParseFailure(fmt::format("a column {} in trajectory_data", column),
                          in_quotes(fmt::format("{}", fmt::join(columns, ", "))));
-  // Our own headings are as exact as they were written.
+  // Headings of Throng are as exact as written.
   const bool has_motion = has(tables, "throng_motion");
   const bool has_orientation = !has_motion && has(columns, "ori_x") && has(columns, "ori_y");
   std::string sql = "SELECT t.frame, t.id, t.pos_x, t.pos_y";
@@ -186,7 +184,7 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
                         .y = position_of(rows, 3)};
     if (has_orientation) {
       const double x = rows.number(4), y = rows.number(5);
-      // Who has not moved yet looks nowhere.
+      // Agents that have not moved have no orientation.
       if (x != 0 || y != 0) sample.heading_rad = static_cast<float>(std::atan2(y, x));
     }
     if (has_motion && rows.type(4) != SQLITE_NULL)
@@ -205,29 +203,28 @@ class JupedsimSqlite final : public RecordingReader {
   }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    refuse_packed(source, *this);
-    refuse_unfinished(source.file().path());
-    const SandboxedKind foreign{
-        .parser = {.library = "SQLite",
-                   .expected = kExpectedSqlite,
-                   .remedy = "`sqlite3 FILE .recover` may save what is in it"},
-        .kind = kind()};
+    reject_packed(source, *this);
+    reject_unfinished(source.file().path());
+    const SandboxedKind foreign{.parser = {.library = "SQLite",
+                                           .expected = kExpectedSqlite,
+                                           .remedy = "try `sqlite3 FILE .recover`"},
+                                .kind = kind()};
     read_sandboxed(source, foreign, parse_database, builder);
   }
 
  private:
-  /// What is not in the database itself yet would be missing.
-  static void refuse_unfinished(const std::filesystem::path& file) {
+  /// Rejects a database with a journal: the database lacks its changes.
+  static void reject_unfinished(const std::filesystem::path& file) {
     for (const char* ending : {"-wal", "-journal"}) {
-      std::filesystem::path beside = file;
-      beside += ending;
+      std::filesystem::path journal = file;
+      journal += ending;
       std::error_code error;
-      const auto size = std::filesystem::file_size(beside, error);
+      const auto size = std::filesystem::file_size(journal, error);
       if (!error && size > 0)
-        throw InputError(file.string(), "a database that nobody is writing",
-                         fmt::format("{} beside it; end the program that writes it, or run "
+        throw InputError(file.string(), "a database that is closed",
+                         fmt::format("the file {}; end the program that writes it, or run "
                                      "`sqlite3 {} 'PRAGMA journal_mode = DELETE'`",
-                                     beside.filename().string(), file.string()));
+                                     journal.filename().string(), file.string()));
     }
   }
 };

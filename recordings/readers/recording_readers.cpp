@@ -1,4 +1,4 @@
-// The list of readers, and how one is chosen.
+// The list of readers, and the choice of a reader by content.
 #include <fmt/format.h>
 
 #include <array>
@@ -16,18 +16,18 @@ std::span<const RecordingReader* const> recording_readers() {
   return readers;
 }
 
-void ask_for(const RecordingBuilder& builder, bool rate, bool unit, std::string_view found) {
-  const char* const what =
-      rate && unit ? "to be given its frames a second and unit of length, as in --fps 16 --unit cm"
-      : rate       ? "to be given its frames a second, as in --fps 25"
-                   : "to be given its unit of length, as in --unit cm";
+void throw_missing(const RecordingBuilder& builder, bool rate, bool unit, std::string_view found) {
+  const char* const what = rate && unit
+                               ? "a frame rate and a unit of length, as in --fps 16 --unit cm"
+                           : rate ? "a frame rate, as in --fps 25"
+                                  : "a unit of length, as in --unit cm";
   throw InputError(builder.options().file.string(), what, found);
 }
 
-void refuse_packed(const RecordingSource& source, const RecordingReader& reader) {
+void reject_packed(const RecordingSource& source, const RecordingReader& reader) {
   if (source.is_packed())
-    throw InputError(source.file().path().string(), "a gzip file of text",
-                     fmt::format("one of {}; unpack it first", reader.kind()));
+    throw InputError(source.file().path().string(), "a compressed text file",
+                     fmt::format("compressed {}; decompress it first", reader.kind()));
 }
 
 namespace {
@@ -38,7 +38,7 @@ std::string first_line(std::string_view head) {
 }
 
 const RecordingReader* reader_of(const RecordingSource& source, const RecordingOptions& options) {
-  // Whoever names columns knows that it is a table.
+  // Users who name columns know that it is a table.
   if (!options.columns.empty() && source.is_text()) return &table_text_reader();
   for (const RecordingReader* reader : recording_readers())
     if (reader->knows(source.head())) return reader;
@@ -53,8 +53,8 @@ std::shared_ptr<const Recording> read_recording(const RecordingOptions& options)
   if (reader == nullptr)
     throw InputError(
         options.file.string(),
-        "a recording: archive text, SQLite or HDF5, or a table whose columns have names that are "
-        "known or given (--columns id=pedID,t=time,x=posX,y=posY)",
+        "a recording: archive text, SQLite, HDF5, or a table with known column names or "
+        "--columns id=pedID,t=time,x=posX,y=posY",
         source.head().empty() ? "an empty file" : first_line(source.head()));
   if (options.heading_unit_rad && reader != &table_text_reader())
     throw InputError("--heading-unit", "a table with a column of headings", reader->kind());

@@ -1,4 +1,4 @@
-// A recording's file: its first bytes, and all of its lines.
+// RecordingSource opens a recording and gives its first bytes and its lines.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -20,14 +20,13 @@
 
 namespace throng {
 
-// What a gzip file holds.
-// One rule: zlib sees it in a child process, behind base/files/sandboxed_parser.h; a file that
-// claims to hold a thousand times what tables compress to is refused.
+// Decompression of gzip files. Invariant: zlib runs in a child process, see
+// base/files/sandboxed_parser.h. Files with an implausible compression ratio are rejected.
 
 bool is_gzip(std::string_view head);
 
-/// Gives what it holds piece by piece, at most `most` bytes of it. Throws InputError for a file
-/// that is damaged, cut short or a bomb; what was given before that is no part of anything.
+/// Decompresses piece by piece, at most `max` bytes. Throws InputError for a damaged, incomplete
+/// or implausible file; discard the pieces then.
 void unpack(const RegularFile& file, const std::function<void(std::string_view)>& take,
             uint64_t max = std::numeric_limits<uint64_t>::max());
 
@@ -35,7 +34,6 @@ namespace {
 
 constexpr size_t kPieceBytes = 1 << 20;
 
-/// The next bytes, fewer at the end.
 size_t read_piece(const RegularFile& file, uint64_t at, std::span<char> out) {
   while (true) {
     const ssize_t count =
@@ -79,12 +77,12 @@ namespace {
 
 constexpr std::string_view kMagic = "\x1f\x8b";
 constexpr const char* kExpectedGzip = "a gzip file";
-/// Tables of numbers shrink to a third or a tenth; the most that the format can do is 1032.
+/// Tables of numbers shrink to a third or a tenth; the format's maximum ratio is 1032.
 constexpr uint64_t kMaxRatio = 300;
 constexpr uint64_t kAnyRatioBytes = 16 << 20;
 constexpr size_t kUnpackedBytes = 256 << 10;
 
-/// Ends what zlib began, in the child.
+/// Inflater releases the state of zlib; runs in the child.
 struct Inflater {
   z_stream stream{};
   Inflater() {
@@ -95,7 +93,6 @@ struct Inflater {
   Inflater& operator=(const Inflater&) = delete;
 };
 
-/// In the child.
 void inflate_all(const RegularFile& file, uint64_t max, const SendPiece& send) {
   Inflater inflater;
   z_stream& stream = inflater.stream;
@@ -111,7 +108,6 @@ void inflate_all(const RegularFile& file, uint64_t max, const SendPiece& send) {
       read += static_cast<uint64_t>(count);
       stream.next_in = in.data();
       stream.avail_in = static_cast<uInt>(count);
-      // Files may be several gzip files one after another.
       if (result == Z_STREAM_END && inflateReset(&stream) != Z_OK) throw std::bad_alloc();
     } else if (result == Z_STREAM_END && inflateReset(&stream) != Z_OK) {
       throw std::bad_alloc();
@@ -121,8 +117,8 @@ void inflate_all(const RegularFile& file, uint64_t max, const SendPiece& send) {
     result = inflate(&stream, Z_NO_FLUSH);
     if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
       throw ParseFailure(kExpectedGzip,
-                         fmt::format("one that is damaged after {} bytes of what it holds: {}",
-                                     made, stream.msg != nullptr ? stream.msg : "bad data"));
+                         fmt::format("one that is damaged after {} decompressed bytes: {}", made,
+                                     stream.msg != nullptr ? stream.msg : "bad data"));
     const size_t count = out.size() - stream.avail_out;
     made += count;
     if (made > kAnyRatioBytes && made > kMaxRatio * file.size())
@@ -132,7 +128,7 @@ void inflate_all(const RegularFile& file, uint64_t max, const SendPiece& send) {
   }
   if (made < max && result != Z_STREAM_END)
     throw ParseFailure(fmt::format("{} to its end", kExpectedGzip),
-                       fmt::format("one that is cut short after {} bytes of what it holds", made));
+                       fmt::format("one that is cut short after {} decompressed bytes", made));
 }
 
 }  // namespace
@@ -142,7 +138,7 @@ bool is_gzip(std::string_view head) { return head.starts_with(kMagic); }
 void unpack(const RegularFile& file, const std::function<void(std::string_view)>& take,
             uint64_t max) {
   const SandboxedParser zlib{
-      .library = "zlib", .expected = kExpectedGzip, .remedy = "unpack it first"};
+      .library = "zlib", .expected = kExpectedGzip, .remedy = "decompress it first"};
   const SandboxLimits limits{.max_file_bytes = uint64_t{64} << 30,
                              .max_memory_bytes = 64 << 20,
                              .memory_per_file_byte = 0,

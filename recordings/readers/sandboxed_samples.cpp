@@ -19,23 +19,22 @@ constexpr size_t kMaxWktBytes = 512 << 10;
 
 constexpr size_t kMaxUnitBytes = 32;
 
-struct FactsHead {
+struct FactsHeader {
   double fps = 0;
   int64_t version = 0;
   int64_t areas = 0;
-  std::array<std::array<char, kMaxUnitBytes>, 3> units{};  ///< zeros behind
+  std::array<std::array<char, kMaxUnitBytes>, 3> units{};
 };
 constexpr std::array<ColumnRole, 3> kAxes = {ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ};
 
 static_assert(kSamplesPerPiece * sizeof(ParsedSample) <= kMaxPieceBytes);
-static_assert(sizeof(FactsHead) + kMaxWktBytes <= kMaxPieceBytes);
+static_assert(sizeof(FactsHeader) + kMaxWktBytes <= kMaxPieceBytes);
 
 template <typename T>
 std::span<const uint8_t> bytes_of(const T* values, size_t count) {
   return {reinterpret_cast<const uint8_t*>(values), count * sizeof(T)};
 }
 
-/// In the parent.
 class Handler {
  public:
   Handler(RecordingBuilder& builder, const SandboxedKind& kind) : builder_(builder), kind_(kind) {}
@@ -46,45 +45,45 @@ class Handler {
     else
       samples(piece);
   }
-  /// A child that sent nothing, and did not fail, was told to.
+  /// The child must send facts or fail.
   void end() const {
-    if (!has_facts_) refuse();
+    if (!has_facts_) reject();
   }
 
  private:
-  [[noreturn]] void refuse() const {
+  [[noreturn]] void reject() const {
     throw InputError(builder_.options().file.string(), kind_.parser.expected,
-                     fmt::format("one of which {} makes something else", kind_.parser.library));
+                     fmt::format("data that {} parses inconsistently", kind_.parser.library));
   }
 
   void facts(std::span<const uint8_t> piece) {
-    FactsHead facts;
-    if (piece.size() < sizeof facts || piece.size() > sizeof facts + kMaxWktBytes) refuse();
+    FactsHeader facts;
+    if (piece.size() < sizeof facts || piece.size() > sizeof facts + kMaxWktBytes) reject();
     std::memcpy(&facts, piece.data(), sizeof facts);
     has_facts_ = true;
     const std::span<const uint8_t> wkt = piece.subspan(sizeof facts);
-    RecordingHead& head = builder_.head();
+    RecordingHeader& head = builder_.header();
     head.kind = facts.version > 0 ? fmt::format("{} {}", kind_.kind, facts.version) : kind_.kind;
     head.tracked_point = kind_.tracked_point;
     head.clock = RecordedClock::kFrames;
     head.place = "row";
     head.wkt.assign(wkt.begin(), wkt.end());
-    if (find_invalid_utf8(head.wkt) != std::string::npos) refuse();
+    if (find_invalid_utf8(head.wkt) != std::string::npos) reject();
     settle_units(facts);
     if (facts.areas > 1)
-      builder_.note("more walkable areas than the first, which is taken", facts.areas - 1,
+      builder_.note("additional walkable areas (the first is used)", facts.areas - 1,
                     "areas may change with frames");
     if (!builder_.options().fps && std::isnan(facts.fps))
-      ask_for(builder_, true, false, fmt::format("{} without an fps", kind_.parser.expected));
+      throw_missing(builder_, true, false, fmt::format("{} without an fps", kind_.parser.expected));
     const auto stated = std::isnan(facts.fps) ? std::nullopt : std::optional(facts.fps);
     head.per_s = *overruled_rate(builder_, stated, fmt::format("{:g}", facts.fps));
     builder_.state_rate(stated, "the file");
     if (!(head.per_s > 0 && head.per_s <= 10'000))
       throw InputError(builder_.options().file.string(), "an fps above 0 and up to 10000",
-                       fmt::format("{:g}; --fps 25 overrules the file", head.per_s));
+                       fmt::format("{:g}; --fps 25 overrides the file", head.per_s));
   }
 
-  void settle_units(const FactsHead& facts) {
+  void settle_units(const FactsHeader& facts) {
     StatedUnits units;
     for (size_t axis = 0; axis < kAxes.size(); ++axis) {
       const std::string_view text(facts.units[axis].data(),
@@ -94,17 +93,17 @@ class Handler {
           fmt::format("the column '{}'", kColumnRoleNames[static_cast<size_t>(kAxes[axis])]), 0);
     }
     scales_ = units.settle(builder_, false);
-    builder_.head().wkt_unit_m = scales_.area_unit_m;
+    builder_.header().wkt_unit_m = scales_.area_unit_m;
   }
 
   void samples(std::span<const uint8_t> piece) {
-    if (piece.size() % sizeof(ParsedSample) != 0) refuse();
+    if (piece.size() % sizeof(ParsedSample) != 0) reject();
     for (; !piece.empty(); piece = piece.subspan(sizeof(ParsedSample))) {
       ParsedSample sample;
       std::memcpy(&sample, piece.data(), sizeof sample);
       ++row_;
-      if (std::isinf(sample.z)) builder_.refuse(row_, "z", "infinity");
-      if (std::isinf(sample.heading_rad)) builder_.refuse(row_, "an orientation", "infinity");
+      if (std::isinf(sample.z)) builder_.reject(row_, "z", "infinity");
+      if (std::isinf(sample.heading_rad)) builder_.reject(row_, "an orientation", "infinity");
       builder_.frame_times().take(static_cast<double>(sample.frame), sample.time_s, 0);
       builder_.add(sample.id,
                    {.instant = static_cast<double>(sample.frame),
@@ -129,7 +128,7 @@ void SampleSender::facts(const ParsedFacts& facts) {
   if (facts.wkt.size() > kMaxWktBytes)
     throw ParseFailure(fmt::format("a walkable area of at most {} KiB", kMaxWktBytes >> 10),
                        fmt::format("one of {} KiB", facts.wkt.size() >> 10));
-  FactsHead head{facts.fps, facts.version, facts.areas, {}};
+  FactsHeader head{facts.fps, facts.version, facts.areas, {}};
   for (size_t axis = 0; axis < head.units.size(); ++axis)
     facts.units[axis].copy(head.units[axis].data(), kMaxUnitBytes);
   std::vector<uint8_t> piece(sizeof head + facts.wkt.size());
@@ -172,7 +171,7 @@ double parsed_rate(std::string_view text, std::string_view place, const Recordin
   if (const std::optional<double> rate = frame_rate_named(text)) return *rate;
   if (options.fps) return kMissing;
   throw ParseFailure(fmt::format("{} as {}", kFrameRateForms, place),
-                     in_quotes(text) + "; --fps overrules the file");
+                     in_quotes(text) + "; --fps overrides the file");
 }
 
 void state_rate(double& fps, double found, std::string_view place,
@@ -181,7 +180,7 @@ void state_rate(double& fps, double found, std::string_view place,
     fps = found;
   else if (!std::isnan(found) && found != fps && !options.fps)
     throw ParseFailure(fmt::format("one frame rate, {:g}", fps),
-                       fmt::format("{:g} as {}, too; --fps overrules the file", found, place));
+                       fmt::format("{:g} as {}; --fps overrides the file", found, place));
 }
 
 void state_unit(std::string& unit, const std::string& found, std::string_view place,
@@ -193,9 +192,8 @@ void state_unit(std::string& unit, const std::string& found, std::string_view pl
   if (found.empty() || found == unit || options.unit_m) return;
   const std::optional<Unit> first = unit_named(unit), other = unit_named(found);
   if (first && other && first->quantity == other->quantity && first->in_si == other->in_si) return;
-  throw ParseFailure(
-      fmt::format("one unit, {}", in_quotes(unit)),
-      fmt::format("{} as {}, too; --unit overrules the file", in_quotes(found), place));
+  throw ParseFailure(fmt::format("one unit, {}", in_quotes(unit)),
+                     fmt::format("{} as {}; --unit overrides the file", in_quotes(found), place));
 }
 
 std::optional<UnitScale> time_scale(const TableColumns& columns) {

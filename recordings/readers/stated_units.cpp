@@ -88,7 +88,7 @@ std::optional<double> StatedUnits::known(ColumnRole role, const RecordingBuilder
                      fmt::format("{}{}", in_quotes(stated.unit), way_out));
   if (!stated.other.empty())
     throw InputError(builder.where(stated.other_line),
-                     fmt::format("{} for {}, as {} says", unit->name,
+                     fmt::format("{} for {}, stated by {}", unit->name,
                                  kColumnRoleNames[static_cast<size_t>(role)], stated.source),
                      fmt::format("{}{}", in_quotes(stated.other), way_out));
   return unit->in_si;
@@ -107,7 +107,7 @@ void StatedUnits::note_overruled(RecordingBuilder& builder, std::string_view opt
     if (count++ == 0) first = &stated;
   }
   if (count > 0)
-    builder.note(fmt::format("columns whose units {} overrules", option), count,
+    builder.note(fmt::format("columns whose units {} overrides", option), count,
                  fmt::format("{} of {}", in_quotes(first->unit), first->source));
 }
 
@@ -119,12 +119,12 @@ void StatedUnits::settle_lengths(RecordingBuilder& builder, ColumnScales& out) c
     note_overruled(builder, "--unit", *unit_m, {ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ});
     return;
   }
-  constexpr const char* kWayOut = "; --unit overrules the file";
+  constexpr const char* kWayOut = "; --unit overrides the file";
   const std::optional<double> x = known(ColumnRole::kX, builder, kWayOut);
   const std::optional<double> y = known(ColumnRole::kY, builder, kWayOut);
   const std::optional<double> z = known(ColumnRole::kZ, builder, kWayOut);
   out.has_lengths = x || y;
-  // Of two columns that belong together one may speak for both: "x/cm y".
+  // One of two related columns may state the unit of both: "x/cm y".
   const double x_m = x ? *x : y.value_or(1);
   const double y_m = y ? *y : x_m;
   out.x = UnitScale(x_m);
@@ -142,7 +142,7 @@ void StatedUnits::settle_heading(RecordingBuilder& builder, ColumnScales& out) c
     return;
   }
   const std::optional<double> heading =
-      known(ColumnRole::kHeading, builder, "; --heading-unit overrules the file");
+      known(ColumnRole::kHeading, builder, "; --heading-unit overrides the file");
   out.heading = UnitScale(heading.value_or(1));
   out.has_heading = heading.has_value();
 }
@@ -154,7 +154,7 @@ void StatedUnits::note_remarks(RecordingBuilder& builder) const {
     if (!remark.text.empty() && count++ == 0)
       first = fmt::format("{} in {}", in_quotes(remark.text), remark.source);
   if (count > 0)
-    builder.note("columns with words in brackets that are no unit (taken as remarks)", count,
+    builder.note("columns with words in brackets that are not units (treated as remarks)", count,
                  std::move(first));
 }
 
@@ -177,7 +177,7 @@ ColumnScales StatedUnits::settle(RecordingBuilder& builder, bool reads_time) con
 }
 
 void note_no_z(RecordingBuilder& builder) {
-  builder.note("a column z without a unit (it is not read)", 1, "x and y have different ones");
+  builder.note("a column z without a unit (ignored)", 1, "x and y have different ones");
 }
 
 }  // namespace throng

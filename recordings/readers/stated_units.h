@@ -1,5 +1,4 @@
-// What a file states about the units of its columns, from names, comments and a line of units, and
-// what the options overrule.
+// StatedUnits collects the units of columns from names, comments, lines of units and options.
 #pragma once
 
 #include <array>
@@ -16,48 +15,44 @@
 
 namespace throng {
 
-/// Of the columns of a file.
 struct ColumnScales {
   UnitScale x, y, z, time, heading;
-  bool has_lengths = false;  ///< the file or an option states the unit of x and y
-  bool has_z = true;         ///< false: the unit of z cannot be known
-  bool has_time = true;      ///< false: times are not read, and their unit is not known
-  bool has_heading = false;  ///< the file or an option states the unit of headings
-  double area_unit_m = 1;    ///< of the walkable area: that of x and y, if they share one
+  bool has_lengths = false;  ///< the unit of x and y is stated by file or option
+  bool has_z = true;         ///< false: the unit of z is unknown
+  bool has_time = true;      ///< false: times are ignored, their unit is unknown
+  bool has_heading = false;  ///< the unit of headings is stated by file or option
+  double area_unit_m = 1;    ///< unit of the walkable area: that of x and y, if equal
 };
 
 class StatedUnits {
  public:
-  /// `source`: what states it, in words: "the column 'x [cm]'". `line`: 0 where there are none.
+  /// `source`: description of the place, as in "the column 'x [cm]'". `line`: 0 if unknown.
   void state(ColumnRole role, std::string_view unit, std::string_view source, int64_t line);
-  /// The same of x, y and z, or whichever quantity the unit is of.
+  /// States a unit of x, y and z, or of the columns of its quantity.
   void state_all(std::string_view unit, std::string_view source, int64_t line);
-  /// What the names of columns state.
   void state(const TableColumns& columns, const std::vector<std::string>& names, int64_t line);
 
-  /// Words in the name of a column where a unit could be; empty: none. They are noted.
+  /// Records words in a column's name where a unit could be; empty: none. They become notes.
   void remark(ColumnRole role, std::string_view text, std::string_view source);
 
-  /// All that is stated elsewhere.
   void state(const StatedUnits& others);
 
-  /// Throws InputError for a unit that is not known, is no unit of that quantity, or differs from
-  /// what the file states elsewhere, unless an option overrules it; notes what is overruled.
+  /// Resolves all units. Throws InputError for an unknown unit, one of another quantity, or
+  /// contradicting ones, unless an option overrides them; overridden units are noted.
   ColumnScales settle(RecordingBuilder& builder, bool reads_time) const;
 
-  /// True if both state all they state in the same units.
+  /// Returns whether both state equal units for the columns that both state.
   bool agrees_with(const StatedUnits& other) const;
 
  private:
   struct Stated {
-    std::string unit;  ///< empty: nothing
+    std::string unit;
     std::string source;
     int64_t line = 0;
-    std::string other;  ///< what is stated elsewhere, if it is not the same
+    std::string other;
     int64_t other_line = 0;
   };
 
-  /// A remark in the name of a column, where a unit could be.
   struct Remark {
     std::string text, source;
   };
@@ -76,7 +71,7 @@ class StatedUnits {
   std::array<Remark, kColumnRoles> remarks_;
 };
 
-/// Notes that positions have no heights because x and y differ in their units and z has none.
+/// Notes that heights are unknown, because units of x and y differ and z has none.
 void note_no_z(RecordingBuilder& builder);
 
 }  // namespace throng

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kExample = "--columns id=pedID,t=time,x=posX,y=posY";
 
-/// Names as programs give them, in small letters, without units, blanks and underscores.
+/// Column names of other programs, in lower case, without units, blanks and underscores.
 const std::array<std::vector<std::string_view>, kColumnRoles>& known_names() {
   static const std::array<std::vector<std::string_view>, kColumnRoles> names = {{
       {"id", "pedid", "pedestrianid", "persid", "personid", "person", "agentid", "agent", "trackid",
@@ -30,7 +30,6 @@ const std::array<std::vector<std::string_view>, kColumnRoles>& known_names() {
   return names;
 }
 
-/// The text of the unit in a name that belongs to a role; empty if it states none.
 std::string unit_of(const ColumnName& name, ColumnRole role) {
   if (!name.unit.empty()) return name.unit;
   return name.has_suffix_of(quantity_of(role)) ? name.suffix : "";
@@ -47,7 +46,8 @@ bool is_called(const ColumnName& name, ColumnRole role, std::string_view known) 
          (name.plain_before_suffix == known && name.has_suffix_of(quantity_of(role)));
 }
 
-/// The likeliest name first, whatever the order of columns; of these the first whose unit is known.
+/// Column with the most common name of a role, regardless of order; among equal names the first
+/// with a known unit.
 size_t find_known(const std::vector<ColumnName>& names, ColumnRole role) {
   size_t first = TableColumns::kNone;
   for (const std::string_view known : known_names()[static_cast<size_t>(role)])
@@ -59,18 +59,18 @@ size_t find_known(const std::vector<ColumnName>& names, ColumnRole role) {
   return first;
 }
 
-size_t find_wanted(const std::vector<std::string>& names, const std::string& wanted) {
-  // A first line of numbers is no line of names.
+size_t find_requested(const std::vector<std::string>& names, const std::string& requested) {
+  // A first line of numbers holds no names.
   double value = 0;
   const bool has_names = !std::all_of(names.begin(), names.end(), [&](const std::string& name) {
     return parse_number_or_missing(name, value);
   });
   for (size_t i = 0; i < names.size() && has_names; ++i)
-    if (trimmed(names[i]) == wanted) return i;
+    if (trimmed(names[i]) == requested) return i;
   for (size_t i = 0; i < names.size() && has_names; ++i)
-    if (lower(trimmed(names[i])) == lower(wanted)) return i;
+    if (lower(trimmed(names[i])) == lower(requested)) return i;
   int64_t number = 0;
-  if (parse_whole(wanted, number) && number >= 1 && number <= static_cast<int64_t>(names.size()))
+  if (parse_whole(requested, number) && number >= 1 && number <= static_cast<int64_t>(names.size()))
     return static_cast<size_t>(number - 1);
   return TableColumns::kNone;
 }
@@ -134,8 +134,8 @@ std::array<std::string, kColumnRoles> parse_columns_option(std::string_view text
   return out;
 }
 
-/// "x_in" beside "x_out" is where an agent enters, and "t_min" beside "t_max" the least time:
-/// neither is a unit.
+/// Drops suffixes that are no units: "x_in" next to "x_out" is an entry position, "t_min" next to
+/// "t_max" a minimum.
 void drop_ambiguous_suffixes(std::vector<ColumnName>& names) {
   const auto drop = [&](std::string_view suffix, std::string_view opposite) {
     const bool has_opposite = std::any_of(names.begin(), names.end(), [&](const ColumnName& name) {
@@ -150,27 +150,26 @@ void drop_ambiguous_suffixes(std::vector<ColumnName>& names) {
 }
 
 TableColumns columns_by_name(const std::vector<std::string>& names,
-                             const std::array<std::string, kColumnRoles>& wanted,
+                             const std::array<std::string, kColumnRoles>& requested,
                              const std::string& where) {
   TableColumns out;
   std::vector<ColumnName> column_names;
   for (const std::string& name : names) column_names.push_back(column_name(name));
   drop_ambiguous_suffixes(column_names);
   for (size_t role = 0; role < kColumnRoles; ++role) {
-    if (wanted[role].empty()) {
+    if (requested[role].empty()) {
       out.at[role] = find_known(column_names, static_cast<ColumnRole>(role));
       continue;
     }
-    out.at[role] = find_wanted(names, wanted[role]);
+    out.at[role] = find_requested(names, requested[role]);
     if (out.at[role] == TableColumns::kNone)
       throw InputError(where,
-                       fmt::format("a column '{}', because of --columns{}", wanted[role],
-                                   did_you_mean(wanted[role], names)),
+                       fmt::format("a column '{}', because of --columns{}", requested[role],
+                                   did_you_mean(requested[role], names)),
                        in_quotes(fmt::format("{}", fmt::join(names, ", "))));
   }
-  // Whoever says where the time is does not want frames, and the other way round.
-  const std::string& time = wanted[static_cast<size_t>(ColumnRole::kTime)];
-  const std::string& frame = wanted[static_cast<size_t>(ColumnRole::kFrame)];
+  const std::string& time = requested[static_cast<size_t>(ColumnRole::kTime)];
+  const std::string& frame = requested[static_cast<size_t>(ColumnRole::kFrame)];
   if (!time.empty() && frame.empty()) out[ColumnRole::kFrame] = TableColumns::kNone;
   if (!frame.empty() && time.empty()) out[ColumnRole::kTime] = TableColumns::kNone;
   for (size_t role = 0; role < kColumnRoles; ++role) {
@@ -204,12 +203,12 @@ char separator_of(std::string_view line) {
 
 namespace {
 
-/// True if a word that is a unit is that of the name before it, which has none.
+/// Returns whether a word is the unit of the preceding name, which has none.
 bool is_unit_of(std::string_view word, const std::string& name) {
   const std::optional<Unit> unit = unit_named(word);
   const std::optional<ColumnRole> role = role_named(name);
   if (!unit) return false;
-  // Names without a role matter no more than that they take their place.
+  // Names without a role only take their place.
   if (!role) return unit->quantity == Quantity::kSpeed;
   return unit->quantity == quantity_of(*role) && unit_of(column_name(name), *role).empty();
 }
@@ -233,7 +232,7 @@ std::vector<std::string> names_between_blanks(std::string_view line, bool join_u
     if (word.empty()) continue;
     bool joins = is_open || kOpeningBrackets.find(word.front()) != std::string_view::npos;
     if (join_units && !joins && !names.empty()) {
-      // "in" is an inch unless another unit follows it.
+      // "in" is an inch unless another unit follows.
       const bool is_in = lower(word) == "in" && i + 1 < words.size();
       const bool ends_in = lower(names.back()).ends_with(" in");
       const std::string before =
@@ -279,7 +278,7 @@ bool split(std::string_view line, char separator, std::vector<std::string_view>&
     size_t begin = at;
     while (begin < line.size() && line[begin] == ' ') ++begin;
     if (begin < line.size() && line[begin] == '"') {
-      // A doubled quote stays doubled: no number has one.
+      // Doubled quotes stay doubled; numbers have none.
       size_t end = line.find('"', begin + 1);
       while (end != std::string_view::npos && end + 1 < line.size() && line[end + 1] == '"')
         end = line.find('"', end + 2);

@@ -1,5 +1,5 @@
-// Tables with named columns: Crowd:it, Pathfinder, Viswalk, our own --trajectory CSV, and whatever
-// has an id, an instant, x and y.
+// TableText reads tables with named columns: Crowd:it, Pathfinder, Viswalk, CSV of --trajectory,
+// and any other table with an id, an instant, x and y.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,23 +19,23 @@
 namespace throng {
 namespace {
 
-/// A turn, as it may be rounded. Degrees go further.
+/// A full turn with rounding; headings in degrees exceed it.
 constexpr double kMaxHeading_rad = 2 * std::numbers::pi + 1e-3;
 constexpr std::string_view kViswalkColumns = "$PEDESTRIAN:";
 constexpr std::string_view kViswalkFirst = "$VISION";
 
-/// Lines that say nothing: blank ones, comments, and what Viswalk puts before its columns.
+/// Returns whether a line has no content: blank lines, comments, and lines of Viswalk before its
+/// columns.
 bool is_uninformative(std::string_view line) {
   return trimmed(line).empty() || is_comment(line) || line.starts_with('*') ||
          (line.starts_with('$') && !line.starts_with(kViswalkColumns));
 }
 
-/// Before the line of names, which says how columns are parted.
+/// Empty rows before the line of names, whose separator is not yet known.
 bool is_empty_row_above(std::string_view line) {
   return is_empty_row(line, ',') || is_empty_row(line, ';');
 }
 
-/// The line of names, without what Viswalk puts before it.
 std::string_view names_in(std::string_view line) {
   if (line.starts_with(kViswalkColumns)) line.remove_prefix(kViswalkColumns.size());
   return line;
@@ -59,7 +59,7 @@ std::string kind_of(std::string_view line) {
 class Rows final : public LineHandler {
  public:
   explicit Rows(RecordingBuilder& builder)
-      : builder_(builder), wanted_(parse_columns_option(builder.options().columns)) {}
+      : builder_(builder), requested_(parse_columns_option(builder.options().columns)) {}
 
   void take(std::string_view line, int64_t number) override {
     if (separator_ != 0 ? is_empty_row(line, separator_) : is_empty_row_above(line)) {
@@ -80,15 +80,14 @@ class Rows final : public LineHandler {
     names_ = names_of(line, separator_);
     names_line_ = number;
     bare_names_ = names_of(line, separator_, false);
-    columns_ = columns_by_name(names_, wanted_, builder_.where(number));
+    columns_ = columns_by_name(names_, requested_, builder_.where(number));
     if (const std::string missing = columns_.missing(); !missing.empty())
-      builder_.refuse(number,
+      builder_.reject(number,
                       fmt::format("columns for id, t or frame, x and y; name those for {} with "
                                   "--columns id=pedID,t=time,x=posX,y=posY",
                                   missing),
                       in_quotes(line));
-    builder_.head().kind = kind_of(line);
-    // Without names the first line is a row like any other.
+    builder_.header().kind = kind_of(line);
     double value = 0;
     if (number_in(ColumnRole::kX, names_, value) && number_in(ColumnRole::kY, names_, value) &&
         number_in(ColumnRole::kId, names_, value))
@@ -102,12 +101,12 @@ class Rows final : public LineHandler {
     return role == ColumnRole::kId ? parse_number(field, out) : parse_number_or_missing(field, out);
   }
 
-  /// At the line below the names. A word between blanks may be a unit or a name: there are as many
-  /// names as fields.
+  /// Called at the line after the names. Words between blanks may be units or names: the number of
+  /// fields decides.
   void take_names() {
     if (fields_.size() != names_.size() && fields_.size() == bare_names_.size()) {
       const TableColumns columns =
-          columns_by_name(bare_names_, wanted_, builder_.where(names_line_));
+          columns_by_name(bare_names_, requested_, builder_.where(names_line_));
       if (columns.missing().empty()) {
         names_ = std::move(bare_names_);
         columns_ = columns;
@@ -138,7 +137,7 @@ class Rows final : public LineHandler {
     for (const ColumnRole role : {ColumnRole::kTime, ColumnRole::kX, ColumnRole::kY, ColumnRole::kZ,
                                   ColumnRole::kHeading}) {
       if (!columns_.has(role)) continue;
-      // Where the name is in capitals throughout, so is the unit.
+      // Units of names in capitals are also in capitals.
       const std::string& name = names_[columns_[role]];
       const std::string unit(text(role));
       units_.state(role,
@@ -148,7 +147,8 @@ class Rows final : public LineHandler {
     return true;
   }
 
-  /// Before the first row: what names, comments, the line of units and options said must be enough.
+  /// Called before the first row: names, comments, the line of units and options have to be
+  /// complete.
   void settle() {
     is_settled_ = true;
     comments_.read_rate_in_name(columns_, names_line_);
@@ -156,7 +156,7 @@ class Rows final : public LineHandler {
     const bool has_time = columns_.has(ColumnRole::kTime);
     const bool has_frame = columns_.has(ColumnRole::kFrame);
     by_frame_ = has_frame && (!has_time || options.fps);
-    RecordingHead& head = builder_.head();
+    RecordingHeader& head = builder_.header();
     head.clock = by_frame_ ? RecordedClock::kFrames : RecordedClock::kTimes;
     head.rounding_s = 0.5;
     if (by_frame_)
@@ -165,23 +165,23 @@ class Rows final : public LineHandler {
       head.per_s = options.fps.value_or(0);
     if (options.heading_unit_rad && !columns_.has(ColumnRole::kHeading))
       throw InputError("--heading-unit", "a table with a column of headings",
-                       "one without; --columns heading=NAME names it");
+                       "a table without one; --columns heading=NAME names it");
     comments_.state_rate(builder_);
     scales_ = units_.settle(builder_, !by_frame_);
     if (!scales_.has_z && columns_.has(ColumnRole::kZ)) note_no_z(builder_);
   }
 
   void settle_frames() {
-    RecordingHead& head = builder_.head();
+    RecordingHeader& head = builder_.header();
     const std::optional<double> rate = comments_.rate(builder_);
-    if (!rate) ask_for(builder_, true, false, "a table that numbers its frames and has no times");
+    if (!rate) throw_missing(builder_, true, false, "a table with frame numbers and no times");
     if (!(*rate > 0 && *rate <= 10'000))
       throw InputError(builder_.options().file.string(), "a frame rate above 0 and up to 10000",
-                       fmt::format("{:g}; --fps 25 overrules the file", *rate));
+                       fmt::format("{:g}; --fps 25 overrides the file", *rate));
     head.per_s = *rate;
     const std::string& unit = columns_.units[static_cast<size_t>(ColumnRole::kFrame)];
     if (const std::optional<Unit> found = unit_named(unit))
-      builder_.refuse(names_line_, "a column of frames, which are numbers without a unit",
+      builder_.reject(names_line_, "a column of frames, which are numbers without a unit",
                       fmt::format("{} in {}; --columns t=NAME is for times", in_quotes(unit),
                                   in_quotes(names_[columns_[ColumnRole::kFrame]])));
   }
@@ -192,7 +192,7 @@ class Rows final : public LineHandler {
     double out = 0;
     const std::string_view found = text(role);
     if (!parse_number(found, out) || !std::isfinite(out))
-      builder_.refuse(line, fmt::format("a number in the column '{}'", names_[columns_[role]]),
+      builder_.reject(line, fmt::format("a number in the column '{}'", names_[columns_[role]]),
                       found.empty() ? "nothing" : in_quotes(found) + hint(found));
     return out;
   }
@@ -202,12 +202,11 @@ class Rows final : public LineHandler {
   int64_t whole(ColumnRole role, int64_t line) const {
     int64_t out = 0;
     if (!parse_whole(text(role), out))
-      builder_.refuse(line,
+      builder_.reject(line,
                       fmt::format("a whole number in the column '{}'", names_[columns_[role]]),
                       defect_of_whole(text(role)));
     return out;
   }
-  /// NaN where it is missing.
   double number_or_missing(ColumnRole role, int64_t line) const {
     double out = 0;
     const bool is_number = parse_number(text(role), out) && std::isfinite(out);
@@ -222,16 +221,16 @@ class Rows final : public LineHandler {
     if (!columns_.has(ColumnRole::kHeading)) return static_cast<float>(kMissing);
     const double value = number_or_missing(ColumnRole::kHeading, line);
     if (!scales_.has_heading && std::abs(value) > kMaxHeading_rad)
-      builder_.refuse(
+      builder_.reject(
           line,
           fmt::format("headings from -2 pi to 2 pi rad in the column {}, which has no unit",
                       in_quotes(names_[columns_[ColumnRole::kHeading]])),
-          fmt::format("{}; --heading-unit deg or rad says what they are in",
+          fmt::format("{}; state their unit with --heading-unit deg or rad",
                       in_quotes(text(ColumnRole::kHeading))));
     return static_cast<float>(scales_.heading.si(value));
   }
 
-  /// Half of the last digit of all times until now.
+  /// Half of the last digit of all times so far.
   double rounding_s() {
     if (const int decimals = decimals_of(text(ColumnRole::kTime)); decimals > decimals_) {
       decimals_ = decimals;
@@ -240,7 +239,7 @@ class Rows final : public LineHandler {
     return rounding_s_;
   }
 
-  /// Of frame and time one is read; the other shows whether a stated rate is right.
+  /// Compares frame and time: one of them is used, the other checks the stated rate.
   void compare_instants() {
     if (!columns_.has(ColumnRole::kFrame) || !columns_.has(ColumnRole::kTime) || !scales_.has_time)
       return;
@@ -252,10 +251,10 @@ class Rows final : public LineHandler {
 
   void row(std::string_view line, int64_t line_number) {
     if (!split(line, separator_, fields_))
-      builder_.refuse(line_number, "a second quote", in_quotes(line));
+      builder_.reject(line_number, "a second quote", in_quotes(line));
     if (!std::exchange(has_names_, true)) take_names();
     if (fields_.size() != names_.size())
-      builder_.refuse(line_number, fmt::format("{} columns, as in the first line", names_.size()),
+      builder_.reject(line_number, fmt::format("{} columns, as in the first line", names_.size()),
                       fmt::format("{}", fields_.size()));
     if (is_units(line_number)) return;
     if (!is_settled_) settle();
@@ -265,7 +264,7 @@ class Rows final : public LineHandler {
       sample.instant = static_cast<double>(whole(ColumnRole::kFrame, line_number));
     } else {
       sample.instant = scales_.time.si(number(ColumnRole::kTime, line_number));
-      builder_.head().rounding_s = rounding_s();
+      builder_.header().rounding_s = rounding_s();
     }
     compare_instants();
     sample.x_m = scales_.x.si(number_or_missing(ColumnRole::kX, line_number));
@@ -276,7 +275,7 @@ class Rows final : public LineHandler {
   }
 
   RecordingBuilder& builder_;
-  const std::array<std::string, kColumnRoles> wanted_;
+  const std::array<std::string, kColumnRoles> requested_;
   HeaderComments comments_;
   char separator_ = 0;
   std::vector<std::string> names_, bare_names_;

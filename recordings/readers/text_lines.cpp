@@ -16,9 +16,8 @@ namespace throng {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-/// Doubles count so far.
 constexpr double kMaxWhole = 9e15;
-/// In small letters, without "<" and ">" around. Those with a '#' are errors of spreadsheets.
+/// In lower case, without "<" and ">". Words with '#' are errors of spreadsheets.
 constexpr std::string_view kMissingWords[] = {
     "",        "na",     "n/a",   "n.a.",    "nat",   "null",   "nil",    "none",
     "missing", "undef",  "\\n",   "?",       "-",     "--",     "---",    ".",
@@ -26,13 +25,13 @@ constexpr std::string_view kMissingWords[] = {
 
 }  // namespace
 
-void LineSplitter::refuse_long() const {
+void LineSplitter::reject_long_line() const {
   throw InputError(fmt::format("{}:{}", file_.string(), number_ + 1),
                    fmt::format("lines of at most {} KiB", kMaxLineBytes >> 10), "a longer one");
 }
 
 void LineSplitter::give(std::string_view line) {
-  if (line.size() > kMaxLineBytes) refuse_long();
+  if (line.size() > kMaxLineBytes) reject_long_line();
   ++number_;
   if (number_ == 1 && line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
   if (line.ends_with('\r')) line.remove_suffix(1);
@@ -43,7 +42,7 @@ void LineSplitter::push(std::string_view bytes) {
   while (!bytes.empty()) {
     const void* const end = std::memchr(bytes.data(), '\n', bytes.size());
     if (end == nullptr) {
-      if (partial_line_.size() + bytes.size() > kMaxLineBytes) refuse_long();
+      if (partial_line_.size() + bytes.size() > kMaxLineBytes) reject_long_line();
       partial_line_ += bytes;
       return;
     }
@@ -97,7 +96,7 @@ bool parse_whole(std::string_view text, int64_t& out) {
 std::string defect_of_whole(std::string_view text) {
   double value = 0;
   if (!text.empty() && parse_number(text, value) && std::abs(value) > kMaxWhole)
-    return in_quotes(text) + ", which is beyond what is counted in";
+    return in_quotes(text) + ", which is too large";
   return text.empty() ? "nothing" : in_quotes(text);
 }
 
@@ -146,7 +145,7 @@ bool is_missing(std::string_view text) {
   constexpr size_t kMaxLineBytes = 16;
   if (text.size() > kMaxLineBytes) return false;
   std::string word = lower(text);
-  // What C prints, on one system or another: "-nan(ind)", "1.#QNAN0", "-1.#IND00".
+  // Output of C on various systems: "-nan(ind)", "1.#QNAN0", "-1.#IND00".
   std::string_view number = word;
   if (number.starts_with('-') || number.starts_with('+')) number.remove_prefix(1);
   if (number == "nan" || (number.starts_with("nan(") && number.ends_with(')'))) return true;

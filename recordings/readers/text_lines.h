@@ -1,6 +1,6 @@
-// Lines and numbers of recordings that are text.
-// One rule: bytes come in pieces and lines are looked at where they lie; nothing of a file is ever
-// in memory but the piece at hand and a line that is cut in two.
+// Text lines splits text recordings into lines and parses numbers.
+// Invariant: lines are parsed in place; only the current piece of the file and one incomplete line
+// are in memory.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,15 @@
 
 namespace throng {
 
-/// What lines are given to.
 class LineHandler {
  public:
   virtual ~LineHandler() = default;
-  /// Without its end; `number` from 1.
+  /// Called with a line without its end; `number` is from 1.
   virtual void take(std::string_view line, int64_t number) = 0;
 };
 
-/// Cuts bytes into lines: "\n" or "\r\n", the last one with or without. Leaves out a byte order
-/// mark. Throws InputError for a line longer than any table has.
+/// LineSplitter splits bytes at "\n" or "\r\n", which the last line may lack. It omits a byte order
+/// mark. Throws InputError for lines above kMaxLineBytes.
 class LineSplitter {
  public:
   static constexpr size_t kMaxLineBytes = 64 << 10;
@@ -35,11 +34,11 @@ class LineSplitter {
 
  private:
   void give(std::string_view line);
-  [[noreturn]] void refuse_long() const;
+  [[noreturn]] void reject_long_line() const;
 
   const std::filesystem::path& file_;
   LineHandler& handler_;
-  std::string partial_line_;  ///< the beginning of a line whose end has not come
+  std::string partial_line_;  ///< start of a line whose end has not arrived
   int64_t number_ = 0;
 };
 
@@ -47,31 +46,29 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t'; }
 std::string_view trimmed(std::string_view text);
 std::string lower(std::string_view text);
 
-/// True if the text as a whole is a number; infinity and NaN are.
 bool parse_number(std::string_view text, double& out);
-/// True if it is a whole number, also as "12.0" and "1.2e+01", that a double holds.
+/// Returns whether it is a whole number that a double holds, such as "12.0" and "1.2e+01".
 bool parse_whole(std::string_view text, int64_t& out);
-/// Digits behind the point, as many as there were without an exponent.
+/// Number of digits after the decimal point, without exponent.
 int decimals_of(std::string_view number);
-/// Why a text is no whole number: the text, or that it is beyond what is counted in.
+/// Describes why a text is no whole number: the text, or that it is too large.
 std::string defect_of_whole(std::string_view text);
 
-/// Words between blanks.
 std::vector<std::string_view> words_of(std::string_view line);
 
-/// The same for `columns` columns (0: not known yet), where fields between tabs may be empty.
+/// Splits into words, or into `columns` columns (0: unknown) where fields between tabs may be
+/// empty.
 void fields_of(std::string_view line, size_t columns, std::vector<std::string_view>& out);
 
-/// Where a number is not known.
 inline constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-/// True for what stands where a number is not known: nothing, "nan", "<NA>", "null", "?", "-",
-/// "1.#QNAN" and the like.
+/// Returns whether a text marks a missing number: "", "nan", "<NA>", "null", "?", "-", "1.#QNAN"
+/// and similar.
 bool is_missing(std::string_view text);
-/// True for a line that begins with the sign of a comment ('#', '%', "//"), but not with "#N/A".
+/// Returns whether a line begins with a comment sign ('#', '%', "//"); "#N/A" does not count.
 bool is_comment(std::string_view line);
-/// True for a row of empty fields: separators, blanks and quotes alone, and at least one separator.
+/// Returns whether all fields of a row are empty: separators, blanks and quotes, at least one
+/// separator.
 bool is_empty_row(std::string_view line, char separator);
-/// parse_number(), but kMissing for what is_missing().
 bool parse_number_or_missing(std::string_view text, double& out);
 
 }  // namespace throng

@@ -1,4 +1,5 @@
-// Vadere's footsteps (postvis.traj): a line a step, from a place at a time to a place at a time.
+// Vadere reads footsteps (postvis.traj): a line per step, from a place at a time to a place at a
+// time.
 #include <fmt/format.h>
 
 #include <array>
@@ -16,7 +17,7 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 enum Column { kId, kFrom, kTo, kFromX, kFromY, kToX, kToY, kColumns };
-/// The name of a processor may follow: "endTime-PID1".
+/// Names may have the suffix of a processor: "endTime-PID1".
 constexpr std::array<std::string_view, kColumns> kNames = {
     "pedestrianId", "simTime", "endTime", "startX", "startY", "endX", "endY"};
 
@@ -26,11 +27,10 @@ constexpr std::array<ColumnRole, kColumns> kRoles = {
 
 struct Footsteps {
   std::array<size_t, kColumns> at{};
-  std::array<std::string, kColumns> units{};  ///< as names state them; empty: they do not
+  std::array<std::string, kColumns> units{};
   std::array<std::string, kColumns> remarks{};
   size_t columns = 0;
 
-  /// False if the line does not name all of them.
   bool find(std::string_view line, char separator) {
     std::vector<std::string_view> names;
     split(line, separator, names);
@@ -48,8 +48,9 @@ struct Footsteps {
   bool is_called(std::string_view text, size_t column) {
     const ColumnName name = column_name(text);
     const bool has_suffix = name.has_suffix_of(quantity_of(kRoles[column]));
-    const std::string wanted = lower(kNames[column]);
-    if (name.plain != wanted && (!has_suffix || name.plain_before_suffix != wanted)) return false;
+    const std::string expected = lower(kNames[column]);
+    if (name.plain != expected && (!has_suffix || name.plain_before_suffix != expected))
+      return false;
     units[column] = has_suffix ? name.suffix : name.unit;
     remarks[column] = units[column].empty() ? name.remark : "";
     return true;
@@ -70,15 +71,15 @@ class Steps final : public LineHandler {
     if (steps_.columns == 0) return begin(line, number);
     if (is_empty_row(line, separator_)) return builder_.skip_empty_row(number);
     if (!split(line, separator_, fields_) || fields_.size() != steps_.columns)
-      builder_.refuse(number, fmt::format("{} columns, as in the first line", steps_.columns),
+      builder_.reject(number, fmt::format("{} columns, as in the first line", steps_.columns),
                       fmt::format("{}", fields_.size()));
     int64_t id = 0;
     if (!parse_whole(text(kId), id))
-      builder_.refuse(number, "a pedestrianId that is a whole number", defect_of_whole(text(kId)));
+      builder_.reject(number, "a pedestrianId that is a whole number", defect_of_whole(text(kId)));
     const double from_s = scales_.time.si(value(kFrom, number));
     const double to_s = scales_.time.si(value(kTo, number));
     if (to_s < from_s)
-      builder_.refuse(number, "a step that ends after it has begun",
+      builder_.reject(number, "a step that ends after it has begun",
                       fmt::format("{} s to {} s", from_s, to_s));
     add(id, from_s, kFromX, number);
     add(id, to_s, kToX, number);
@@ -105,7 +106,7 @@ class Steps final : public LineHandler {
     const bool may_be_missing = column >= kFromX;
     if (!(may_be_missing ? parse_number_or_missing(text(column), out)
                          : parse_number(text(column), out)))
-      builder_.refuse(number, fmt::format("{} that is a number", kNames[column]),
+      builder_.reject(number, fmt::format("{} that is a number", kNames[column]),
                       in_quotes(text(column)));
     return out;
   }
@@ -143,8 +144,8 @@ class Vadere final : public RecordingReader {
   }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
-    builder.head().kind = kind();
-    builder.head().clock = RecordedClock::kEvents;
+    builder.header().kind = kind();
+    builder.header().clock = RecordedClock::kEvents;
     Steps steps(builder);
     source.lines(steps);
   }

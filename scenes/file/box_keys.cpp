@@ -1,4 +1,4 @@
-// The box of parts.
+// Keys of `box`.
 #include "base/errors.h"
 #include "base/limits.h"
 #include "crowd/crowd_plan.h"
@@ -8,12 +8,11 @@
 namespace throng {
 namespace {
 
-/// Of a box: its parts are as large as hands.
+/// Edge length of the box in metres; its parts have the size of hands.
 constexpr Range kEdgeRange{0.1, kMaxEdge_m};
-/// Of what flies in a box: speed in m/s, spin in rad/s.
+/// Speed in m/s and spin in rad/s of a flying part.
 constexpr Range kFlightRange{0, 100};
 
-/// Each part flies by itself, about its middle.
 void require_parts_of_size(const Fields& fields, const Model& body) {
   for (const Part& part : body.parts)
     for (const Eigen::Vector3f& vertex : part.mesh.vertices)
@@ -45,24 +44,24 @@ const KeyTable<PartsBox>& box_keys() {
       .text = {.name = "box", .meaning = "Loose parts of a model that fly in a closed cube"},
       .title = "a box",
       .keys =
-          {whole("count", "how many parts", &PartsBox::count, 1, kMaxBodies).required(),
-           number(
-               "edge_m",
-               "the cube spans half of it to all sides of the origin, and from the floor up; 0.1 "
-               "to 1000",
-               &PartsBox::edge_m, kEdgeRange)
+          {whole("count", "number of parts", &PartsBox::count, 1, kMaxBodies).required(),
+           number("edge_m",
+                  "edge length of the cube, in metres, 0.1 to 1000; it is centred above the origin "
+                  "and stands on the ground",
+                  &PartsBox::edge_m, kEdgeRange)
                .required(),
            whole("static_every", "every n-th part stands still; 0: none", &PartsBox::static_every,
                  0, kMaxBodies),
-           number("max_spin_radps", "spins are uniform up to it", &PartsBox::max_spin_radps,
-                  kFlightRange),
-           number("min_speed_mps", "speeds are uniform from it up", &PartsBox::min_speed_mps,
-                  kFlightRange),
-           number("max_speed_mps", "speeds are uniform up to it", &PartsBox::max_speed_mps,
-                  kFlightRange),
-           custom_key<PartsBox>("model",
-                                "whose parts: `adult`, or a URDF file relative to the scene file",
-                                "`adult`", {})
+           number("max_spin_radps", "upper limit of the uniform distribution of spins, in rad/s",
+                  &PartsBox::max_spin_radps, kFlightRange),
+           number("min_speed_mps", "lower limit of the uniform distribution of speeds, in m/s",
+                  &PartsBox::min_speed_mps, kFlightRange),
+           number("max_speed_mps", "upper limit of the uniform distribution of speeds, in m/s",
+                  &PartsBox::max_speed_mps, kFlightRange),
+           custom_key<PartsBox>(
+               "model",
+               "body model of the parts: `adult`, or a URDF file relative to the scene file",
+               "`adult`", {})
                .with_reader(read_box_model)
                .with_hash([](Hasher& hash, const PartsBox& box) {
                  hash.add(box.body == nullptr ? 0 : box.body->content_hash);

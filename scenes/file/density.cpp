@@ -8,7 +8,7 @@
 namespace throng {
 namespace {
 
-/// The steering disc of a person of 1.70 m, which keeps off walls.
+/// Radius of the steering disc of a person of 1.70 m, which keeps clear of walls.
 constexpr double kWallGap_m = 0.22;
 constexpr double kSample_m = 0.05;
 constexpr double kMaxSamples = 4e6;
@@ -32,7 +32,7 @@ double standing_area_m2(const Scene& scene, const Rectangle& area) {
   int64_t free = 0;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      // Somewhere in its cell: edges along a row of samples would be missed or met by all of them.
+      // Jittered within its cell: a regular grid would miss or hit whole rows along an edge.
       const auto part = [&](double step) {
         const double sum = step * (static_cast<double>(row) * columns + column);
         return sum - std::floor(sum);

@@ -1,5 +1,5 @@
-// How many people a group has whose scene says how close together they stand.
-// One rule: the ground counts where the middle of somebody may be.
+// Standing density gives the free ground of a spawn area and the number of people on it.
+// Invariant: a point counts as free if the middle of a person may be there.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,13 @@
 
 namespace throng {
 
-/// The densest that bodies can stand without pressing into each other: people of mean size cover
-/// 0.12 m2 of the ground, and heaps of ellipses jam where these cover some 0.85 of it.
+/// Highest density in people per m2 without bodies pressing into each other. A person of mean size
+/// covers 0.12 m2, and random packings of ellipses jam at about 0.85 coverage.
 inline constexpr double kMaxDensity_per_m2 = 6;
 
-/// The part of a spawn area, in m2, that is free to stand on: half a metre of shoulders keeps off
-/// obstacles and the edges of the ground.
+/// Area in m2 of a spawn area that people can stand on, clear of obstacles and the ground's edge.
 double standing_area_m2(const Scene& scene, const Rectangle& area);
 
-/// Of a group with a density: how many that makes.
 int64_t count_by_density(const Scene& scene, const Group& group);
 
 }  // namespace throng

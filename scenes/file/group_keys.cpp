@@ -1,4 +1,4 @@
-// Groups: who they are, how many, of which model.
+// Keys of groups and social groups.
 #include <algorithm>
 #include <cctype>
 
@@ -13,7 +13,6 @@ namespace throng {
 namespace {
 
 constexpr Range kShareRange{0, 1};
-/// Numbers of parties, relative to each other.
 constexpr Range kGroupSizeShareRange{0, 1e6};
 
 Key<SocialGroupRule> group_size_key(const std::string& name, const std::string& meaning,
@@ -41,13 +40,14 @@ void complete_social_groups(ReadContext&, const Fields& fields, SocialGroupRule&
 const KeyTable<SocialGroupRule>& social_group_keys() {
   static const KeyTable<SocialGroupRule> table = {
       .text = {.name = "social_groups",
-               .meaning = "Who walks with whom: the share of the people, or a map",
+               .meaning = "Social groups: the share of agents in them, or a map",
                .or_number = true},
       .title = "social_groups",
-      .keys = {number("share", "of the people, how many walk in a party of two to four, 0 to 1",
+      .keys = {number("share", "share of agents that walk in social groups of two to four, 0 to 1",
                       &SocialGroupRule::share, kShareRange),
-               group_size_key("pairs", "how many parties are of two, relative to the others", 0),
-               group_size_key("threes", "of three", 1), group_size_key("fours", "of four", 2)},
+               group_size_key("pairs", "relative number of social groups of two", 0),
+               group_size_key("threes", "relative number of social groups of three", 1),
+               group_size_key("fours", "relative number of social groups of four", 2)},
       .complete = complete_social_groups};
   return table;
 }
@@ -69,7 +69,7 @@ SocialGroupRule read_social_groups(ReadContext& context, const std::string& file
 
 namespace {
 
-constexpr Range kSpeedRange{0.1, 4.0};  // from a shuffle to a run
+constexpr Range kSpeedRange{0.1, 4.0};
 constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
 constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
 constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
@@ -79,8 +79,7 @@ void read_group_name(ReadContext& context, Fields& fields, Group& group) {
   require_new(fields, group.name, context.group_names);
 }
 
-/// A group whose people all come from sources has none at the start.
-bool may_be_none(const Fields& fields) { return fields.find("sources") != nullptr; }
+bool may_be_empty(const Fields& fields) { return fields.find("sources") != nullptr; }
 bool has_density(const Fields& fields) { return fields.find("density_per_m2") != nullptr; }
 
 void read_count(ReadContext&, Fields& fields, Group& group) {
@@ -89,13 +88,13 @@ void read_count(ReadContext&, Fields& fields, Group& group) {
       throw InputError(fields.where(*count), "either 'count' or 'density_per_m2'", "both");
     return;
   }
-  if (!may_be_none(fields)) fields.require("count");
+  if (!may_be_empty(fields)) fields.require("count");
   group.count = static_cast<int>(fields.integer_or("count", 0, kMaxBodies, 0));
 }
 
 void read_spawn(ReadContext& context, Fields& fields, Group& group) {
   const Rectangle& ground = context.scene.ground;
-  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_none(fields) &&
+  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_empty(fields) &&
       !has_density(fields))
     group.spawn = ground;
   else
@@ -113,44 +112,44 @@ void read_group_model(ReadContext& context, Fields& fields, Group& group) {
         fmt::format("'{}' with height {} m", body->name, static_cast<double>(body->height_m)));
 }
 
-/// Those of a driven group follow from its channel.
 void read_goals(ReadContext& context, Fields& fields, Group& group) {
   if (fields.find("control_channel") != nullptr) return;
   read_items(goal_keys(), "goals", true, context, fields, group.goals);
 }
 
-void read_driven(ReadContext&, Fields& fields, Group& group) {
+void read_control_channel(ReadContext&, Fields& fields, Group& group) {
   const YamlNode* node = fields.find("control_channel");
   if (node == nullptr) return;
   group.control_channel = fields.text("control_channel");
   const auto is_fine = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
   };
-  // liblcm refuses channels of more than 63 characters.
+  // liblcm rejects channel names of more than 63 characters.
   if (group.control_channel.empty() || group.control_channel.size() > 63 ||
       group.control_channel.starts_with("THRONG_") ||
       !std::all_of(group.control_channel.begin(), group.control_channel.end(), is_fine))
     throw InputError(
         fields.where(*node),
-        "an LCM channel of your own for 'control_channel': 1 to 63 letters, digits or '_', "
-        "not beginning with THRONG_",
+        "an LCM channel name for 'control_channel': 1 to 63 letters, digits or '_', not "
+        "beginning with THRONG_",
         fmt::format("'{}'", group.control_channel));
   for (const char* key : {"goals", "on_arrival", "sources", "premovement_s", "look_at", "after",
                           "density_per_m2", "social_groups"})
     if (const YamlNode* other = fields.find(key))
-      throw InputError(fields.where(*other), "no goals and no sources for a driven group",
+      throw InputError(fields.where(*other),
+                       "no goals and no sources for a group with 'control_channel'",
                        fmt::format("'{}'", key));
   group.goals.emplace_back().areas.push_back(group.spawn);
 }
 
-void read_face(ReadContext&, Fields& fields, Group& group) {
+void read_look_at(ReadContext&, Fields& fields, Group& group) {
   if (fields.find("look_at") == nullptr) return;
   const std::vector<double> point =
       fields.numbers("look_at", 2, {-kMaxCoordinate_m, kMaxCoordinate_m});
   group.look_at_m = {point[0], point[1]};
 }
 
-void read_company(ReadContext& context, Fields& fields, Group& group) {
+void read_social_group_key(ReadContext& context, Fields& fields, Group& group) {
   const YamlNode* node = fields.find("social_groups");
   if (node == nullptr) return;
   if (has_density(fields))
@@ -158,13 +157,13 @@ void read_company(ReadContext& context, Fields& fields, Group& group) {
   group.social_groups = read_social_groups(context, fields.file(), *node);
 }
 
-void read_delay(ReadContext&, Fields& fields, Group& group) {
+void read_premovement(ReadContext&, Fields& fields, Group& group) {
   if (const YamlNode* node = fields.find("premovement_s"))
     group.premovement_s = read_distribution(fields.file(), *node, "premovement_s",
                                             {0, 0, 0, kTimeRange.max}, kTimeRange);
 }
 
-/// What the distributions of speed and height leave out is that of the only age, or of adults.
+/// Defaults of speed and height: those of the group's only age, or of adults.
 const AgeGroup& base_of(const Fields& fields) {
   return age_group(only_age(read_ages(fields)).value_or(Age::kAdult));
 }
@@ -175,7 +174,7 @@ void read_speed(ReadContext&, Fields& fields, Group& group) {
                                         base_of(fields).speed_mps, kSpeedRange);
 }
 
-/// What a robot's leaves out is its own height, and no limit.
+/// Defaults of a robot: its model's height, without limits.
 void read_height(ReadContext&, Fields& fields, Group& group) {
   const YamlNode* node = fields.find("height_m");
   if (node == nullptr) return;
@@ -187,7 +186,7 @@ void read_height(ReadContext&, Fields& fields, Group& group) {
                                      is_person ? kPersonRange : kRobotRange);
 }
 
-/// What a log can say of the scale, and how far parts are then from the root.
+/// Checks that scales fit into log messages and that parts stay within reach of the root.
 void require_scale(const Fields& fields, const Group& group) {
   const Model& body = *group.body;
   double tallest_m = 0;
@@ -248,34 +247,34 @@ std::vector<Key<Group>> rows_of_groups() {
       custom_key<Group>("name", "unique in the scene", "`group 1`, `group 2`, ...", {})
           .with_reader(read_group_name)
           .with_hash(&Group::name),
-      whole("count", "how many people stand there at the start", &Group::count, 0, kMaxBodies)
+      whole("count", "number of agents at the start", &Group::count, 0, kMaxBodies)
           .with_fallback("required, unless there are sources or a density")
           .with_reader(read_count),
       custom_key<Group>(
           "model",
-          "`adult`, or a URDF file relative to the scene file; its "
-          "[meshes](reliability.md#files-that-a-foreign-library-parses) may be `.tri`, "
-          "`.stl`, `.obj`, `.dae` and many others",
+          "`adult`, or a URDF file relative to the scene file; its meshes may be `.tri`, `.stl`, "
+          "`.obj`, `.dae` and many others, see [reliability](../reliability.md)",
           "`adult`", {})
           .with_reader(read_group_model)
           .with_hash([](Hasher& hash, const Group& group) {
             hash.add(group.body == nullptr ? 0 : group.body->content_hash);
           }),
-      custom_key<Group>("spawn", "the rectangle they start in", "required, if there is a count",
+      custom_key<Group>("spawn", "rectangle in which agents start", "required, if there is a count",
                         map_rule("area"))
           .with_reader(read_spawn)
           .with_hash(&Group::spawn),
-      custom_key<Group>("goals", "where they go, in order", "required, unless `control_channel`",
-                        list_rule("goal", 1))
+      custom_key<Group>("goals", "goals of the route, in order",
+                        "required, unless `control_channel`", list_rule("goal", 1))
           .with_reader(read_goals)
           .with_hash(
               [](Hasher& hash, const Group& group) { add_items(goal_keys(), hash, group.goals); }),
       word<Group, OnArrival>(
           "on_arrival",
-          "after the last goal: `loop` (over again), `stay` there, or `leave` the scene",
+          "action after the last goal: `loop` (start again), `stay` there, or `leave` the scene",
           &Group::on_arrival,
           {{"loop", OnArrival::kLoop}, {"stay", OnArrival::kStay}, {"leave", OnArrival::kLeave}}),
-      custom_key<Group>("sources", "where more of them enter later", "none", list_rule("source"))
+      custom_key<Group>("sources", "areas where agents enter during the run", "none",
+                        list_rule("source"))
           .with_reader([](ReadContext& context, Fields& fields, Group& group) {
             read_items(source_keys(), "sources", false, context, fields, group.sources);
           })
@@ -283,32 +282,29 @@ std::vector<Key<Group>> rows_of_groups() {
             add_items(source_keys(), hash, group.sources);
           }),
       custom_key<Group>("premovement_s",
-                        "how long they stand before setting out: `{mean, deviation, min, max}`, or "
-                        "one number",
+                        "time before an agent sets out, in seconds: `{mean, std_dev, min, max}`, "
+                        "or one number",
                         "0", map_rule("distribution"))
-          .with_reader(read_delay)
+          .with_reader(read_premovement)
           .with_hash(&Group::premovement_s),
       custom_key<Group>("desired_speed_mps",
-                        "free speed, 0.1 to 4, whatever the age: `{mean, deviation, min, max}`, or "
-                        "one number for everybody",
+                        "desired speed in m/s, 0.1 to 4, regardless of age: `{mean, std_dev, min, "
+                        "max}`, or one number for all agents",
                         "by age", map_rule("distribution"))
           .with_reader(read_speed)
           .with_hash([](Hasher& hash, const Group& group) { add_value(hash, speed_of(group)); }),
       custom_key<Group>("height_m",
-                        "body height, the same way; the model is scaled to it; people 0.5 to 2.5, "
-                        "robots 0.01 to 100",
-                        "people: by age; robots: their own, see "
-                        "[People and robots](#people-and-robots)",
-                        map_rule("distribution"))
+                        "body height in metres, as a distribution or a number; scales the model; "
+                        "people 0.5 to 2.5, robots 0.01 to 100",
+                        "people: by age; robots: height of the model", map_rule("distribution"))
           .with_reader(read_height)
           .with_hash([](Hasher& hash, const Group& group) { add_value(hash, height_of(group)); }),
-      custom_key<Group>("ages", "how old people are, which says how fast and how tall, see below",
-                        "`adults`", map_rule("ages"))
+      custom_key<Group>("ages", "ages, which determine desired speed and height", "`adults`",
+                        map_rule("ages"))
           .with_reader(
               [](ReadContext&, Fields& fields, Group& group) { group.ages = read_ages(fields); })
           .with_hash(add_ages),
-      custom_key<Group>("gait_styles", "how people walk, see below", "by age",
-                        map_rule("gait_styles"))
+      custom_key<Group>("gait_styles", "gait styles", "by age", map_rule("gait_styles"))
           .with_reader([](ReadContext&, Fields& fields, Group& group) {
             if (const YamlNode* node = fields.find("gait_styles"))
               group.gait_styles = read_styles(fields, *node);
@@ -316,18 +312,17 @@ std::vector<Key<Group>> rows_of_groups() {
           .with_hash([](Hasher& hash, const Group& group) {
             if (group.gait_styles) add_shares(hash.add("gait_styles"), *group.gait_styles);
           }),
-      number("radius_m", "of the disc that steering keeps clear of others", &Group::radius_m,
-             kRadiusRange)
+      number("radius_m", "radius of the disc that steering keeps clear of others, in metres",
+             &Group::radius_m, kRadiusRange)
           .with_fallback(
-              "people: 0.22 for 1.70 m, growing with height; robots: all of them as they "
-              "start, within 0.05 to 2"),
+              "people: 0.22 at 1.70 m, proportional to height; robots: circle that encloses them "
+              "at the start, within 0.05 to 2"),
       custom_key<Group>(
           "control_channel",
-          "LCM channel that [moves the group from "
-          "outside](lcm.md#a-group-driven-from-outside); then no goals and no sources, "
-          "and the model's own height",
+          "LCM channel of an [externally controlled group](../control.md); the group then has "
+          "neither goals nor sources, and the model's own height",
           "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
-          .with_reader(read_driven)
+          .with_reader(read_control_channel)
           .with_hash([](Hasher& hash, const Group& group) {
             if (!group.control_channel.empty())
               hash.add("control_channel").add(group.control_channel);
@@ -335,24 +330,24 @@ std::vector<Key<Group>> rows_of_groups() {
 }
 
 std::vector<Key<Group>> later_rows_of_groups() {
-  Key<Group> face =
+  Key<Group> look_at =
       custom_key<Group>("look_at",
-                        "`[x, y]` of what they look at while they stand, in m: a stage, a counter; "
-                        "before they set out, where they wait, and where they stay",
-                        "where they go next",
+                        "`[x, y]` of the point that agents face while they stand: before setting "
+                        "out, while waiting, and where they stay",
+                        "the next goal",
                         {.kind = Rule::Kind::kNumbers,
                          .range = {-kMaxCoordinate_m, kMaxCoordinate_m},
                          .min = 2,
                          .max = 2})
-          .with_reader(read_face)
+          .with_reader(read_look_at)
           .with_hash([](Hasher& hash, const Group& group) {
             hash.add(group.look_at_m->x()).add(group.look_at_m->y());
           });
-  face.is_default = [](const Group& group) { return !group.look_at_m; };
+  look_at.is_default = [](const Group& group) { return !group.look_at_m; };
   Key<Group> after =
-      custom_key<Group>(
-          "after", "a [cue](#cues), before which nobody sets out; `premovement_s` begins with it",
-          "the start, or entering", map_rule("cue"))
+      custom_key<Group>("after",
+                        "trigger that lets the group start; `premovement_s` begins with it",
+                        "the start, or entering", map_rule("trigger"))
           .with_reader([](ReadContext& context, Fields& fields, Group& group) {
             if (const YamlNode* node = fields.find("after"))
               group.after = read_trigger(context, fields.file(), *node);
@@ -360,19 +355,20 @@ std::vector<Key<Group>> later_rows_of_groups() {
           .with_hash([](Hasher& hash, const Group& group) { add_trigger(hash, *group.after); });
   after.is_default = [](const Group& group) { return !group.after; };
   Key<Group> social_groups =
-      custom_key<Group>("social_groups", "who walks with whom, see [Companions](#companions)",
-                        "everybody walks alone", map_rule("social_groups"))
-          .with_reader(read_company)
+      custom_key<Group>("social_groups",
+                        "agents that walk together, see [scenes](../scenes.md#social-groups)",
+                        "all agents walk alone", map_rule("social_groups"))
+          .with_reader(read_social_group_key)
           .with_hash([](Hasher& hash, const Group& group) {
             add_keys(social_group_keys(), hash, *group.social_groups);
           });
   social_groups.is_default = [](const Group& group) { return !group.social_groups; };
-  return {face,
+  return {look_at,
           number("density_per_m2",
-                 "how close together they stand at the start, at most 6: what `spawn` has of free "
-                 "ground says how many they are; bodies are placed, not discs",
+                 "people per m2 of free ground in `spawn` at the start, at most 6; replaces "
+                 "`count`; placed by body outline instead of disc",
                  &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
-              .with_fallback("`count` says how many"),
+              .with_fallback("`count`"),
           after, social_groups};
 }
 
@@ -380,7 +376,7 @@ std::vector<Key<Group>> later_rows_of_groups() {
 
 const KeyTable<Group>& group_keys() {
   static const KeyTable<Group> table = {.text = {.name = "group",
-                                                 .meaning = "People of one model",
+                                                 .meaning = "Agents with one body model",
                                                  .choices = {{"goals"}, {"control_channel"}}},
                                         .title = "a group",
                                         .keys = rows_of_groups(),

@@ -1,7 +1,6 @@
-// A key of a map in a scene file: what it means, what may stand there, how it is read, and what it
-// adds to the content hash.
-// One rule: a key is one row of one table, and the reader, the content hash, the schema for editors
-// and the table in docs/scenes.md follow from it.
+// Key describes a key of a map in a scene file: meaning, allowed values, reader and content hash.
+// Invariant: a key is one row of one table; reader, content hash, JSON Schema and documentation
+// follow from it.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,7 +20,6 @@
 
 namespace throng {
 
-/// What may stand at a key.
 struct Rule {
   enum class Kind : uint8_t {
     kText,
@@ -35,51 +33,50 @@ struct Rule {
     kList
   };
   Kind kind = Kind::kText;
-  Range range{};             ///< kNumber; each of kNumbers; coordinates of kPoints
-  int64_t min = 0, max = 0;  ///< kWhole; how many in kNumbers, kPoints and kList, `max` 0: any
-  std::vector<std::string> words = {};  ///< kWord
-  std::string map = {};                 ///< kMap, and each of kList: its name in scene_maps()
-  std::string pattern = {};             ///< kText, where not every text will do
+  Range range{};  ///< kNumber; each number of kNumbers; coordinates of kPoints
+  /// kWhole: the value; kNumbers, kPoints, kList: the length, `max` 0: unlimited.
+  int64_t min = 0, max = 0;
+  std::vector<std::string> words = {};
+  std::string map = {};      ///< kMap, each item of kList: name of the map in scene_maps()
+  std::string pattern = {};  ///< kText: regular expression, empty: any text
 };
 
-/// What is said of a key: in documents (Markdown) and by editors.
+/// Documentation of a key, in Markdown, for the reference pages and the JSON Schema.
 struct KeyText {
   std::string name;
   std::string meaning;
-  std::string fallback;  ///< what holds without it: "10", "by age", "required"
+  std::string fallback;  ///< value without the key: "10", "by age", "required"
   bool required = false;
   Rule rule;
 };
 
-/// What is said of a map.
 struct MapText {
-  std::string name;     ///< "group"
-  std::string meaning;  ///< "People of one model"
+  std::string name;
+  std::string meaning;  ///< "Agents with one body model"
   std::vector<KeyText> keys = {};
-  /// Of each of these sets of keys one has to be there, if there are any sets.
+  /// Alternative sets of keys, one of which has to be complete; empty: no such condition.
   std::vector<std::vector<std::string>> choices = {};
-  bool or_number = false;                  ///< one number may stand for the map
-  std::vector<std::string> or_words = {};  ///< or one of these
-  std::vector<std::string> any_key = {};   ///< any other key may have one of these
-  bool at_least_one = false;               ///< it may not be empty
+  bool or_number = false;                  ///< a single number may replace the map
+  std::vector<std::string> or_words = {};  ///< words that may replace the map
+  std::vector<std::string> any_key = {};   ///< values that any other key accepts
+  bool at_least_one = false;               ///< an empty map is an error
 };
 
-/// By file.
 using LoadedModels = std::map<std::string, std::shared_ptr<const Model>>;
 
-/// What readers of keys share: the scene so far, and what it has loaded.
+/// State shared by the readers of keys: the scene read so far and its models.
 struct ReadContext {
-  std::filesystem::path folder;  ///< of the scene file; names of files are relative to it
+  std::filesystem::path folder;
   Scene scene;
   LoadedModels bodies;
   std::set<std::string> group_names;
   std::set<std::string> obstacle_names;
   std::set<std::string> door_names;
-  /// What waits for somebody, and where the file says so.
+  /// Triggers and their places in the file ("file:line").
   std::vector<std::pair<std::string, TriggerRule>> triggers;
-  /// Goals with a queue, and where the file says so.
+  /// Goals with a queue and their places in the file ("file:line").
   std::vector<std::pair<std::string, Goal>> queued_goals;
-  int64_t people = 0;  ///< of the groups so far
+  int64_t people = 0;
 };
 
 inline void add_value(Hasher& hash, bool value) { hash.add(uint64_t{value}); }
@@ -94,16 +91,15 @@ inline void add_value(Hasher& hash, const Distribution& d) {
   hash.add(d.mean).add(d.std_dev).add(d.min).add(d.max);
 }
 
-/// A row of a table: a key of maps that are read into a T.
+/// Row of a key table: a key of a map that is read into a T.
 template <typename T>
 struct Key {
   KeyText text;
   std::function<void(ReadContext&, Fields&, T&)> read;
   std::function<void(Hasher&, const T&)> hash;    ///< empty: the key changes no frame
-  std::function<bool(const T&)> is_default = {};  ///< needed of a later key, see KeyTable
+  std::function<bool(const T&)> is_default = {};  ///< only needed in KeyTable::later
 
   Key required() && { return std::move(*this).with_fallback("required", true); }
-  /// Says in other words what holds without the key.
   Key with_fallback(std::string fallback, bool required = false) && {
     text.fallback = std::move(fallback);
     text.required = required;
@@ -117,7 +113,6 @@ struct Key {
     hash = std::move(other);
     return std::move(*this);
   }
-  /// The value of one member.
   template <typename Value, typename Owner>
   Key with_hash(Value Owner::*member) && {
     hash = [member](Hasher& hasher, const T& value) { add_value(hasher, value.*member); };
@@ -126,20 +121,18 @@ struct Key {
   Key without_hash() && { return std::move(*this).with_hash({}); }
 };
 
-/// The keys of a map.
 template <typename T>
 struct KeyTable {
-  MapText text;       ///< its keys are empty, see text_of()
-  std::string title;  ///< in messages: "a group"
-  /// Those of the first version: each adds its value to the content hash, in this order.
+  MapText text;       ///< without keys, see text_of()
+  std::string title;  ///< name in messages: "a group"
+  /// Each of these keys adds its value to the content hash, in this order.
   std::vector<Key<T>> keys;
-  /// Those that came later: each adds its name and value where it differs from the default, so that
-  /// scenes without it keep their hash.
+  /// Each of these keys adds its name and value to the content hash only if it differs from the
+  /// default. New keys go here: scenes without them keep their hash.
   std::vector<Key<T>> later = {};
-  /// What follows from all keys together, and whether they fit each other.
+  /// Derives values from several keys and checks that the keys fit each other.
   std::function<void(ReadContext&, const Fields&, T&)> complete = {};
 
-  /// In the order of the documentation.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     for (const Key<T>& key : keys) visit(key);
@@ -159,7 +152,7 @@ MapText text_of(const KeyTable<T>& table) {
   return text;
 }
 
-/// Reads a map; throws InputError for a key that it does not have, before anything that is missing.
+/// Reads a map. Throws InputError; unknown keys are reported before missing ones.
 template <typename T>
 void read_keys(const KeyTable<T>& table, ReadContext& context, Fields& fields, T& out) {
   fields.expect_keys(table.names());
@@ -170,7 +163,7 @@ void read_keys(const KeyTable<T>& table, ReadContext& context, Fields& fields, T
   if (table.complete) table.complete(context, fields, out);
 }
 
-/// Throws InputError for a key that the map does not have beside what else it says.
+/// Throws InputError for an unknown key, or one of `absent`, which this map does not allow.
 template <typename T>
 void expect_keys_without(const std::vector<std::string>& absent, const KeyTable<T>& table,
                          const Fields& fields) {
@@ -192,7 +185,6 @@ void add_keys(const KeyTable<T>& table, Hasher& hash, const T& value) {
   }
 }
 
-/// A row of which more is said by the functions of Key.
 template <typename T, typename Value>
 Key<T> key_of(std::string name, std::string meaning, Value T::*member, Rule rule) {
   Key<T> key;
@@ -230,7 +222,7 @@ Key<T> flag(const std::string& name, std::string meaning, bool T::*member) {
       });
 }
 
-/// One of several words, each of which names a value.
+/// Key that accepts one of several words, each of which stands for a value.
 template <typename T, typename Value>
 Key<T> word(const std::string& name, std::string meaning, Value T::*member,
             std::vector<std::pair<std::string, Value>> values) {
@@ -251,7 +243,6 @@ Key<T> word(const std::string& name, std::string meaning, Value T::*member,
   return key;
 }
 
-/// A key that none of the above fits: read() and hash() are given by Key's functions.
 template <typename T>
 Key<T> custom_key(std::string name, std::string meaning, std::string fallback, Rule rule) {
   Key<T> key;

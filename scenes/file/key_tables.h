@@ -1,5 +1,5 @@
-// The tables of keys of scene files, one for each kind of map.
-// One rule: the order of rows is that of the documentation and of the content hash.
+// Key tables list the keys of each kind of map in a scene file.
+// Invariant: the order of rows is that of the documentation and of the content hash.
 #pragma once
 
 #include "culling/proximity.h"
@@ -7,7 +7,7 @@
 
 namespace throng {
 
-/// Of waiting, starting late and arriving: from at once to the end of the longest run.
+/// Range of times, in seconds: waiting, premovement, start of sources and triggers.
 inline constexpr Range kTimeRange{0, 1e7};
 inline constexpr Range kProximityRange{0, static_cast<double>(kMaxProximity_m)};
 
@@ -22,24 +22,22 @@ const KeyTable<Door>& door_keys();
 const KeyTable<Obstacle>& obstacle_keys();
 const KeyTable<PartsBox>& box_keys();
 const KeyTable<SeparationRule>& separation_keys();
-/// Of scene.recorded and of the last group.
 const KeyTable<Scene>& recording_keys();
 
-/// A map of trigger_keys(), or the number of seconds after the start. Whether there is such a group
-/// is asked by require_triggers(), when all groups are known.
+/// Reads a map of trigger_keys(), or a number of seconds after the start. require_triggers() checks
+/// the groups after all groups are known.
 TriggerRule read_trigger(ReadContext& context, const std::string& file, const YamlNode& node);
 void require_triggers(const ReadContext& context);
 void add_trigger(Hasher& hash, const TriggerRule& trigger);
 
-/// Whether lines of queues lie on free ground, and goals of the same areas have one queue, is asked
-/// when all of the scene is known.
+/// Checks that queue lines lie on free ground, and that goals with equal areas share one queue.
+/// Needs the complete scene. Throws InputError.
 void require_lines(const ReadContext& context);
 
-/// A map of social_group_keys(), or the share of the people as one number.
+/// Reads a map of social_group_keys(), or the share of people in social groups as one number.
 SocialGroupRule read_social_groups(ReadContext& context, const std::string& file,
                                    const YamlNode& node);
 
-/// A list of maps.
 template <typename T>
 void read_items(const KeyTable<T>& table, const std::string& key, bool required,
                 ReadContext& context, const Fields& fields, std::vector<T>& out) {

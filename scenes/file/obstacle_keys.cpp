@@ -1,4 +1,4 @@
-// Obstacles: shapes and where they stand.
+// Keys of an obstacle: its shape and place.
 #include <numbers>
 
 #include "avatars/mesh/primitives.h"
@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-// A millimetre is a tape; floats of 10 km, a wall around the largest scene, tell it from nothing.
+// 1 mm is the thickness of a tape. Floats resolve it up to 10 km, the wall of the largest scene.
 constexpr Range kSizeRange{1e-3, 1e4};
 constexpr Range kBottomRange{-10, 1000};
 constexpr Range kHeadingRange{-360, 360};
@@ -85,7 +85,7 @@ void complete_obstacle(ReadContext& context, const Fields& fields, Obstacle& obs
     throw InputError(
         fields.where(),
         fmt::format("obstacle '{}' on the ground ({})", obstacle.name, to_text(ground)),
-        fmt::format("all of it beside, {}; move it or make the ground larger",
+        fmt::format("all of it outside, {}; move it or enlarge the ground",
                     to_text(bounds_of(footprint))));
 }
 
@@ -103,57 +103,56 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
                 .min = count,
                 .max = count};
   };
-  return {custom_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
-              .with_reader(read_obstacle_name)
-              .with_hash(&Obstacle::name),
-          word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
-                                         {{"box", Obstacle::Kind::kBox},
-                                          {"cylinder", Obstacle::Kind::kCylinder},
-                                          {"mesh", Obstacle::Kind::kMesh}})
-              .required(),
-          custom_key<Obstacle>("yaw_deg", "turn about z, counter-clockwise", "0",
-                               {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
-              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
-                const double yaw_deg = fields.number_or("yaw_deg", kHeadingRange, 0);
-                obstacle.heading_rad = yaw_deg * (std::numbers::pi / 180);
-              })
-              .with_hash(&Obstacle::heading_rad),
-          custom_key<Obstacle>(
-              "position_m", "`[x, y]` of its middle; of a mesh, where its origin lies", "",
-              {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
-              .required()
-              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
-                const std::vector<double> place = fields.numbers("position_m", 2, kPositionRange);
-                obstacle.centre_m = {place[0], place[1], 0};
-              })
-              .with_hash([](Hasher& hash, const Obstacle& obstacle) {
-                for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
-              }),
-          custom_key<Obstacle>(
-              "bottom_m",
-              "height of its lower end over the ground, of a mesh of its lowest vertex, "
-              "wherever its origin lies; people walk under what hangs 0.1 m above the tallest "
-              "of the scene, and higher",
-              "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
-              .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
-                obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
-              }),
-          custom_key<Obstacle>("size_m", "box: `[x, y, z]` edges, from 1 mm", "required of a box",
-                               size_rule(3)),
-          custom_key<Obstacle>("diameter_m", "cylinder: across", "required of a cylinder",
-                               size_rule(1)),
-          custom_key<Obstacle>("height_m", "cylinder: from end to end", "required of a cylinder",
-                               size_rule(1)),
-          custom_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
-                               "required of a mesh", {})
-              .with_hash(add_mesh)};
+  return {
+      custom_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
+          .with_reader(read_obstacle_name)
+          .with_hash(&Obstacle::name),
+      word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
+                                     {{"box", Obstacle::Kind::kBox},
+                                      {"cylinder", Obstacle::Kind::kCylinder},
+                                      {"mesh", Obstacle::Kind::kMesh}})
+          .required(),
+      custom_key<Obstacle>("yaw_deg", "rotation about z in degrees, counter-clockwise", "0",
+                           {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
+          .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+            const double yaw_deg = fields.number_or("yaw_deg", kHeadingRange, 0);
+            obstacle.heading_rad = yaw_deg * (std::numbers::pi / 180);
+          })
+          .with_hash(&Obstacle::heading_rad),
+      custom_key<Obstacle>(
+          "position_m", "`[x, y]` of the centre, of a mesh of its origin", "",
+          {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
+          .required()
+          .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+            const std::vector<double> place = fields.numbers("position_m", 2, kPositionRange);
+            obstacle.centre_m = {place[0], place[1], 0};
+          })
+          .with_hash([](Hasher& hash, const Obstacle& obstacle) {
+            for (int axis = 0; axis < 3; ++axis) hash.add(obstacle.centre_m[axis]);
+          }),
+      custom_key<Obstacle>(
+          "bottom_m",
+          "height of the lower end above the ground, of a mesh of its lowest vertex; agents "
+          "pass below an obstacle that is at least 0.1 m above the tallest avatar",
+          "0", {.kind = Rule::Kind::kNumber, .range = kBottomRange})
+          .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+            obstacle.centre_m.z() = fields.number_or("bottom_m", kBottomRange, 0);
+          }),
+      custom_key<Obstacle>("size_m", "box: edge lengths `[x, y, z]`, from 0.001",
+                           "required of a box", size_rule(3)),
+      custom_key<Obstacle>("diameter_m", "cylinder: diameter", "required of a cylinder",
+                           size_rule(1)),
+      custom_key<Obstacle>("height_m", "cylinder: length", "required of a cylinder", size_rule(1)),
+      custom_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
+                           "required of a mesh", {})
+          .with_hash(add_mesh)};
 }
 
 }  // namespace
 
 const KeyTable<Obstacle>& obstacle_keys() {
   static const KeyTable<Obstacle> table = {
-      .text = {.name = "obstacle", .meaning = "Something solid that stands still"},
+      .text = {.name = "obstacle", .meaning = "A solid body that does not move"},
       .title = "an obstacle",
       .keys = rows_of_obstacles(),
       .complete = complete_obstacle};

@@ -13,8 +13,8 @@
 namespace throng {
 namespace {
 
-/// The length of the prefix of a name: it stands before the name without a blank, as a colon
-/// between two names does not have to.
+/// Length of the prefix of a name. A name follows its prefix without a blank; a colon between two
+/// names may have one.
 size_t prefix_of(std::string_view name) {
   for (const std::string_view prefix : {kGroupPrefix, kObstaclePrefix})
     if (name.starts_with(prefix) && name.size() > prefix.size() && name[prefix.size()] != ' ' &&
@@ -23,8 +23,8 @@ size_t prefix_of(std::string_view name) {
   return 0;
 }
 
-/// The length of the quotes that a text begins with, in which a quote is written twice; 0: it
-/// begins with none that end.
+/// Length of the quoted name at the start of a text, 0 without a complete one. Doubled quotes are
+/// part of the name.
 size_t quotes_of(std::string_view text) {
   if (!text.starts_with('"') && !text.starts_with('\'')) return 0;
   for (size_t end = text.find(text[0], 1); end < text.size(); end = text.find(text[0], end + 2))
@@ -41,7 +41,6 @@ std::string without_quotes(std::string_view quoted) {
   return name;
 }
 
-/// Takes a name off the front of `rest`, up to a colon, a comma or the end. "" is no name.
 std::string take_name(std::string_view& rest, bool is_of_bodies) {
   while (rest.starts_with(' ')) rest.remove_prefix(1);
   const size_t prefix = is_of_bodies ? prefix_of(rest) : 0;
@@ -81,7 +80,7 @@ PairRules rules_of(std::string_view text, std::string_view where, bool is_of_bod
           where, "names, or pairs of names, as in 'robots: people, hands'",
           fmt::format("'{}'{}",
                       stripped(entry.substr(0, entry.find(',', entry.size() - rest.size()))),
-                      is_of_bodies ? "; a name that has ':' or ',' stands in quotes" : ""));
+                      is_of_bodies ? "; quote names that contain ':' or ','" : ""));
     rules.push_back(std::move(rule));
     goes_on = rest.starts_with(',');
     if (goes_on) rest.remove_prefix(1);

@@ -1,6 +1,7 @@
-// What encloses the parts of bodies: one volume, or others for parts that are named by words.
-// One rule: as text it is one line, "hands: sphere, torso: ordop18, default: ordop26", the same in
-// scenes, on the command line and in logs.
+// PartVolumes selects the bounding volume of each part: one for all, or several by words of part
+// names.
+// Invariant: the text form is one line, "hands: sphere, torso: ordop18, default: ordop26", in
+// scenes, options and logs.
 #pragma once
 
 #include <memory>
@@ -16,7 +17,7 @@ namespace throng {
 struct Model;
 
 struct PartVolumes {
-  /// Takes every part whose name has all of these words: "hands" takes leftHand and right_hand.
+  /// Matches every part whose name has all of these words: "hands" matches leftHand and right_hand.
   struct Named {
     std::string words;
     VolumeKind volume = VolumeKind::kOrdop26;
@@ -26,7 +27,7 @@ struct PartVolumes {
   PartVolumes() = default;
   PartVolumes(VolumeKind all) : fallback(all) {}  // NOLINT(google-explicit-constructor): one of all
 
-  /// Of a part by its name: the first that takes it, or the fallback.
+  /// Volume of a part by its name: of the first match, or the fallback.
   VolumeKind of(std::string_view part) const;
   bool operator==(const PartVolumes&) const = default;
 
@@ -34,23 +35,20 @@ struct PartVolumes {
   std::vector<Named> named;
 };
 
-/// "ordop26", or "hands: sphere, default: ordop26".
 std::string to_text(const PartVolumes& volumes);
-/// Throws InputError, which begins with `where`.
+/// Parses the text form. Throws InputError at `where`.
 PartVolumes part_volumes_of(std::string_view text, std::string_view where);
 
-/// Another volume by words, or the fallback by "default". Throws InputError.
+/// Adds a volume for parts with these words; "default" sets the fallback. Throws InputError.
 void add_part_volume(std::string_view words, std::string_view volume, std::string_view where,
                      PartVolumes& volumes);
 
-/// Throws InputError where words take no part of any model.
+/// Throws InputError if words match no part.
 void require_parts(const PartVolumes& volumes,
                    std::span<const std::shared_ptr<const Model>> models);
 
-/// The same of parts by their names.
 void require_parts(const PartVolumes& volumes, std::vector<std::string> part_names);
 
-/// What part_volume may be in one word.
 std::vector<std::string> volume_names();
 
 }  // namespace throng

@@ -1,6 +1,6 @@
-// Parts of a body by words of their names.
-// One rule: the same part whoever named it: "upperLeftArm", "left_upper_arms" and "upper left arm"
-// have the same words.
+// Part words split the names of body parts into words.
+// Invariant: spelling does not matter: "upperLeftArm", "left_upper_arms" and "upper left arm" have
+// the same words.
 #pragma once
 
 #include <set>
@@ -9,10 +9,10 @@
 
 namespace throng {
 
-/// In lower case and singular: arm, left, upper.
+/// Words of a name in lower case and singular: arm, left, upper.
 std::set<std::string> part_words(std::string_view name);
 
-/// Whether the name of a part has all of these words: leftHand and right_hand have "hands".
+/// Returns whether the name of a part has all of these words: leftHand and right_hand have "hands".
 bool has_words(std::string_view part, std::string_view words);
 
 }  // namespace throng

@@ -16,11 +16,10 @@
 namespace throng {
 namespace {
 
-/// Steps between recorded frames are at most so long.
 constexpr double kMaxStep_s = 1.0 / 60;
-/// Bodies reach beyond recorded positions.
+/// Margin of the ground around recorded positions, in metres: bodies extend beyond them.
 constexpr double kMargin_m = 1;
-// Of the walls around a walkable area: as high as a room, outside of it.
+// Walls around a walkable area stand outside of it and have the height of a storey.
 constexpr double kWallHeight_m = 2.5;
 constexpr double kWallThickness_m = 0.05;
 constexpr double kMinWall_m = 1e-3;
@@ -29,7 +28,7 @@ double step_of(const RecordingFacts& facts, const RecordedPeople& people,
                const std::string& where) {
   if (facts.fps == 0) {
     if (people.recorded_frames)
-      throw InputError(where, "a recording with frames for steps of its own",
+      throw InputError(where, "a recording with frames for 'sampling: recorded'",
                        "footsteps, which begin and end at any time");
     return kMaxStep_s;
   }
@@ -46,7 +45,7 @@ bool is_before(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
 }
 
-/// Corners that several rings have, sorted: the area goes on behind them.
+/// Corners that several rings share, sorted: the area continues behind them.
 std::vector<Eigen::Vector2d> shared_corners(const std::vector<AreaPolygon>& area) {
   std::vector<Eigen::Vector2d> all, shared;
   for (const AreaPolygon& polygon : area) {
@@ -60,10 +59,9 @@ std::vector<Eigen::Vector2d> shared_corners(const std::vector<AreaPolygon>& area
   return shared;
 }
 
-/// A box along each edge, on the side that is not walkable.
+/// Adds a box along each edge, on the side that is not walkable.
 void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
                const std::vector<Eigen::Vector2d>& shared, std::vector<Obstacle>& walls) {
-  // The walkable area is to the left of each edge.
   if ((doubled_area(ring) > 0) != walkable_inside) std::reverse(ring.begin(), ring.end());
   std::vector<Eigen::Vector2d> corners;
   for (const Eigen::Vector2d& corner : ring)
@@ -74,7 +72,8 @@ void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
     const Eigen::Vector2d &before = corners[(i + count - 1) % count], &from = corners[i],
                           &to = corners[(i + 1) % count], &after = corners[(i + 2) % count];
     const Eigen::Vector2d along = (to - from).normalized(), out(along.y(), -along.x());
-    // Where the area bends outwards, walls meet in a corner; elsewhere they would stand in the way.
+    // Walls meet in a corner where the area bends outwards; elsewhere they would reach into the
+    // area.
     const auto reach_m = [&](const Eigen::Vector2d& corner, double turn) {
       const bool ends = std::binary_search(shared.begin(), shared.end(), corner, is_before);
       return turn > 0 && !ends ? kWallThickness_m : 0;
@@ -112,8 +111,8 @@ void add_geometry(Scene& scene, const std::string& where) {
   }
   if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
     throw InputError(where,
-                     fmt::format("at most {} walls and obstacles; geometry: false leaves "
-                                 "the file's walls out",
+                     fmt::format("at most {} walls and obstacles; geometry: false omits the "
+                                 "walls of the file",
                                  kMaxObstacles),
                      fmt::format("{}", scene.obstacles.size()));
 }
@@ -140,7 +139,7 @@ void apply_recording(Scene& scene, bool has_ground, const std::string& where) {
   people.recording = read_recording(people.options);
   const RecordingFacts& facts = people.recording->facts();
   scene.step_s = step_of(facts, people, where);
-  // A run ends before the frame at its end: the last recorded one is a step earlier.
+  // A run ends before the frame at its end time; the last recorded frame is a step earlier.
   scene.duration_s = facts.duration_s + scene.step_s;
   if (people.geometry) scene.area = recorded_area(facts, people.options.file.string()).polygons;
   if (!has_ground) scene.ground = ground_of(facts, scene.area);

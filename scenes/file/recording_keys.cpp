@@ -1,4 +1,4 @@
-// The recording of a scene.
+// Keys of `recording`.
 #include <cstdlib>
 
 #include "base/errors.h"
@@ -14,7 +14,6 @@ namespace {
 constexpr Range kFpsRange{1e-3, 1e4};
 constexpr Range kUnitRange{1e-4, 1e3};
 
-/// An option that the file may say itself.
 Key<Scene> option(const std::string& name, std::string meaning, std::string fallback,
                   const Range& range, std::optional<double> RecordingOptions::*member) {
   return custom_key<Scene>(name, std::move(meaning), std::move(fallback),
@@ -35,8 +34,8 @@ Key<Scene> time(const std::string& name, std::string meaning, std::string fallba
       });
 }
 
-/// A name that begins with $NAME/ lies in the folder that this variable of the environment names:
-/// recordings are large, and not everybody may pass them on.
+/// Resolves $NAME/FILE through the environment variable NAME. Recordings are large and often not
+/// redistributable, so their folder differs between machines.
 std::filesystem::path recording_file(const ReadContext& context, const Fields& fields) {
   const YamlNode& node = fields.require("file");
   const std::string name = fields.text("file");
@@ -46,10 +45,10 @@ std::filesystem::path recording_file(const ReadContext& context, const Fields& f
   const std::string variable = name.substr(1, slash - 1);
   const char* folder = std::getenv(variable.c_str());
   if (folder == nullptr || *folder == 0)
-    throw InputError(
-        fields.where(node),
-        fmt::format("{} in the environment, the folder of '{}'", variable, name.substr(slash + 1)),
-        "nothing");
+    throw InputError(fields.where(node),
+                     fmt::format("{} in the environment, naming the folder of '{}'", variable,
+                                 name.substr(slash + 1)),
+                     "nothing");
   return std::filesystem::path(folder) / name.substr(slash + 1);
 }
 
@@ -61,7 +60,7 @@ void read_recorded_model(ReadContext& context, Fields& fields, Scene& scene) {
   group.body = body;
 }
 
-void read_tracks(ReadContext&, Fields& fields, Scene& scene) {
+void read_tracked_point(ReadContext&, Fields& fields, Scene& scene) {
   if (const auto found = fields.word("tracked_point", {"centre", "head"}))
     scene.recorded->options.tracked_point =
         *found == 0 ? TrackedPoint::kCentre : TrackedPoint::kHead;
@@ -85,68 +84,68 @@ void read_separator(ReadContext&, Fields& fields, Scene& scene) {
 std::vector<Key<Scene>> rows() {
   return {
       custom_key<Scene>("file",
-                        "the recording, relative to the scene file, or to a folder that a variable "
-                        "of the environment names (`$THRONG_RECORDINGS/jam.txt`); its kind is "
-                        "known by what it holds, see [recordings.md](recordings.md)",
+                        "recording, relative to the scene file or to a folder named by an "
+                        "environment variable (`$THRONG_RECORDINGS/jam.txt`); its kind is detected "
+                        "by content, see [recordings](../recordings.md)",
                         "", {})
           .required()
           .with_reader([](ReadContext& context, Fields& fields, Scene& scene) {
             scene.recorded->options.file = recording_file(context, fields);
           }),
-      custom_key<Scene>("name", "what the recorded people are called", "`recorded`", {})
+      custom_key<Scene>("name", "name of the recorded people in results", "`recorded`", {})
           .with_reader([](ReadContext& context, Fields& fields, Scene& scene) {
             Group& group = scene.groups.back();
             group.name = fields.name_or("name", group.name);
             require_new(fields, group.name, context.group_names);
           }),
-      option("fps", "recorded frames a second", "what the file says, else required", kFpsRange,
+      option("fps", "recorded frames per second", "as stated in the file, else required", kFpsRange,
              &RecordingOptions::fps),
-      option("unit_m", "metres a unit of length: 0.01 for cm", "what the file or its kind says",
+      option("unit_m", "metres per unit of length: 0.01 for cm", "as stated in the file",
              kUnitRange, &RecordingOptions::unit_m),
-      custom_key<Scene>("heading_unit", "of headings in a table: `rad` or `deg`",
-                        "what the file says, else rad",
+      custom_key<Scene>("heading_unit", "unit of headings in a table: `rad` or `deg`",
+                        "as stated in the file, else rad",
                         {.kind = Rule::Kind::kWord, .words = {"rad", "deg"}})
           .with_reader(read_heading_unit),
-      custom_key<Scene>("columns", "of a table: `id=pedID,t=time,x=posX,y=posY`", "by their names",
-                        {})
+      custom_key<Scene>("columns", "columns of a table: `id=pedID,t=time,x=posX,y=posY`",
+                        "by their names", {})
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             if (fields.find("columns") != nullptr)
               scene.recorded->options.columns = fields.text("columns");
           }),
-      custom_key<Scene>("separator", "of columns: one character, or `tab`",
-                        "as the first line shows", {})
+      custom_key<Scene>("separator", "separator of columns: one character, or `tab`",
+                        "detected in the first line", {})
           .with_reader(read_separator),
-      custom_key<Scene>(
-          "tracked_point",
-          "what positions are those of: `head`, below which the body hangs, or `centre`",
-          "by kind of file", {.kind = Rule::Kind::kWord, .words = {"centre", "head"}})
-          .with_reader(read_tracks),
-      time("start_s", "the part of the time that is run begins so long after the first frame", "0",
+      custom_key<Scene>("tracked_point",
+                        "point that positions follow: `head` or `centre` of the body",
+                        "by kind of file", {.kind = Rule::Kind::kWord, .words = {"centre", "head"}})
+          .with_reader(read_tracked_point),
+      time("start_s", "start of the run after the first frame, in seconds", "0",
            &RecordingOptions::start_s),
-      time("end_s", "and ends so long after it", "the end", &RecordingOptions::end_s),
-      custom_key<Scene>("strict", "what is odd (jumps, holes, ...) is an error", "false",
+      time("end_s", "end of the run after the first frame, in seconds", "the end",
+           &RecordingOptions::end_s),
+      custom_key<Scene>("strict", "treat anomalies (jumps, gaps, ...) as errors", "false",
                         {.kind = Rule::Kind::kFlag})
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.recorded->options.strict = fields.boolean_or("strict", false);
           }),
       custom_key<Scene>(
           "sampling",
-          "`smooth`: every recorded frame, and equal steps of at most 1/60 s between; "
-          "`recorded`: the recorded frames alone",
+          "`smooth`: recorded frames, and equal steps of at most 1/60 s between them; "
+          "`recorded`: recorded frames alone",
           "`smooth`", {.kind = Rule::Kind::kWord, .words = {"smooth", "recorded"}})
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.recorded->recorded_frames =
                 fields.word("sampling", {"smooth", "recorded"}).value_or(0) == 1;
           }),
       custom_key<Scene>("geometry",
-                        "the walkable area of the file, where it has one, becomes walls", "true",
+                        "build walls around the walkable area of the file, if it has one", "true",
                         {.kind = Rule::Kind::kFlag})
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.recorded->geometry = fields.boolean_or("geometry", true);
           }),
-      custom_key<Scene>("model", "the bodies, as of a group", "`adult`", {})
+      custom_key<Scene>("model", "body model, as of a group", "`adult`", {})
           .with_reader(read_recorded_model),
-      custom_key<Scene>("height_m", "as of a group; says more than heights of the file",
+      custom_key<Scene>("height_m", "body height, as of a group; overrides heights of the file",
                         "as recorded, else by age", map_rule("distribution"))
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             if (const YamlNode* node = fields.find("height_m"))
@@ -154,11 +153,12 @@ std::vector<Key<Scene>> rows() {
                   read_distribution(fields.file(), *node, "height_m",
                                     age_group(Age::kAdult).height_m, {kMinPerson_m, kMaxPerson_m});
           }),
-      custom_key<Scene>("ages", "as of a group", "`adults`", map_rule("ages"))
+      custom_key<Scene>("ages", "ages, as of a group", "`adults`", map_rule("ages"))
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.groups.back().ages = read_ages(fields);
           }),
-      custom_key<Scene>("gait_styles", "as of a group", "by age", map_rule("gait_styles"))
+      custom_key<Scene>("gait_styles", "gait styles, as of a group", "by age",
+                        map_rule("gait_styles"))
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             if (const YamlNode* node = fields.find("gait_styles"))
               scene.groups.back().gait_styles = read_styles(fields, *node);
@@ -169,7 +169,7 @@ std::vector<Key<Scene>> rows() {
 
 const KeyTable<Scene>& recording_keys() {
   static const KeyTable<Scene> table = {
-      .text = {.name = "recording", .meaning = "People who walk as they were recorded"},
+      .text = {.name = "recording", .meaning = "People who walk on recorded trajectories"},
       .title = "a recording",
       .keys = rows()};
   return table;

@@ -1,4 +1,4 @@
-// Where people come from and go to.
+// Keys of goals, queues and sources.
 #include <algorithm>
 #include <cmath>
 
@@ -12,22 +12,22 @@
 namespace throng {
 namespace {
 
-/// From body to body, and so far that it is still a queue.
+/// From touching bodies to the widest distance that still is a queue, in metres.
 constexpr Range kSpacingRange{0.4, 10};
-/// Each corner has a flow field.
+/// Each corner needs a flow field.
 constexpr int64_t kMaxCorners = 100;
-/// Nearer corners have no direction from one to the next.
-constexpr double kApart_m = 0.1;
-/// Half the depth of a body, which has to stand there.
-constexpr double kBody_m = 0.15;
+/// Between nearer corners no direction is defined.
+constexpr double kMinCornerDistance_m = 0.1;
+/// Half the depth of a body that stands in the queue.
+constexpr double kHalfBodyDepth_m = 0.15;
 constexpr double kSample_m = 0.05;
 
 Key<QueueRule> line_key() {
   Key<QueueRule> line =
       custom_key<QueueRule>(
           "line",
-          "where they stand: corners `[x, y]` from the first of them to the last; "
-          "whoever does not find room on it stands in its direction beyond the end",
+          "corners `[x, y]` of the queue from its first to its last position; if it is full, it "
+          "continues straight on beyond the end",
           "straight back from the nearest wall",
           {.kind = Rule::Kind::kPoints, .range = kPositionRange, .min = 2, .max = kMaxCorners})
           .with_reader([](ReadContext&, Fields& fields, QueueRule& rule) {
@@ -51,25 +51,24 @@ void complete_queue(ReadContext&, const Fields& fields, QueueRule& rule) {
     throw InputError(fields.where(), fmt::format("a line of at most {} corners", kMaxCorners),
                      fmt::format("{}", rule.line_m.size()));
   for (size_t i = 1; i < rule.line_m.size(); ++i)
-    if (!((rule.line_m[i] - rule.line_m[i - 1]).norm() >= kApart_m))
+    if (!((rule.line_m[i] - rule.line_m[i - 1]).norm() >= kMinCornerDistance_m))
       throw InputError(
-          fields.where(), fmt::format("corners of a line at least {} m apart", kApart_m),
+          fields.where(),
+          fmt::format("corners of a line at least {} m apart", kMinCornerDistance_m),
           fmt::format("{} and {}", to_text(rule.line_m[i - 1]), to_text(rule.line_m[i])));
 }
 
-/// What stands in people's way.
-/// Every point where somebody may have to stand.
 void require_free(const Scene& scene, const std::vector<Footprint>& footprints,
                   const std::string& where, const Goal& goal, const Eigen::Vector2d& point) {
-  if (!scene.ground.grown(-kBody_m).contains(point))
+  if (!scene.ground.grown(-kHalfBodyDepth_m).contains(point))
     throw InputError(where, fmt::format("a line within the ground ({})", to_text(scene.ground)),
                      to_text(point));
   if (goal.contains(point))
     throw InputError(where, "a line that ends before the goal",
                      fmt::format("{} in it", to_text(point)));
   for (const Footprint& each : footprints)
-    if (distance_m(each.corners, point) < kBody_m)
-      throw InputError(where, "a line with room to stand on",
+    if (distance_m(each.corners, point) < kHalfBodyDepth_m)
+      throw InputError(where, "a line with free ground to stand on",
                        fmt::format("{} at obstacle '{}'", to_text(point), each.obstacle->name));
 }
 
@@ -77,10 +76,10 @@ void require_free_line(const Scene& scene, const std::string& where, const Goal&
   const std::vector<Footprint> footprints = footprints_of(scene);
   const std::vector<Eigen::Vector2d>& line_m = goal.queue.line_m;
   for (size_t i = 1; i < line_m.size(); ++i) {
-    const Eigen::Vector2d way = line_m[i] - line_m[i - 1];
-    const int steps = static_cast<int>(std::ceil(way.norm() / kSample_m));
+    const Eigen::Vector2d segment = line_m[i] - line_m[i - 1];
+    const int steps = static_cast<int>(std::ceil(segment.norm() / kSample_m));
     for (int step = 0; step <= steps; ++step)
-      require_free(scene, footprints, where, goal, line_m[i - 1] + step / double(steps) * way);
+      require_free(scene, footprints, where, goal, line_m[i - 1] + step / double(steps) * segment);
   }
 }
 
@@ -88,10 +87,10 @@ void require_free_line(const Scene& scene, const std::string& where, const Goal&
 
 const KeyTable<QueueRule>& queue_keys() {
   static const KeyTable<QueueRule> table = {
-      .text = {.name = "queue", .meaning = "How people stand who wait for their turn"},
+      .text = {.name = "queue", .meaning = "Places of agents that wait for their turn"},
       .title = "a queue",
-      .keys = {number("spacing_m", "from one to the next, middle to middle", &QueueRule::spacing_m,
-                      kSpacingRange)},
+      .keys = {number("spacing_m", "distance between the centres of neighbours, in metres",
+                      &QueueRule::spacing_m, kSpacingRange)},
       .later = {line_key()},
       .complete = complete_queue};
   return table;
@@ -110,18 +109,17 @@ void require_lines(const ReadContext& context) {
                          fmt::format("the same 'capacity' and 'queue' as of the goal of the same "
                                      "areas at {}",
                                      context.queued_goals[k].first),
-                         "others");
+                         "other values");
     }
   }
 }
 
 namespace {
 
-/// A thousand a second fill any entrance; more is a mistake in the unit.
+/// 1000 agents per second fill any entrance; higher rates are mistaken units.
 constexpr Range kRateRange{0, 1000, true};
 constexpr Range kEntersRange{0, 4};
 
-/// A goal is one area, its corners among its keys, or several in a list.
 void read_areas(ReadContext& context, Fields& fields, Goal& goal) {
   const Rectangle& ground = context.scene.ground;
   for (const YamlNode* item : fields.items("any_of", false))
@@ -153,7 +151,7 @@ void read_wait(ReadContext&, Fields& fields, Goal& goal) {
         read_distribution(fields.file(), *node, "wait_s", {0, 0, 0, kTimeRange.max}, kTimeRange);
 }
 
-/// One number adds what it added before there were others.
+/// A single number adds one value, like a wait without a distribution.
 void add_wait(Hasher& hash, const Goal& goal) {
   hash.add(goal.wait_s.mean);
   if (goal.wait_s.std_dev > 0)
@@ -163,15 +161,14 @@ void add_wait(Hasher& hash, const Goal& goal) {
 std::vector<Key<Goal>> later_rows_of_goals() {
   Key<Goal> queue =
       custom_key<Goal>("queue",
-                       "people come in one after another, in the order in which they came, see "
-                       "[Queues](#queues)",
+                       "agents are served one after another in the order of their arrival, see "
+                       "[scenes](../scenes.md#queue-at-counters)",
                        "none, unless there is a `capacity`", map_rule("queue"))
           .with_reader(read_queue)
           .with_hash(
               [](Hasher& hash, const Goal& goal) { add_keys(queue_keys(), hash, goal.queue); });
   queue.is_default = [](const Goal& goal) { return !goal.has_queue; };
-  return {whole("capacity",
-                "how many are in each of its areas at once; the others [queue](#queues) outside",
+  return {whole("capacity", "maximum number of agents in each area; the others queue outside",
                 &Goal::capacity, 1, kMaxBodies)
               .with_fallback("any number; 1 with a `queue`"),
           queue};
@@ -185,7 +182,7 @@ KeyTable<Goal> make_goal_keys() {
   const std::vector<KeyText> corners = area_text().keys;
   return {
       .text = {.name = "goal",
-               .meaning = "A rectangle to go to, or one of several",
+               .meaning = "A rectangle to reach, or the fastest of several",
                .choices = {{"min_m", "max_m"}, {"any_of"}}},
       .title = "a goal",
       .keys =
@@ -193,19 +190,19 @@ KeyTable<Goal> make_goal_keys() {
            custom_key<Goal>("max_m", corners[1].meaning, "required, or `any_of`", corners[1].rule),
            custom_key<Goal>(
                "any_of",
-               "any one of these areas, for everybody the one that they expect to be through first",
+               "alternative areas; each agent chooses the one with the least expected time",
                "required, or one area", list_rule("area", 1))
                .with_reader(read_areas)
                .with_hash(add_areas),
            custom_key<Goal>("wait_s",
-                            "how long they stand there before going on: `{mean, deviation, min, "
-                            "max}`, or one number for everybody",
+                            "time at the goal before going on, in seconds: `{mean, std_dev, min, "
+                            "max}`, or one number for all agents",
                             "0", map_rule("distribution"))
                .with_reader(read_wait)
                .with_hash(add_wait),
            flag("waypoint",
-                "a point on the way: reached on entering it. Otherwise people walk to a place of "
-                "their own inside",
+                "true: the goal counts as reached on entering its area; false: each agent walks to "
+                "its own place inside",
                 &Goal::waypoint)},
       .later = later_rows_of_goals(),
       .complete = complete_goal};
@@ -213,8 +210,8 @@ KeyTable<Goal> make_goal_keys() {
 
 Key<Source> entering_speed() {
   Key<Source> speed =
-      custom_key<Source>("enters_mps", "how fast they are when they enter",
-                         "as fast as those ahead let them",
+      custom_key<Source>("enters_mps", "speed of entering agents, in m/s",
+                         "desired speed, limited by agents ahead",
                          {.kind = Rule::Kind::kNumber, .range = kEntersRange})
           .with_reader([](ReadContext&, Fields& fields, Source& source) {
             if (fields.find("enters_mps") != nullptr)
@@ -227,10 +224,10 @@ Key<Source> entering_speed() {
 
 KeyTable<Source> make_source_keys() {
   return {
-      .text = {.name = "source", .meaning = "Where people enter while the scene runs"},
+      .text = {.name = "source", .meaning = "Area where agents enter during the run"},
       .title = "a source",
       .keys =
-          {custom_key<Source>("area", "the rectangle they appear in, wherever there is room", "",
+          {custom_key<Source>("area", "rectangle in which agents appear where it is free", "",
                               map_rule("area"))
                .required()
                .with_reader([](ReadContext& context, Fields& fields, Source& source) {
@@ -238,12 +235,16 @@ KeyTable<Source> make_source_keys() {
                                          "the area of a source", context.scene.ground);
                })
                .with_hash(&Source::area),
-           whole("count", "how many in all; they belong to the group and have ids from the start",
+           whole("count",
+                 "total number of agents that enter; their ids are reserved from the start",
                  &Source::count, 0, kMaxBodies)
                .required(),
-           number("rate_per_s", "how many a second", &Source::rate_per_s, kRateRange).required(),
-           number("start_s", "when the first one comes", &Source::start_s, kTimeRange),
-           flag("random", "at random (a Poisson process), not evenly spaced", &Source::is_poisson)},
+           number("rate_per_s", "agents per second", &Source::rate_per_s, kRateRange).required(),
+           number("start_s", "time of the first arrival, in seconds", &Source::start_s, kTimeRange),
+           word<Source, bool>("arrivals",
+                              "arrival process: `even` intervals, or `poisson` (random intervals "
+                              "with the same mean)",
+                              &Source::is_poisson, {{"even", false}, {"poisson", true}})},
       .later = {entering_speed()}};
 }
 

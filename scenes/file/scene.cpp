@@ -18,8 +18,8 @@ fs::path bundled_folder() { return data_directory() / "scenes" / "bundled"; }
 
 fs::path scene_file(const std::string& path_or_name) {
   fs::path file = path_or_name;
-  std::error_code ignored;  // a name too long for a file is that of none
-  // A bare word is a bundled scene; a path has a folder or an extension.
+  std::error_code ignored;  // a name too long for a file system names no file
+  // A bare word names a bundled scene; a path has a folder or an extension.
   if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file, ignored)) {
     const fs::path bundled = bundled_folder() / (path_or_name + ".yaml");
     if (!fs::exists(bundled, ignored)) {

@@ -1,5 +1,5 @@
-// A scene as its YAML file describes it, checked.
-// One rule: a Scene that exists can be run; every complaint names file:line and the way out.
+// Scene holds a scene file after all checks.
+// Invariant: a Scene that exists can be run; errors name file:line and a remedy.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,25 +23,24 @@
 
 namespace throng {
 
-/// The paper's world instead of a crowd: loose parts of one body, in turn, that fly in a closed
-/// box.
 struct PartsBox {
-  std::filesystem::path model;        ///< whose parts; as in a group
-  std::shared_ptr<const Model> body;  ///< what `model` holds
+  std::filesystem::path model;
+  std::shared_ptr<const Model> body;
   int count = 0;
-  int static_every = 0;  ///< every n-th part stands still; 0: none does
+  int static_every = 0;  ///< every n-th part stands still; 0: none
   double edge_m = 0;
   double min_speed_mps = 0.5;
   double max_speed_mps = 1.5;
   double max_spin_radps = 3;
 };
 
-/// A recording whose people walk through the scene: all of the last group.
+/// Recording whose people are the last group of the scene.
 struct RecordedPeople {
   RecordingOptions options;
-  std::shared_ptr<const Recording> recording;  ///< what `options.file` holds
-  bool geometry = true;                        ///< the walkable area of the file becomes walls
-  bool recorded_frames = false;  ///< a step is a recorded frame; otherwise at most 1/60 s
+  std::shared_ptr<const Recording> recording;
+  bool geometry = true;
+  /// Steps are recorded frames alone; false: equal steps of at most 1/60 s.
+  bool recorded_frames = false;
 };
 
 struct Scene : CrowdPlan {
@@ -50,44 +49,44 @@ struct Scene : CrowdPlan {
   std::filesystem::path file;
   double step_s = 1.0 / 60.0;
   double duration_s = 10;
-  std::vector<AreaPolygon> area;  ///< where people may be, of a recording; empty: on the ground
+  std::vector<AreaPolygon> area;  ///< walkable area of a recording; empty: the ground
   std::optional<RecordedPeople> recorded;
-  std::optional<PartsBox> box;  ///< then there are no groups and no obstacles
+  std::optional<PartsBox> box;  ///< set for `kind: box`; groups and obstacles are then empty
   SteeringRule steering;
   PartVolumes part_volume;
   bool exact = false;
-  double proximity_m = 0;      ///< pairs of parts within it are listed with their distance; 0: none
-  double closest_parts_m = 0;  ///< of each two people within it the nearest parts; 0: none
-  bool contact_points = false;  ///< of what touches a point, its direction and depth; needs exact
-  PairRules group_filter, part_filter;  ///< the pairs asked for, of groups and of parts; empty: all
-  std::optional<SeparationRule> separation;  ///< of robots from people; needs proximity_m
-  bool planted_feet = true;                  ///< feet stay where they are put on curves, too
-  bool body_avoidance = true;  ///< bodies give way to what is near; who stands breathes and sways
-  std::vector<std::string> notes;  ///< what is not as the file says; a line each
-  uint64_t content_hash =
-      0;  ///< of what the file says and of what it refers to, not of where it lies
+  double proximity_m = 0;       ///< margin of proximity between parts, 0: off
+  double closest_parts_m = 0;   ///< margin of the closest parts of two people, 0: off
+  bool contact_points = false;  ///< report point, normal and depth of each contact; requires exact
+  PairRules group_filter, part_filter;  ///< selected pairs of groups and of parts; empty: all
+  std::optional<SeparationRule> separation;
+  bool planted_feet = true;  ///< feet stay planted on curves and while turning
+  /// Postures adapt to neighbours and walls; standing people breathe and sway.
+  bool body_avoidance = true;
+  std::vector<std::string> notes;  ///< deviations from the file, one line each
+  uint64_t content_hash = 0;       ///< see content_hash_of(); independent of the file's location
 };
 
-/// Hash of everything in a scene that shapes its frames, and of its name; not of its duration (a
-/// longer run begins with the shorter one's frames), its description, or where files lie.
+/// Hash of the scene's name and of everything that shapes its frames. Excluded are the duration (a
+/// longer run begins with the same frames), the description and file locations.
 uint64_t content_hash_of(const Scene& scene);
 
-/// A path, or the name of a bundled scene. Throws InputError with file:line or a did-you-mean.
+/// Loads a scene from a path or by the name of a bundled scene. Throws InputError with file:line,
+/// or with suggestions for an unknown name.
 Scene load_scene(const std::string& path_or_name);
 
-/// The bundled scenes (name and one-line description), sorted by name.
+/// Name and one-line description of a bundled scene; the list is sorted by name.
 struct SceneEntry {
   std::string name;
   std::string description;
 };
 std::vector<SceneEntry> bundled_scenes();
 
-/// Scales groups and sources (and their rates) in proportion to `total` people (by largest
-/// remainders, so that the sum is exact). Where spawn areas or the ground become too full, the plan
-/// grows by one factor about the middle of the ground: ground, areas, the places of obstacles, and
-/// the lengths of those that span it (walls). Heights stay. A box of parts keeps its density. Says
-/// on `notes` what it changed, and returns how many times longer the plan is. Throws InputError if
-/// `total` is out of range.
+/// Scales groups, sources and their rates to `total` people, by largest remainders: the sum is
+/// exact. If spawn areas or the ground become too full, the plan grows by one factor about the
+/// middle of the ground. Ground, areas, obstacle positions and walls grow; heights and other
+/// obstacles keep their size. A box of parts keeps its density. Appends changes to `notes`. Returns
+/// the factor by which lengths grew. Throws InputError if `total` is out of range.
 double scale_to(Scene& scene, int total, std::vector<std::string>& notes);
 
 }  // namespace throng

@@ -21,7 +21,7 @@ std::optional<double> parse_decimal(std::string_view text) {
   return value;
 }
 
-/// A decimal, or a fraction: 1/60 of a second has no short decimal.
+/// Parses a decimal or a fraction: 1/60 s has no short decimal.
 std::optional<double> parse_number(std::string_view text) {
   const size_t slash = text.find('/');
   if (slash == std::string_view::npos) return parse_decimal(text);

@@ -17,10 +17,9 @@
 namespace throng {
 namespace {
 
-/// Steering turns ten times a second; a longer step would outlive its decisions.
+/// Agents decide ten times per second; a decision must not last for less than a step.
 constexpr Range kStepRange{1e-4, 0.1};
 constexpr Range kDurationRange{0, 1e7, true};
-/// The narrowest ground: two of the smallest radii.
 constexpr double kMinGround_m = 2 * kMinRadius_m;
 
 const std::vector<std::string> kKinds = {"crowd", "box", "recorded"};
@@ -31,7 +30,7 @@ bool is_kind(const Fields& fields, const std::string& kind) {
 bool is_box(const Fields& fields) { return is_kind(fields, "box"); }
 bool is_recorded(const Fields& fields) { return is_kind(fields, "recorded"); }
 
-/// A box has no ground, a crowd no box: the keys of other kinds are none.
+/// Rejects keys of the other kinds of scenes.
 void read_kind(ReadContext&, Fields& fields, Scene&) {
   std::vector<std::string> absent = {"box", "recording"};
   if (is_box(fields))
@@ -40,7 +39,6 @@ void read_kind(ReadContext&, Fields& fields, Scene&) {
   expect_keys_without(absent, scene_keys(), fields);
 }
 
-/// A map of its own whose values are the scene's.
 void read_part(const KeyTable<Scene>& table, ReadContext& context, const Fields& fields,
                Scene& scene) {
   const YamlNode* node = fields.find(table.text.name);
@@ -66,7 +64,8 @@ void require_possible_ground(const Fields& fields, const Scene& scene) {
                      to_text(scene.ground));
 }
 
-/// Before all that has to lie on the ground, which may follow from it.
+/// Reads the recording before all keys whose areas have to lie on the ground, which may follow from
+/// it.
 void read_recorded(ReadContext& context, const Fields& fields, Scene& scene) {
   const YamlNode& node = fields.require("recording");
   scene.recorded.emplace();
@@ -85,7 +84,7 @@ void read_ground(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_recorded(fields)) read_recorded(context, fields, scene);
   if (fields.find("ground") != nullptr || !is_recorded(fields))
     scene.ground = read_rectangle(fields.file(), fields.require("ground"), "ground");
-  // Only those who steer need a ground of limited size.
+  // Only navigation needs a ground of limited size.
   if (!is_recorded(fields) || fields.find("groups") != nullptr)
     require_possible_ground(fields, scene);
 }
@@ -100,14 +99,12 @@ void expect_at_most(int64_t max, const std::string& key, const Fields& fields) {
 void read_groups(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
   expect_at_most(kMaxGroups, "groups", fields);
-  // Those who were recorded stay the last.
   std::vector<Group> recorded = std::move(scene.groups);
   scene.groups.clear();
   read_items(group_keys(), "groups", !is_recorded(fields), context, fields, scene.groups);
   std::move(recorded.begin(), recorded.end(), std::back_inserter(scene.groups));
 }
 
-/// Of the obstacles from `first` on those that reach over the edge of the ground.
 void note_cut_obstacles(Scene& scene, size_t first) {
   const Obstacle* first_cut = nullptr;
   size_t count = 0;
@@ -118,13 +115,13 @@ void note_cut_obstacles(Scene& scene, size_t first) {
   }
   if (count == 1)
     scene.notes.push_back(
-        fmt::format("obstacle '{}' reaches over the edge of the ground: its footprint is cut off "
-                    "there, all of its mesh is tested for contacts",
+        fmt::format("obstacle '{}' extends beyond the ground: its footprint is cut off there; its "
+                    "whole mesh is tested for contacts",
                     first_cut->name));
   if (count > 1)
     scene.notes.push_back(
-        fmt::format("{} obstacles reach over the edge of the ground, the first is '{}': their "
-                    "footprints are cut off there, all of their meshes are tested for contacts",
+        fmt::format("{} obstacles extend beyond the ground, first '{}': their footprints are cut "
+                    "off there; their whole meshes are tested for contacts",
                     count, first_cut->name));
 }
 
@@ -141,7 +138,6 @@ void read_doors(ReadContext& context, Fields& fields, Scene& scene) {
   read_items(door_keys(), "doors", false, context, fields, scene.doors);
 }
 
-/// Who stands where obstacles do not is known when all of the scene is.
 void count_by_densities(ReadContext& context, const std::string& where) {
   for (Group& group : context.scene.groups) {
     if (group.density_per_m2 == 0) continue;
@@ -188,8 +184,8 @@ void read_part_volume(ReadContext&, Fields& fields, Scene& scene) {
 MapText part_volumes_text() {
   return {.name = "part_volumes",
           .meaning =
-              "One volume for all parts, or one for each part by words of its name; `default` for "
-              "the rest",
+              "One bounding volume for all parts, or a map from words of part names to volumes; "
+              "`default` for the rest",
           .or_words = volume_names(),
           .any_key = volume_names()};
 }
@@ -199,18 +195,17 @@ const KeyTable<Scene>& culling_keys() {
     std::vector<std::string> names;
     for (const std::string& name : volume_names()) names.push_back("`" + name + "`");
     return KeyTable<Scene>{
-        .text = {.name = "culling", .meaning = "How contacts are found"},
+        .text = {.name = "culling", .meaning = "Settings of contact detection"},
         .title = "culling",
         .keys = {
             custom_key<Scene>("part_volume",
-                              "what encloses a body part: " + list_of(names, " or ") +
-                                  ", or a map of these by part, see "
-                                  "[culling.md](culling.md#volumes-by-part)",
+                              "bounding volume of body parts: " + list_of(names, " or ") +
+                                  ", or a map by part, see [culling](../culling.md)",
                               fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
                 .with_reader(read_part_volume)
                 .with_hash(
                     [](Hasher& hash, const Scene& scene) { hash.add(to_text(scene.part_volume)); }),
-            flag("exact", "triangles decide what touches", &Scene::exact)}};
+            flag("exact", "decide contacts by triangle tests", &Scene::exact)}};
   }();
   return table;
 }
@@ -219,12 +214,12 @@ const KeyTable<Scene>& steering_keys() {
   static const KeyTable<Scene> table = [] {
     Rule models{.kind = Rule::Kind::kWord, .words = steering_names()};
     return KeyTable<Scene>{
-        .text = {.name = "steering", .meaning = "How people steer"},
+        .text = {.name = "steering", .meaning = "Settings of the steering model"},
         .title = "steering",
         .keys = {
-            custom_key<Scene>("model",
-                              steering_choices() + ", see [How people steer](#how-people-steer)",
-                              fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
+            custom_key<Scene>(
+                "model", "steering model: " + steering_choices() + ", see [motion](../motion.md)",
+                fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
                 .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
                   if (const auto found = fields.word("model", steering_names()))
                     scene.steering.model = all_steering_kinds()[*found];
@@ -232,8 +227,9 @@ const KeyTable<Scene>& steering_keys() {
                 .with_hash([](Hasher& hash, const Scene& scene) {
                   hash.add(name_of(scene.steering.model));
                 }),
-            custom_key<Scene>("density_dependent_speed", "density ahead slows people, as observed",
-                              "false", {.kind = Rule::Kind::kFlag})
+            custom_key<Scene>("density_dependent_speed",
+                              "limit speeds by the density ahead (Weidmann 1993)", "false",
+                              {.kind = Rule::Kind::kFlag})
                 .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
                   scene.steering.density_dependent_speed =
                       fields.boolean_or("density_dependent_speed", false);
@@ -246,8 +242,7 @@ const KeyTable<Scene>& steering_keys() {
 }
 
 Key<Scene> part_key(const std::string& meaning, const KeyTable<Scene>& table) {
-  return custom_key<Scene>(table.text.name, meaning, "its keys have their own",
-                           map_rule(table.text.name))
+  return custom_key<Scene>(table.text.name, meaning, "see its keys", map_rule(table.text.name))
       .with_reader([&table](ReadContext& context, Fields& fields, Scene& scene) {
         read_part(table, context, fields, scene);
       })
@@ -257,60 +252,55 @@ Key<Scene> part_key(const std::string& meaning, const KeyTable<Scene>& table) {
 std::vector<Key<Scene>> rows_of_scenes() {
   return {
       custom_key<Scene>("name",
-                        "what results are called; this and all names below: 1 to 120 bytes of "
-                        "printable UTF-8",
+                        "name in results; this and all names below: 1 to 120 bytes of printable "
+                        "UTF-8",
                         "the file's name", {})
           .with_reader([](ReadContext& context, Fields& fields, Scene& scene) {
             scene.name = fields.name_or("name", name_after(context.scene.file.stem().string()));
           })
           .with_hash(&Scene::name),
-      custom_key<Scene>("description", "one line for `throng scenes`", "none", {})
+      custom_key<Scene>("description", "description in the list of `throng scenes`, one line",
+                        "none", {})
           .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
             scene.description = fields.line_or("description", "");
           }),
-      whole<Scene, uint64_t>("seed", "start of all random numbers", &Scene::seed, 0, INT64_MAX),
-      number("step_s",
-             "time from frame to frame; walking, culling and events happen at each; at most 0.1",
-             &Scene::step_s, kStepRange)
+      whole<Scene, uint64_t>("seed", "seed of all random numbers", &Scene::seed, 0, INT64_MAX),
+      number("step_s", "time between frames in seconds, at most 0.1", &Scene::step_s, kStepRange)
           .with_fallback("1/60"),
-      number("duration_s", "how long a run is, unless `--seconds` says otherwise",
+      number("duration_s", "duration of a run in seconds; `--seconds` overrides it",
              &Scene::duration_s, kDurationRange)
           .without_hash(),
       custom_key<Scene>(
           "kind",
-          "`crowd`; `box`: then `box` below stands for ground, groups and obstacles; "
-          "`recorded`: then `recording` stands for groups, and the ground follows from it "
-          "unless it is given",
+          "`crowd`; `box`: loose parts, `box` replaces ground, groups and obstacles; `recorded`: "
+          "`recording` replaces groups, and the ground follows from it unless it is given",
           "`crowd`", {.kind = Rule::Kind::kWord, .words = kKinds})
           .with_reader(read_kind),
-      part_key("how contacts are found: `part_volume` and `exact`, see below", culling_keys()),
+      part_key("contact detection: `part_volume` and `exact`", culling_keys()),
       flag("planted_feet",
-           "feet stay where they are put on curves and on the spot, for some 80 ns a person and "
-           "frame; false: they glide there ([architecture.md](architecture.md#feet))",
+           "feet stay in place on curves and while turning; false: they glide, which saves about "
+           "80 ns per person and frame ([motion](../motion.md))",
            &Scene::planted_feet),
-      part_key("how people steer: `model` and `density_dependent_speed`, see below",
-               steering_keys()),
+      part_key("steering: `model` and `density_dependent_speed`", steering_keys()),
       custom_key<Scene>(
           "ground",
-          "the rectangle people stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 "
-          "m wide",
+          "rectangle that agents stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m wide",
           "required of a crowd", map_rule("area"))
           .with_reader(read_ground)
           .with_hash(&Scene::ground),
-      custom_key<Scene>("groups", "people, see [A group](#a-group)", "required of a crowd",
+      custom_key<Scene>("groups", "groups of agents", "required of a crowd",
                         list_rule("group", 1, kMaxGroups))
           .with_reader(read_groups)
           .with_hash([](Hasher& hash, const Scene& scene) {
             add_items(group_keys(), hash, scene.groups);
           }),
-      custom_key<Scene>("box", "the world of `kind: box`, see [A box of parts](#a-box-of-parts)",
-                        "required of a box", map_rule("box"))
+      custom_key<Scene>("box", "loose parts of `kind: box`", "required of a box", map_rule("box"))
           .with_reader(read_box)
           .with_hash([](Hasher& hash, const Scene& scene) {
             if (scene.box) add_keys(box_keys(), hash.add("box"), *scene.box);
           }),
-      custom_key<Scene>("obstacles", "what stands in the way, see [An obstacle](#an-obstacle)",
-                        "none", list_rule("obstacle", 0, kMaxObstacles))
+      custom_key<Scene>("obstacles", "solid bodies that agents avoid", "none",
+                        list_rule("obstacle", 0, kMaxObstacles))
           .with_reader(read_obstacles)
           .with_hash([](Hasher& hash, const Scene& scene) {
             add_items(obstacle_keys(), hash, scene.obstacles);
@@ -318,17 +308,15 @@ std::vector<Key<Scene>> rows_of_scenes() {
 }
 
 std::vector<Key<Scene>> later_rows_of_scenes() {
-  Key<Scene> recording =
-      custom_key<Scene>("recording",
-                        "the people of `kind: recorded`, see [A recording](#a-recording)",
-                        "required of a recorded scene", map_rule("recording"))
-          .with_hash([](Hasher& hash, const Scene& scene) {
-            hash.add(scene.recorded->recording->content_hash());
-            add_value(hash, scene.recorded->recorded_frames);
-          });
+  Key<Scene> recording = custom_key<Scene>("recording", "recorded people of `kind: recorded`",
+                                           "required of a recorded scene", map_rule("recording"))
+                             .with_hash([](Hasher& hash, const Scene& scene) {
+                               hash.add(scene.recorded->recording->content_hash());
+                               add_value(hash, scene.recorded->recorded_frames);
+                             });
   recording.is_default = [](const Scene& scene) { return !scene.recorded; };
-  Key<Scene> doors = custom_key<Scene>("doors", "what opens and closes, see [A door](#a-door)",
-                                       "none", list_rule("door", 0, kMaxDoors))
+  Key<Scene> doors = custom_key<Scene>("doors", "doors that open and close", "none",
+                                       list_rule("door", 0, kMaxDoors))
                          .with_reader(read_doors)
                          .with_hash([](Hasher& hash, const Scene& scene) {
                            add_items(door_keys(), hash, scene.doors);
@@ -336,7 +324,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   Key<Scene> separation =
       custom_key<Scene>("separation",
-                        "how far robots have to be from people, see [A separation](#a-separation)",
+                        "required separation of robots from people, see [contacts](../contacts.md)",
                         "none", map_rule("separation"))
           .with_reader(read_separation)
           .with_hash([](Hasher& hash, const Scene& scene) {
@@ -360,30 +348,30 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
       recording,
       pairs(
           "group_filter",
-          "the pairs of groups whose contacts and distances are asked for, as in `robots: people, "
-          "people: doors`; a name alone is with all; beside groups and obstacles `people`, "
-          "`robots`, `obstacles` and `all`, which mean all of that kind also where a group is "
-          "called so, then `group:people`; see [near.md](near.md#whom)",
+          "pairs of groups whose contacts and distances are found, such as `robots: people, "
+          "people: doors`; a single name pairs with all; `people`, `robots`, `obstacles` and `all` "
+          "name bodies of a kind, `group:people` the group of that name; see "
+          "[contacts](../contacts.md)",
           &Scene::group_filter, pair_rules_of),
       pairs("part_filter",
-            "the pairs of parts that are asked for, by words of their names, as in `hands: head`; "
-            "words alone are with all parts",
+            "pairs of parts whose contacts and distances are found, by words of their names, such "
+            "as `hands: head`; single words pair with all parts",
             &Scene::part_filter, part_rules_of),
       number("proximity_m",
-             "pairs of parts that are not farther apart are listed with an interval that holds "
-             "their distance, see [near.md](near.md); at most 100, 0: none",
+             "margin in metres: pairs of parts within it are reported with bounds of their "
+             "distance, see [contacts](../contacts.md); at most 100, 0: off",
              &Scene::proximity_m, kProximityRange),
       number("closest_parts_m",
-             "of each two people who are not farther apart the two parts that are nearest to each "
-             "other; at most 100, 0: none",
+             "margin in metres: the closest parts of each two people within it are reported; at "
+             "most 100, 0: off",
              &Scene::closest_parts_m, kProximityRange),
       flag("contact_points",
-           "of every pair of parts that touches a point that both share, and how deep and along "
-           "which direction; needs `culling: {exact: true}`, see [near.md](near.md#where)",
+           "report contact point, normal and penetration depth of every touching pair of parts; "
+           "requires `culling: {exact: true}`, see [contacts](../contacts.md)",
            &Scene::contact_points),
-      flag("yielding",
-           "bodies give way to those near them and to walls, and those who stand breathe, sway and "
-           "hold their arms in several ways; needs `planted_feet` ([realism.md](realism.md))",
+      flag("body_avoidance",
+           "bodies adapt their posture to neighbours and walls; standing people breathe, sway and "
+           "hold their arms in several ways; requires `planted_feet` ([motion](../motion.md))",
            &Scene::body_avoidance),
       doors,
       separation};
@@ -394,9 +382,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
 const KeyTable<Scene>& scene_keys() {
   static const KeyTable<Scene> table = {
       .text = {.name = "scene",
-               .meaning =
-                   "A scene of Throng: a ground, people who walk to goals, and what stands in "
-                   "their way"},
+               .meaning = "A scene: a ground, agents that walk to goals, and obstacles"},
       .title = "a scene",
       .keys = rows_of_scenes(),
       .later = later_rows_of_scenes()};

@@ -1,5 +1,4 @@
-// The keys of every map that a scene file may hold, for readers, editors and documents.
-// One rule: all that is known of a key comes from its row, see key.h.
+// Scene keys are the maps and keys of scene files, for readers, editors and documentation.
 #pragma once
 
 #include <filesystem>
@@ -10,16 +9,16 @@
 
 namespace throng {
 
-/// Every map, the scene first, with its keys in the order of the documentation.
+/// All maps, the scene first, with keys in the order of the documentation.
 std::vector<MapText> scene_maps();
 
-/// The file of a scene: a path, or the name of a bundled scene. Throws InputError with a
-/// did-you-mean for a name that there is not.
+/// File of a scene, by path or by the name of a bundled scene. Throws InputError with suggestions
+/// for an unknown name.
 std::filesystem::path scene_file(const std::string& path_or_name);
 
-/// A scene from its tree. Throws InputError.
+/// Throws InputError.
 Scene read_scene(const std::filesystem::path& file, const YamlNode& root);
-/// The same with models that were loaded before, by file; adds those that it loads itself.
+/// Reuses `models` loaded earlier, by file, and adds the models that it loads.
 Scene read_scene(const std::filesystem::path& file, const YamlNode& root, LoadedModels& models);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Scaling a scene to another number of people.
+// Scaling of a scene to another number of people.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,16 +15,14 @@
 namespace throng {
 namespace {
 
-/// People per m2 of a spawn area, and of the whole ground, above which the plan grows: throwing
-/// darts places up to about 2 per m2, and beyond one per m2 crossing streams begin to jam.
+/// Density in people per m2 of a spawn area, and of the whole ground, above which the plan grows.
+/// Random placement reaches about 2 per m2; above one per m2 crossing streams begin to jam.
 constexpr double kMaxSpawnDensity = 1.2;
 constexpr double kMaxGroundDensity = 1.0;
-/// An edge longer than this share of the ground's shorter side bounds the scene (a wall); a shorter
-/// one is furniture.
+/// Boxes longer than this share of the ground's shorter side are walls and grow with the plan.
 constexpr double kWallShare = 1.0 / 3.0;
 
-/// Shares of `total` in proportion to `counts`, by largest remainders: their sum is exactly
-/// `total`.
+/// Divides `total` in proportion to `counts` by largest remainders; the sum is exactly `total`.
 std::vector<int64_t> shares_of(const std::vector<int64_t>& counts, int64_t total) {
   const int64_t sum = std::accumulate(counts.begin(), counts.end(), int64_t{0});
   std::vector<int64_t> shares;
@@ -42,7 +40,6 @@ std::vector<int64_t> shares_of(const std::vector<int64_t>& counts, int64_t total
   return shares;
 }
 
-/// The counts of groups and their sources in one order, to be read or given new values.
 std::vector<int*> counts_of(Scene& scene) {
   std::vector<int*> counts;
   for (Group& group : scene.groups) {
@@ -52,8 +49,8 @@ std::vector<int*> counts_of(Scene& scene) {
   return counts;
 }
 
-/// How many times too full the fullest area is, at densities that the file itself does not reach.
-/// `starts` are the people of each group who are there at the start.
+/// Largest ratio of density to its limit; densities of the file itself are always allowed.
+/// `starts`: people per group at the start.
 double overfill_ratio(const Scene& scene, const std::vector<int64_t>& starts, int64_t before,
                       int64_t total) {
   const auto excess = [](double density, double own_density, double limit) {
@@ -72,7 +69,7 @@ double overfill_ratio(const Scene& scene, const std::vector<int64_t>& starts, in
 void grow_obstacle(Obstacle& obstacle, double factor, double wall_m) {
   double x = obstacle.size_m.x() > wall_m ? factor : 1;
   double y = obstacle.size_m.y() > wall_m ? factor : 1;
-  // Round and free shapes keep theirs.
+  // Cylinders and meshes keep their proportions.
   if (obstacle.kind != Obstacle::Kind::kBox) x = y = std::max(x, y);
   obstacle.size_m.x() *= x;
   obstacle.size_m.y() *= y;
@@ -107,7 +104,6 @@ void grow_plan(Scene& scene, double factor) {
   }
 }
 
-/// As full of parts as before.
 double scale_box(Scene& scene, int total, std::vector<std::string>& notes) {
   PartsBox& box = *scene.box;
   const double factor = cube_root(static_cast<double>(total) / box.count);
@@ -142,7 +138,7 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
   const int64_t before = std::accumulate(counts.begin(), counts.end(), int64_t{0});
   if (before == 0)
     throw InputError("avatars", fmt::format("people in scene '{}' to scale", scene.name),
-                     "groups of none");
+                     "empty groups");
   const std::vector<int64_t> shares = shares_of(counts, total);
   std::vector<int64_t> starts;
   for (size_t i = 0, number = 0; i < scene.groups.size(); ++i) {
@@ -162,9 +158,10 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
   if (factor > 1) {
     grow_plan(scene, factor);
     const Eigen::Vector2d size = scene.ground.size_m();
-    notes.push_back(fmt::format(
-        "{} people need more room: the plan of '{}' grew {:.2f} times, to {:.1f} m x {:.1f} m",
-        total, scene.name, factor, size.x(), size.y()));
+    notes.push_back(
+        fmt::format("{} people need more space: the plan of '{}' grew by a factor of {:.2f} to "
+                    "{:.1f} m x {:.1f} m",
+                    total, scene.name, factor, size.x(), size.y()));
   }
   for (size_t i = 0; i < shares.size(); ++i) *numbers[i] = static_cast<int>(shares[i]);
   for (Group& group : scene.groups)

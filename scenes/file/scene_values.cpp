@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of one age among others: parts of 1, per cent or people.
+/// Range of the share of one age or style; only ratios count.
 constexpr Range kShareRange{0, 1e6};
 constexpr Range kCoordinateRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 
@@ -28,14 +28,13 @@ KeyText share(const std::string& name, std::string_view meaning) {
       name, std::string(meaning), "0", false, {.kind = Rule::Kind::kNumber, .range = kShareRange}};
 }
 
-[[noreturn]] void refuse_word(const Fields& fields, const YamlNode& node, const std::string& what,
+[[noreturn]] void reject_word(const Fields& fields, const YamlNode& node, const std::string& what,
                               const std::vector<std::string>& words) {
   throw InputError(fields.where(node),
-                   fmt::format("{} ({}) or a map of shares", what, list_of(words)),
+                   fmt::format("{} ({}), or a map of shares", what, list_of(words)),
                    describe(node) + did_you_mean(node.scalar, words));
 }
 
-/// A map of shares, in the order of its keys.
 template <typename Shares>
 Shares read_shares(const std::string& file, const YamlNode& node, const std::string& what,
                    const std::vector<std::string>& names) {
@@ -118,7 +117,7 @@ AgeShares read_ages(const Fields& group) {
     return read_shares<AgeShares>(group.file(), *node, "ages", age_names());
   const std::optional<AgeShares> named = ages_of(node->scalar);
   if (named && node->kind == YamlNode::Kind::kScalar) return *named;
-  refuse_word(group, *node, "ages", age_words());
+  reject_word(group, *node, "ages", age_words());
 }
 
 StyleShares read_styles(const Fields& group, const YamlNode& node) {
@@ -126,7 +125,7 @@ StyleShares read_styles(const Fields& group, const YamlNode& node) {
     return read_shares<StyleShares>(group.file(), node, "gait_styles", style_names());
   const std::optional<StyleShares> named = styles_of(node.scalar);
   if (named && node.kind == YamlNode::Kind::kScalar) return *named;
-  refuse_word(group, node, "gait_styles", style_names());
+  reject_word(group, node, "gait_styles", style_names());
 }
 
 fs::path read_model_file(const ReadContext& context, const Fields& fields) {
@@ -170,21 +169,21 @@ MapText distribution_text() {
   const auto figure = [](const std::string& name, const std::string& meaning) {
     return KeyText{name,
                    meaning,
-                   "of the key it stands at",
+                   "that of the key with this distribution",
                    false,
                    {.kind = Rule::Kind::kNumber, .range = {0, 1e7}}};
   };
   return {.name = "distribution",
-          .meaning = "One number for everybody, or a normal distribution between two ends",
-          .keys = {figure("mean", "its middle"), figure("std_dev", "standard deviation"),
-                   figure("min", "draws below are drawn again"),
-                   figure("max", "draws above are drawn again")},
+          .meaning = "One number for all agents, or a truncated normal distribution",
+          .keys = {figure("mean", "mean"), figure("std_dev", "standard deviation"),
+                   figure("min", "lower limit; lower draws are repeated"),
+                   figure("max", "upper limit; higher draws are repeated")},
           .or_number = true};
 }
 
 MapText ages_text() {
   MapText text{.name = "ages",
-               .meaning = "One age, `mixed` (passers-by of a town), or shares of each",
+               .meaning = "One age, `mixed` (passers-by of a town), or shares of ages",
                .or_words = age_words(),
                .at_least_one = true};
   for (size_t age = 0; age < kAgeCount; ++age) {
@@ -196,11 +195,11 @@ MapText ages_text() {
 
 MapText styles_text() {
   MapText text{.name = "gait_styles",
-               .meaning = "One style of walking, or shares of each",
+               .meaning = "One gait style, or shares of gait styles",
                .or_words = style_names(),
                .at_least_one = true};
   for (const std::string& name : style_names())
-    text.keys.push_back(share(name, "share of this style"));
+    text.keys.push_back(share(name, "share of agents with this style"));
   return text;
 }
 

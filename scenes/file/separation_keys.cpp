@@ -1,4 +1,4 @@
-// How far a robot has to be from people.
+// Keys of `separation`.
 #include <algorithm>
 
 #include "base/errors.h"
@@ -13,7 +13,6 @@ constexpr Range kStoppingRange{0, 600};
 constexpr Range kDecelerationRange{0, 1000, true};
 constexpr Range kLengthRange{0, 100};
 
-/// A number that may be absent.
 Key<SeparationRule> optional_number(const std::string& name, const std::string& meaning,
                                     const std::string& fallback,
                                     std::optional<double> SeparationRule::*member, Range range) {
@@ -46,30 +45,31 @@ void complete_separation(ReadContext& context, const Fields& fields, SeparationR
 const KeyTable<SeparationRule>& separation_keys() {
   static const KeyTable<SeparationRule> table = {
       .text = {.name = "separation",
-               .meaning = "How far robots have to be from people",
+               .meaning = "Required separation of robots from people",
                .choices = {{"stopping_s"}, {"deceleration_mps2"}}},
       .title = "a separation",
-      .keys = {optional_number(
-                   "human_speed_mps", "how fast a person comes towards the robot, at most 100",
-                   "as measured, with `exact`", &SeparationRule::human_speed_mps, kSpeedRange),
-               optional_number(
-                   "robot_speed_mps", "how fast the robot comes towards the person, at most 100",
-                   "as measured, with `exact`", &SeparationRule::robot_speed_mps, kSpeedRange),
-               number("reaction_s", "T_r: until the robot begins to stop, at most 60",
-                      &SeparationRule::reaction_s, kReactionRange)
-                   .required(),
-               optional_number("stopping_s", "T_s: from then until it stands, at most 600",
-                               "from `deceleration_mps2`", &SeparationRule::stopping_s,
-                               kStoppingRange),
-               optional_number("deceleration_mps2", "how hard it brakes; above 0, at most 1000",
-                               "from `stopping_s`", &SeparationRule::deceleration_mps2,
-                               kDecelerationRange),
-               number("intrusion_m", "C: how far somebody reaches in before it is seen",
-                      &SeparationRule::intrusion_m, kLengthRange),
-               number("human_uncertainty_m", "Z_d: how wrong the place of the person may be",
-                      &SeparationRule::human_uncertainty_m, kLengthRange),
-               number("robot_uncertainty_m", "Z_r: how wrong the place of the robot may be",
-                      &SeparationRule::robot_uncertainty_m, kLengthRange)},
+      .keys =
+          {optional_number(
+               "human_speed_mps", "v_h: speed of the person towards the robot, in m/s, at most 100",
+               "as measured, with `exact`", &SeparationRule::human_speed_mps, kSpeedRange),
+           optional_number(
+               "robot_speed_mps", "v_r: speed of the robot towards the person, in m/s, at most 100",
+               "as measured, with `exact`", &SeparationRule::robot_speed_mps, kSpeedRange),
+           number("reaction_s", "T_r: time until the robot begins to stop, in seconds, at most 60",
+                  &SeparationRule::reaction_s, kReactionRange)
+               .required(),
+           optional_number("stopping_s", "T_s: stopping time after that, in seconds, at most 600",
+                           "from `deceleration_mps2`", &SeparationRule::stopping_s, kStoppingRange),
+           optional_number("deceleration_mps2",
+                           "deceleration of the stopping robot, in m/s2; above 0, at most 1000",
+                           "from `stopping_s`", &SeparationRule::deceleration_mps2,
+                           kDecelerationRange),
+           number("intrusion_m", "C: intrusion of a person before detection, in metres",
+                  &SeparationRule::intrusion_m, kLengthRange),
+           number("human_uncertainty_m", "Z_d: position uncertainty of the person, in metres",
+                  &SeparationRule::human_uncertainty_m, kLengthRange),
+           number("robot_uncertainty_m", "Z_r: position uncertainty of the robot, in metres",
+                  &SeparationRule::robot_uncertainty_m, kLengthRange)},
       .complete = complete_separation};
   return table;
 }

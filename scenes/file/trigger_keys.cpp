@@ -1,4 +1,4 @@
-// Cues that groups and doors wait for, and doors.
+// Keys of triggers and doors.
 #include <algorithm>
 
 #include "base/errors.h"
@@ -10,30 +10,30 @@
 namespace throng {
 namespace {
 
-/// More goals than any route has.
 constexpr int64_t kMaxGoals = 1'000'000;
 /// Narrower than any body.
 constexpr double kMinDoorWidth_m = 0.2;
 
 KeyTable<TriggerRule> make_trigger_keys() {
   return {
-      .text = {.name = "cue",
-               .meaning = "So many seconds after the start, or after everybody of a group has been "
-                          "at a goal",
+      .text = {.name = "trigger",
+               .meaning = "Number of seconds after the start, or after all agents of a group have "
+                          "reached a goal",
                .or_number = true},
-      .title = "a cue",
-      .keys = {number("delay_s", "how long after that", &TriggerRule::delay_s, kTimeRange),
+      .title = "a trigger",
+      .keys = {number("delay_s", "delay after that, in seconds", &TriggerRule::delay_s, kTimeRange),
                custom_key<TriggerRule>(
                    "group",
-                   "the name of a group: after everybody of it has been at a goal; who "
-                   "cannot get there is not waited for",
-                   "after the start", {})
+                   "group whose agents have to reach the goal; agents without a path to it do not "
+                   "count",
+                   "the start of the run", {})
                    .with_reader([](ReadContext&, Fields& fields, TriggerRule& trigger) {
                      trigger.group = fields.name_or("group", "");
                    })
                    .with_hash(&TriggerRule::group),
-               whole("goal", "which of its goals, counted from 1", &TriggerRule::goal, 1, kMaxGoals)
-                   .with_fallback("its last")
+               whole("goal", "number of the goal on the group's route, counted from 1",
+                     &TriggerRule::goal, 1, kMaxGoals)
+                   .with_fallback("the last goal")
                    .with_reader([](ReadContext&, Fields& fields, TriggerRule& trigger) {
                      if (fields.find("goal") == nullptr) return;
                      fields.require("group");
@@ -62,7 +62,7 @@ Key<Door> end_key(const std::string& name, const std::string& meaning, Eigen::Ve
 
 Key<Door> triggers_key(const std::string& name, const std::string& meaning,
                        const std::string& fallback, std::vector<TriggerRule> Door::*triggers) {
-  return custom_key<Door>(name, meaning, fallback, list_rule("cue"))
+  return custom_key<Door>(name, meaning, fallback, list_rule("trigger"))
       .with_reader([name, triggers](ReadContext& context, Fields& fields, Door& door) {
         for (const YamlNode* item : fields.items(name, false))
           (door.*triggers).push_back(read_trigger(context, fields.file(), *item));
@@ -85,11 +85,11 @@ void complete_door(ReadContext& context, const Fields& fields, Door& door) {
     throw InputError(fields.where(), fmt::format("a door at least {} m wide", kMinDoorWidth_m),
                      fmt::format("{:.3g} m", width_m));
   if (door.opens.empty() && door.closes.empty())
-    throw InputError(fields.where(), "'opens' or 'closes' of a door", "neither");
+    throw InputError(fields.where(), "the key 'opens' or 'closes' in a door", "neither");
 }
 
 /// Groups that wait for each other would wait for ever.
-void require_no_circle(const ReadContext& context) {
+void require_no_cycle(const ReadContext& context) {
   std::map<std::string, std::string> waits_for;
   for (const Group& group : context.scene.groups)
     if (group.after && !group.after->group.empty()) waits_for[group.name] = group.after->group;
@@ -98,8 +98,8 @@ void require_no_circle(const ReadContext& context) {
     for (size_t i = 0; i < waits_for.size() && other != name && waits_for.contains(other); ++i)
       other = waits_for[other];
     if (other == name)
-      throw InputError(context.scene.file.string(), "groups of which one sets out first",
-                       fmt::format("'{}', which waits for itself by way of 'after'", name));
+      throw InputError(context.scene.file.string(), "groups that do not wait for each other",
+                       fmt::format("'{}', which waits for itself through 'after'", name));
   }
 }
 
@@ -112,16 +112,17 @@ const KeyTable<TriggerRule>& trigger_keys() {
 
 const KeyTable<Door>& door_keys() {
   static const KeyTable<Door> table = {
-      .text = {.name = "door", .meaning = "A leaf across a way that opens and closes"},
+      .text = {.name = "door", .meaning = "A line segment that stops agents while it is closed"},
       .title = "a door",
       .keys = {custom_key<Door>("name", "unique among the doors", "`door 1`, ...", {})
                    .with_reader(read_door_name)
                    .with_hash(&Door::name),
                end_key("from_m", "`[x, y]` of one end", &Door::from_m),
-               end_key("to_m", "`[x, y]` of the other", &Door::to_m),
-               triggers_key("opens", "when it opens, a list of [cues](#cues)",
-                            "open from the start", &Door::opens),
-               triggers_key("closes", "when it closes", "never", &Door::closes)},
+               end_key("to_m", "`[x, y]` of the other end", &Door::to_m),
+               triggers_key("opens", "list of triggers that open the door", "open from the start",
+                            &Door::opens),
+               triggers_key("closes", "list of triggers that close the door", "never",
+                            &Door::closes)},
       .complete = complete_door};
   return table;
 }
@@ -129,9 +130,9 @@ const KeyTable<Door>& door_keys() {
 TriggerRule read_trigger(ReadContext& context, const std::string& file, const YamlNode& node) {
   TriggerRule trigger;
   if (node.kind == YamlNode::Kind::kScalar) {
-    const YamlNode wrapper{YamlNode::Kind::kMap,        node.line, "", false, {},
-                           {{"a cue", node.line, node}}};
-    trigger.delay_s = Fields(file, wrapper, "a cue").number("a cue", kTimeRange);
+    const YamlNode wrapper{
+        YamlNode::Kind::kMap, node.line, "", false, {}, {{"a trigger", node.line, node}}};
+    trigger.delay_s = Fields(file, wrapper, "a trigger").number("a trigger", kTimeRange);
     return trigger;
   }
   Fields fields(file, node, trigger_keys().title);
@@ -153,14 +154,15 @@ void require_triggers(const ReadContext& context) {
                        fmt::format("'{}'", trigger.group) + did_you_mean(trigger.group, names));
     }
     if (!group->control_channel.empty() || group->recorded > 0)
-      throw InputError(where, "a group that walks to goals",
-                       fmt::format("'{}', which something else moves", trigger.group));
+      throw InputError(
+          where, "a group that walks to goals",
+          fmt::format("'{}', which follows a recording or a control channel", trigger.group));
     if (trigger.goal > static_cast<int>(group->goals.size()))
       throw InputError(where,
                        fmt::format("one of the {} goals of '{}'", group->goals.size(), group->name),
                        fmt::format("{}", trigger.goal));
   }
-  require_no_circle(context);
+  require_no_cycle(context);
 }
 
 void add_trigger(Hasher& hash, const TriggerRule& trigger) {

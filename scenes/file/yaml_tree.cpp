@@ -38,7 +38,7 @@ class TreeBuilder : public YAML::EventHandler {
                 const std::string& value) override {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
-    refuse_control_characters(mark, value);
+    reject_control_characters(mark, value);
     YamlNode node;
     node.kind = YamlNode::Kind::kScalar;
     node.line = mark.line + 1;
@@ -60,7 +60,7 @@ class TreeBuilder : public YAML::EventHandler {
  private:
   struct Open {
     YamlNode node;
-    bool key_waits = false;  ///< a map that has read a key and waits for its value
+    bool key_waits = false;
   };
 
   std::string at(const YAML::Mark& mark) const { return at_line(name_, mark.line + 1); }
@@ -70,13 +70,13 @@ class TreeBuilder : public YAML::EventHandler {
       throw InputError(at(mark), "a value", "a YAML anchor ('&'), which scene files do not use");
   }
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
-    // "?" is yaml-cpp's word for plain, "!" for quoted.
+    // yaml-cpp reports "?" for plain and "!" for quoted scalars.
     if (!tag.empty() && tag != "?" && tag != "!")
       throw InputError(at(mark), "a value without a tag", fmt::format("the tag '{}'", tag));
   }
 
-  /// Escapes make them from plain text.
-  void refuse_control_characters(const YAML::Mark& mark, std::string_view text) const {
+  /// Escape sequences can produce control characters from plain text.
+  void reject_control_characters(const YAML::Mark& mark, std::string_view text) const {
     for (size_t at = 0; at < text.size();) {
       const size_t bytes = printable_character(text.substr(at));
       if (bytes == 0 && text[at] != '\n' && text[at] != '\t')
@@ -92,7 +92,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuse_tag(mark, tag);
     if (static_cast<int>(stack_.size()) >= kMaxYamlDepth)
       throw InputError(at(mark), fmt::format("at most {} levels of nesting", kMaxYamlDepth),
-                       "a deeper one");
+                       "a deeper level");
     Open fresh;
     fresh.node.kind = kind;
     fresh.node.line = mark.line + 1;

@@ -1,7 +1,6 @@
-// A YAML file as a tree in which every node knows its line.
-// One rule: what a scene never needs (anchors, aliases, tags, several documents, duplicate keys,
-// deep nesting, huge files) is refused while parsing, so that a small file cannot become a big
-// tree.
+// parse_yaml() reads a YAML file into a tree of nodes with line numbers.
+// Anchors, aliases, tags, several documents, duplicate keys, deep nesting and large files are
+// rejected: a small file cannot become a large tree.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +10,11 @@
 
 namespace throng {
 
-/// A scene is some kilobytes; ten thousand written-out obstacles are about 1 MiB.
+/// A scene takes some kilobytes; ten thousand obstacles take about 1 MiB.
 inline constexpr size_t kMaxYamlBytes = size_t{4} << 20;
-/// A scene nests five deep (groups, group, goals, goal, corner).
+/// Scenes nest five levels deep (groups, group, goals, goal, corner).
 inline constexpr int kMaxYamlDepth = 16;
-/// The longest map of a scene has a dozen keys; the search for a duplicate is quadratic in them.
+/// The longest map has about twenty keys; the search for duplicates is quadratic in their number.
 inline constexpr size_t kMaxYamlKeys = 64;
 
 struct YamlEntry;
@@ -23,11 +22,11 @@ struct YamlEntry;
 struct YamlNode {
   enum class Kind { kNull, kScalar, kList, kMap };
   Kind kind = Kind::kNull;
-  int line = 0;                    ///< counted from 1
+  int line = 0;
   std::string scalar;              ///< kScalar
-  bool quoted = false;             ///< kScalar: quoted text is never a number
+  bool quoted = false;             ///< kScalar: quoted text is not parsed as a number
   std::vector<YamlNode> items;     ///< kList
-  std::vector<YamlEntry> entries;  ///< kMap, in the file's order, no key twice
+  std::vector<YamlEntry> entries;  ///< kMap: in the order of the file, without duplicates
 };
 
 struct YamlEntry {
@@ -39,7 +38,7 @@ struct YamlEntry {
 /// Throws InputError "name:line: expected ..., found ...".
 YamlNode parse_yaml(const std::string& text, const std::string& name);
 
-/// Reads the file first: a directory, a missing or an oversized file is an InputError too.
+/// Reads a text file. Throws InputError for a directory, a missing file or one above `max_bytes`.
 std::string read_text_file(const std::filesystem::path& file, size_t max_bytes);
 
 }  // namespace throng

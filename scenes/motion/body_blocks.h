@@ -1,5 +1,5 @@
-// How the avatars of a run are cut into blocks for the workers.
-// One rule: a block is of one model, and blocks never depend on the number of threads.
+// Body blocks divide the avatars of a run among the workers.
+// Invariant: a block holds avatars of one model; blocks do not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,14 @@
 
 namespace throng {
 
-/// Consecutive avatars of one model.
 struct BodyBlock {
   uint32_t first = 0;
   uint32_t count = 0;
 };
 
-/// Avatars a block: a posture row takes about 50 ns, a state less.
+/// Avatars per block: a posture row takes about 50 ns, a state less.
 inline constexpr uint32_t kBodiesPerBlock = 256;
 
-/// Of those from `first` on.
 inline std::vector<BodyBlock> blocks_of(std::span<const uint16_t> types, uint32_t first = 0) {
   std::vector<BodyBlock> blocks;
   for (uint32_t id = first; id < types.size(); ++id) {

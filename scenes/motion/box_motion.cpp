@@ -20,7 +20,7 @@
 namespace throng {
 namespace {
 
-/// Which draw of an object's stream is for what.
+/// Indices of an object's random draws.
 enum Draw : uint32_t { kPosition = 0, kSpeed = 3, kVelocity = 4, kSpin = 6, kAttitude = 9 };
 
 /// Uniform on the unit sphere, by height and azimuth (Archimedes).
@@ -40,7 +40,7 @@ Eigen::Quaterniond random_attitude(const RandomKey& key, uint32_t draw) {
   return {q * b.cos, p * a.sin, p * a.cos, q * b.sin};
 }
 
-/// Written out: Eigen's product may sum in another order where it uses vector registers.
+/// Written out, because Eigen's vectorised product may sum in another order.
 Eigen::Quaterniond product(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return {a.w() * b.w() - a.x() * b.x() - a.y() * b.y() - a.z() * b.z(),
           a.w() * b.x() + a.x() * b.w() + a.y() * b.z() - a.z() * b.y(),
@@ -68,11 +68,10 @@ BoxDynamics::BoxDynamics(const BoxOptions& options, std::span<const double> radi
   for (size_t i = 0; i < radii_m.size(); ++i) {
     const double clearance_m = options.edge_m - 2 * radii_m[i];
     if (!(clearance_m > options.max_speed_mps * options.step_s))
-      throw InputError(
-          options.name,
-          fmt::format("an edge of more than {:.3f} m, so that object {} can move in it",
-                      2 * radii_m[i] + options.max_speed_mps * options.step_s, i),
-          fmt::format("{} m", options.edge_m));
+      throw InputError(options.name,
+                       fmt::format("an edge of more than {:.3f} m, in which object {} can move",
+                                   2 * radii_m[i] + options.max_speed_mps * options.step_s, i),
+                       fmt::format("{} m", options.edge_m));
     low_m_.push_back(low_m().array() + radii_m[i]);
     high_m_.push_back(high_m().array() - radii_m[i]);
     const RandomKey key{options.seed, i, 0, Purpose::kBoxWorld};
@@ -110,7 +109,7 @@ void BoxDynamics::archive(Archive& a) {
   for (size_t i = 0; i < positions_m_.size(); ++i) {
     const bool is_inside = (positions_m_[i].array() >= low_m_[i].array()).all() &&
                            (positions_m_[i].array() <= high_m_[i].array()).all();
-    // Written so that NaN is refused, too. A diagonal is the longest way.
+    // Negated comparison: also rejects NaN. The diagonal is the longest displacement.
     const bool is_slow = velocities_mps_[i].norm() <= 2 * options_.max_speed_mps;
     const bool is_unit = std::abs(orientations_[i].norm() - 1) < 1e-6;
     if (!is_inside || !is_slow || !is_unit) a.refuse("an object in the box", "another");
@@ -124,14 +123,14 @@ void BoxDynamics::step() {
     for (int axis = 0; axis < 3; ++axis) {
       double moved = position[axis] + options_.step_s * velocity[axis];
       const double low = low_m_[i][axis], high = high_m_[i][axis];
-      // The mirror image behind the wall; rounding may put it an ulp outside.
+      // Mirror image behind the wall; rounding may place it an ulp outside.
       if (moved < low || moved > high) {
         moved = std::clamp(2 * (moved < low ? low : high) - moved, low, high);
         velocity[axis] = -velocity[axis];
       }
       position[axis] = moved;
     }
-    // Normalised every step: the error of the length would grow with the frames otherwise.
+    // Normalised every step, or the error of the length would grow.
     orientations_[i] = normalised(product(turns_[i], orientations_[i]));
   }
 }

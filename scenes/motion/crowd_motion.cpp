@@ -33,8 +33,8 @@ void CrowdMotion::note_external() {
   for (const Group& group : scene_.groups)
     if (!group.control_channel.empty())
       spawned_.notes.push_back(fmt::format(
-          "group '{}' is driven by what comes on LCM channel {}: the events of this run "
-          "depend on that, too",
+          "group '{}' is controlled through LCM channel {}: the events of this run also depend on "
+          "its messages",
           group.name, group.control_channel));
 }
 
@@ -82,12 +82,11 @@ void CrowdMotion::update(const Posing& posing, BodyStates& bodies, std::span<flo
   });
 }
 
-/// The root to where steering has the person.
 WalkInput CrowdMotion::move_root(uint32_t id, BodyStates& bodies, float& speed_mps) const {
   RootPose& root = bodies.roots[id];
   const Eigen::Vector2d &position = crowd_.positions_m()[id], &heading = crowd_.headings()[id],
                         &velocity = crowd_.velocities_mps()[id];
-  // Whoever has left keeps the last place and posture.
+  // Agents that have left keep their last place and posture.
   const bool is_present = crowd_.journeys().is_present(id);
   WalkInput walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
   if (!bodies.avoidance.empty()) walk.stride_scale = bodies.avoidance[id].stride_scale;

@@ -1,6 +1,5 @@
-// The world of a scene with groups: people placed, steered, walking, coming and going.
-// One rule: what steers (Crowd), and how bodies walk where it leads (scenes/motion/walk.h), meet
-// here and nowhere else.
+// CrowdMotion moves the agents of a scene's groups: steering by Crowd, walking by
+// scenes/motion/walk.h.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +20,7 @@ struct WalkInput;
 
 class CrowdMotion final : public MotionSource {
  public:
-  /// The first people of the crowd are moved by another world, which places and moves their bodies.
+  /// `external_people`: first agents of the crowd, whose bodies another source places and moves.
   CrowdMotion(const Scene& scene, SimdTarget simd, Workers& workers,
               std::span<const AgentSpec> external_people = {});
 
@@ -36,7 +35,7 @@ class CrowdMotion final : public MotionSource {
   void add_external(ExternalAvatars& external) const override;
   void apply_external(const ExternalAvatars& external) override;
 
-  /// To lead those who are led.
+  /// The crowd, to move the agents of another source.
   Crowd& crowd() { return crowd_; }
 
   const std::vector<std::string>& notes() const override { return spawned_.notes; }
@@ -59,10 +58,10 @@ class CrowdMotion final : public MotionSource {
   SimdTarget simd_;
   Kinds kinds_;
   NavigationMap map_;
-  uint32_t external_count_;  ///< how many
+  uint32_t external_count_;
   SpawnResult spawned_;
   Crowd crowd_;
-  std::vector<double> root_heights_m_;  ///< of the roots above the ground, by person
+  std::vector<double> root_heights_m_;
   std::vector<BodyBlock> blocks_;
 };
 

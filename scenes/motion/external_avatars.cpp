@@ -18,9 +18,9 @@ double nearest(double value, double last, double low, double high, int& clamped)
 
 Eigen::Quaternionf unit_of(const Eigen::Quaternionf& turn, const Eigen::Quaternionf& last,
                            int& clamped) {
-  // What is told back as it was stays as it is, to the last bit.
+  // A pose sent back unchanged stays bitwise equal.
   if (turn.coeffs() == last.coeffs()) return last;
-  // In double: the square of a large float is no float.
+  // In double: the square of a large float overflows.
   Eigen::Quaterniond q = turn.cast<double>();
   const double length = q.norm();
   if (std::isfinite(length) && length > 1e-6) {
@@ -57,7 +57,7 @@ void write_row(std::span<const double> joints, const FlatModel& kinematics, std:
   assert(joints.size() == row.size());
   for (size_t i = 0; i < row.size(); ++i) {
     const JointColumn& column = kinematics.columns()[i];
-    // The limits are floats, and a value between two floats may round beyond one.
+    // Limits are floats: a double just inside may round to a float outside.
     const bool goes_round =
         !column.prismatic && static_cast<double>(column.upper) - static_cast<double>(column.lower) >
                                  2 * std::numbers::pi - 1e-5;
@@ -83,7 +83,7 @@ void ExternalAvatars::archive(Archive& a) {
   for (ExternalAvatar& one : all_) {
     RootPose& root = one.pose.root;
     a(root.position_m, root.world_from_root, one.pose.velocity_mps, one.row);
-    // Written so that NaN is refused, too.
+    // Negated comparison: also rejects NaN.
     bool is_possible = root.position_m.allFinite() &&
                        std::abs(root.world_from_root.norm() - 1) < 1e-3F &&
                        one.pose.velocity_mps.norm() <= kMaxExternalSpeed_mps * (1 + 1e-9);
@@ -91,7 +91,8 @@ void ExternalAvatars::archive(Archive& a) {
       const JointColumn& column = one.kinematics->columns()[i];
       is_possible = is_possible && one.row[i] >= column.lower && one.row[i] <= column.upper;
     }
-    if (!is_possible) a.refuse("the pose of a driven avatar", "an impossible one");
+    if (!is_possible)
+      a.refuse("a possible pose of an externally controlled avatar", "an impossible one");
   }
 }
 
@@ -123,7 +124,7 @@ void ExternalAvatars::apply_external(Crowd& crowd) const {
   for (const ExternalAvatar& one : all_) {
     const Eigen::Vector3f ahead = one.pose.root.world_from_root * Eigen::Vector3f::UnitX();
     Eigen::Vector2d heading = ahead.head<2>().cast<double>();
-    // An avatar that points straight up has no heading: it keeps its last.
+    // An avatar that points straight up has no heading; it keeps the last one.
     if (heading.norm() > 1e-3)
       heading.normalize();
     else

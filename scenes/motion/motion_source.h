@@ -1,6 +1,6 @@
-// What moves the avatars of a run: a steered crowd, a recording, a box of loose parts.
-// One rule: a world moves all of its avatars at each call, once a frame, and knows nothing of
-// culling or of who listens. What not every world has to say is empty unless it says so.
+// MotionSource moves the avatars of a run: a steered crowd, a recording, a box of loose parts.
+// Invariant: a source moves all of its avatars once per frame and depends neither on culling nor on
+// sinks. Optional parts default to empty.
 #pragma once
 
 #include <cstdint>
@@ -30,64 +30,53 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
 
-  /// Which models its avatars have.
   virtual const std::vector<std::shared_ptr<const Model>>& models() const = 0;
-  /// Appends, one an avatar, what it is from the start: its type (an index into models()), scale,
-  /// phase; style and look where avatars have them. Where it knows postures itself, external_rows,
-  /// one an avatar, null for those who walk by their gait: all of a model or none.
+  /// Appends the initial state per avatar: type (index into models()), scale and phase, with style
+  /// and head yaw if avatars have them. A source that computes postures itself sets external_rows,
+  /// null for avatars that walk by their gait; all avatars of a model or none.
   virtual void place(BodyStates& bodies) = 0;
-  /// Around every posture that it holds avatars of this model in; none: around every posture at
-  /// all.
+  /// Sphere around all postures in external_rows of this model; empty: any posture is possible.
   virtual std::optional<RootSphere> external_rows_sphere(size_t /*model*/) const { return {}; }
-  /// The groups of the run, and which of them each avatar is in.
   virtual void describe(RunInfo& info) const = 0;
 
-  /// Once, before the first update(): what depends on how the placed bodies walk.
+  /// Called once, before the first update(), with the placed bodies.
   virtual void prepare(const Posing&, const BodyStates&) {}
 
-  /// Moves everybody on by the scene's step. Allocates nothing.
+  /// Advances all avatars by the scene's step. Allocates nothing.
   virtual void step() = 0;
-  /// Writes where everybody is: the first of `bodies.roots`, phases and feet as `posing` has its
-  /// avatars walk there, held rows where they are elsewhere, and speeds, one an avatar. Once a
-  /// frame, frame 0 included.
+  /// Writes roots, phases, feet, external rows and speeds of all avatars. Called once per frame,
+  /// including frame 0. Its avatars come first in `bodies.roots`; `posing` defines their gaits.
   virtual void update(const Posing& posing, BodyStates& bodies, std::span<float> speeds_mps) = 0;
-  /// Everything that the next step depends on and that the constructor does not know.
+  /// Saves or restores all state of later steps that the constructor does not set.
   virtual void archive(Archive& a) = 0;
-  /// Of all that shapes its frames and that the scene does not say; 0: nothing does. Part of the
-  /// run id.
+  /// Hash of inputs beyond the scene that shape frames, 0: none. Part of the run id.
   virtual uint64_t content_hash() const { return 0; }
 
-  /// One an avatar, 0 where it is not in the scene at this time; always empty if everybody is there
-  /// all the time.
+  /// Per avatar, 0: not in the scene now; empty: all are always present.
   virtual std::span<const uint8_t> present() const { return {}; }
 
-  /// As present(), but 1 as well where it is about to come in and others give way to it already.
+  /// As present(), but also 1 for avatars about to enter, which others already avoid.
   virtual std::span<const uint8_t> expected() const { return present(); }
 
-  /// Adds those that something outside moves, where they start.
   virtual void add_external(ExternalAvatars&) const {}
-  /// Puts the driven where they are, after step() and over what it made of them.
+  /// Sets external poses, after step() and overriding its result.
   virtual void apply_external(const ExternalAvatars&) {}
 
-  /// What the user should know before the run.
+  /// Notes for the user, before the run.
   virtual const std::vector<std::string>& notes() const;
-  /// Avatars that the scene asks for but that found no place.
   virtual int unplaced() const { return 0; }
-  /// Of the latest decision of steering.
   virtual const SteeringCounters& steering() const;
-  /// How many have entered and left so far.
   virtual const PopulationCounters& population() const;
-  /// The people who cannot reach a goal, as of now.
+  /// Agents without a path to a goal, as of now.
   virtual std::vector<Stranding> strandings() const { return {}; }
 };
 
-/// Makes what moves the avatars of a scene; the world may keep references to scene and workers.
-/// Throws InputError.
+/// Creates a motion source, which may keep references to `scene` and `workers`. Throws InputError.
 using MotionFactory = std::function<std::unique_ptr<MotionSource>(
     const Scene& scene, SimdTarget simd, Workers& workers)>;
 
-/// The world of a scene whose models are loaded. Keeps references to `scene` and `workers`. Throws
-/// InputError.
+/// Motion source of a scene whose models are loaded. Keeps references to `scene` and `workers`.
+/// Throws InputError.
 std::unique_ptr<MotionSource> make_motion(const Scene& scene, SimdTarget simd, Workers& workers);
 
 }  // namespace throng

@@ -17,7 +17,7 @@ Eigen::Quaternionf rotation_by(float angle_rad) {
 
 namespace {
 
-/// Whoever stands breathes and shifts its weight.
+/// Updates the sway of standing people: breathing and weight shifts.
 void stand(std::span<const WalkInput> avatars, uint32_t first, BodyStates& bodies,
            WalkBatch& batch) {
   const float still_m = kStanding_mps * batch.step_s;

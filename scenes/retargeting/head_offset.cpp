@@ -11,7 +11,6 @@
 namespace throng {
 namespace {
 
-/// Index into Model::parts, or -1.
 int head_of(const Model& model) {
   for (size_t i = 0; i < model.parts.size(); ++i)
     if (model.parts[i].name == "head") return static_cast<int>(i);
@@ -24,14 +23,14 @@ Eigen::Vector3f middle_of(const Mesh& mesh) {
   return box.center();
 }
 
-/// Where a cell of a table begins, and the share of the next node.
+/// Lower cell index of a table position, and the weight of the next node.
 std::pair<int, float> cell_of(float at, int last) {
   const float inside = std::clamp(at, 0.0f, static_cast<float>(last));
   const int index = std::min(static_cast<int>(inside), last - 1);
   return {index, inside - static_cast<float>(index)};
 }
 
-/// Of the wave of one turn a cycle that fits best.
+/// Phase of the maximum of the fundamental wave of a cycle, in turns.
 double leftmost_of(std::span<const Eigen::Vector2f> cycle) {
   double along = 0, across = 0;
   for (size_t i = 0; i < cycle.size(); ++i) {
@@ -71,7 +70,7 @@ HeadOffset::HeadOffset(const Model& model, const Gait& gait) {
     const float last = leftmost_.empty() ? phase : leftmost_.back();
     leftmost_.push_back(last + std::remainder(phase - last, 1.0f));
   }
-  leftmost_.front() = leftmost_[1];  // whoever stands does not sway
+  leftmost_.front() = leftmost_[1];  // standing people do not sway
 }
 
 Eigen::Vector2f HeadOffset::offset_m(float phase, float speed_mps, float scale) const {

@@ -1,5 +1,5 @@
-// Where the head of a walking body is, seen from above: what hangs a body below a recorded head.
-// One rule: it is the middle of the head's box as the gait poses it, whatever the legs do.
+// HeadOffset tabulates the horizontal offset of the head of a walking body from its root.
+// It is the centre of the head's box as the gait poses it, regardless of the legs.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,26 +13,25 @@ namespace throng {
 class HeadOffset {
  public:
   HeadOffset() = default;
-  /// Tabulates one gait of a model. A model without a part named "head" has none: its place is
-  /// that of the root.
+  /// Tabulates one gait of a model. Without a part named "head" the offset is zero.
   HeadOffset(const Model& model, const Gait& gait);
 
   bool has_head() const { return !nodes_m_.empty(); }
 
-  /// From the root to the head on the ground plane, in the root frame (metres), of a body of this
-  /// scale; phase in [0, 1), speed of the gait.
+  /// Offset of the head from the root on the ground plane, in metres and the root frame.
+  /// `phase`: in [0, 1). `speed_mps`: gait speed. `scale`: scale of the body.
   Eigen::Vector2f offset_m(float phase, float speed_mps, float scale) const;
 
-  /// In which phase of this gait the head is farthest to the left; in [0, 1).
+  /// Gait phase at which the head is farthest to the left, in [0, 1).
   float leftmost_phase(float speed_mps, float scale) const;
 
  private:
   static constexpr int kPhases = 32;
   static constexpr int kSpeeds = 25;
-  static constexpr float kSpeedCell_mps = 0.125f;  ///< at scale 1
+  static constexpr float kSpeedCell_mps = 0.125f;
 
   std::vector<Eigen::Vector2f> nodes_m_;  ///< speed-major, the first phase repeated at the end
-  std::vector<float> leftmost_;           ///< by speed, without turns
+  std::vector<float> leftmost_;           ///< indexed by speed, unwrapped
 };
 
 }  // namespace throng

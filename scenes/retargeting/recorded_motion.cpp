@@ -15,14 +15,14 @@
 namespace throng {
 namespace {
 
-/// How far strides may be from what the gait has at a speed: beyond, feet would be out of reach.
+/// Limits of stride scales: beyond them feet would be out of reach.
 constexpr float kMinStrideScale = 0.65f;
 constexpr float kMaxStrideScale = 1.5f;
-/// A phase gets to where it is seen within some of these: a quarter of a stride.
+/// Time constant in seconds with which the gait phase approaches the seen one; a quarter stride.
 constexpr float kCatchUp_s = 0.25f;
 
-/// How much longer strides have to be for the phase to get to where it is seen; without, it goes on
-/// by `nominal` in a step.
+/// Stride scale that moves the gait phase towards the seen one. Without a correction the phase
+/// advances by `nominal` per step.
 float stride_scale_to(float seen_phase, float phase, float nominal, double step_s) {
   if (std::isnan(seen_phase) || !(nominal > 0)) return 1;
   const float behind = std::remainder(seen_phase - (phase + nominal), 1.0f);
@@ -48,7 +48,7 @@ RecordedMotion::RecordedMotion(const Scene& scene, SimdTarget simd, Workers& wor
   notes_.insert(notes_.end(), others_->notes().begin(), others_->notes().end());
 }
 
-/// Like anybody of their group, but as tall as recorded, and where they are at the start.
+/// Draws people like agents of their group, but with recorded heights and start positions.
 void RecordedMotion::find_people() {
   const size_t group = scene_.groups.size() - 1;
   const bool has_heights = !scene_.groups[group].height_m && has_people(scene_.groups[group]);
@@ -157,7 +157,7 @@ void RecordedMotion::prepare(const Posing& posing, const BodyStates& bodies) {
 
 void RecordedMotion::archive(Archive& a) {
   a(frame_);
-  // Whether people came in a frame ago decides how they walk on.
+  // The first step of an entering person depends on its presence in the previous frame.
   a(present_, expected_);
   if (others_) others_->archive(a);
 }
@@ -192,7 +192,6 @@ void RecordedMotion::update(const Posing& posing, BodyStates& bodies, std::span<
   move_recorded(bodies, speeds_mps);
 }
 
-/// So that the others see them from here on.
 void RecordedMotion::move_recorded(const BodyStates& bodies, std::span<const float> speeds_mps) {
   Crowd& crowd = others_->crowd();
   for (uint32_t id = 0; id < people_.size(); ++id) {

@@ -1,7 +1,7 @@
-// The world of a recording: people where they were recorded, dressed in bodies that walk there, and
-// people of the scene's other groups, who avoid them.
-// One rule: a recorded position is kept, that of the root or that of the head; the body does the
-// rest as anybody's does.
+// RecordedMotion moves recorded people along their tracks, retargeted to walking bodies, and other
+// groups, which avoid them.
+// Invariant: the tracked point of a body, root or head, follows the record; gait and posture are
+// simulated.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,6 @@ struct WalkInput;
 
 class RecordedMotion : public MotionSource {
  public:
-  /// Keeps references to both.
   RecordedMotion(const Scene& scene, SimdTarget simd, Workers& workers);
 
   const std::vector<std::shared_ptr<const Model>>& models() const override { return kinds_.models; }
@@ -36,7 +35,7 @@ class RecordedMotion : public MotionSource {
   std::span<const uint8_t> expected() const override { return expected_; }
   const std::vector<std::string>& notes() const override { return notes_; }
 
-  // Of the others, who are driven, steered, come and go.
+  // The following are those of the scene's other groups.
   void add_external(ExternalAvatars& external) const override;
   void apply_external(const ExternalAvatars& external) override;
   int unplaced() const override { return others_ ? others_->unplaced() : 0; }
@@ -58,14 +57,14 @@ class RecordedMotion : public MotionSource {
   Workers& workers_;
   SimdTarget simd_;
   Kinds kinds_;
-  uint16_t type_;                  ///< of all of them
-  double root_height_m_;           ///< of their roots above the ground, at scale 1
-  std::vector<AgentSpec> people_;  ///< those who were recorded
+  uint16_t type_;
+  double root_height_m_;  ///< height of their roots above the ground at scale 1, in metres
+  std::vector<AgentSpec> people_;
   std::vector<BodyBlock> blocks_;
-  std::vector<HeadOffset> head_offsets_;  ///< by style; empty where nobody walks so
+  std::vector<HeadOffset> head_offsets_;  ///< indexed by gait style; empty for unused styles
   std::unique_ptr<Tracks> tracks_;
-  std::unique_ptr<CrowdMotion> others_;      ///< null: the recorded are alone
-  std::vector<uint8_t> present_, expected_;  ///< of all
+  std::unique_ptr<CrowdMotion> others_;
+  std::vector<uint8_t> present_, expected_;
   int64_t frame_ = 0;
   std::vector<std::string> notes_;
 };

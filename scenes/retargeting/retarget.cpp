@@ -13,27 +13,25 @@
 namespace throng {
 namespace {
 
-// The gait's phase as the sway of a recorded head tells it. A head sways to the side of the foot
-// that carries, once a stride. Its deviation from the way is compared with a wave of the stride's
-// expected frequency, in a window of some strides: what they have in common is amplitude and phase
-// of the sway (a Gabor transform).
+// Gait phase from the sway of a recorded head. A head sways towards the supporting foot, once per
+// stride. A Gabor transform gives amplitude and phase: it correlates the lateral deviation from the
+// path with a wave of the expected stride frequency in a window of a few strides.
 
-/// At one instant of a track.
 struct SwaySample {
   double time_s = 0;
-  double left_m = 0;      ///< how far the head is to the left of its way
-  double strides_hz = 0;  ///< as the gait has them at this speed; 0: stands
+  double left_m = 0;      ///< lateral deviation of the head from the path
+  double strides_hz = 0;  ///< stride frequency of the gait at this speed; 0: stands
 };
 
-/// The window reaches so far to both sides; its weights are nearly a Gaussian of a third of it.
+/// Half width of the window; its weights are nearly a Gaussian with a third of this width.
 constexpr double kReach_s = 1.8;
-/// Of recorded heads nine in ten sway by 2 cm and more; noise of 5 mm comes to less than this.
+/// Minimum amplitude. Nine in ten recorded heads sway by 2 cm or more; 5 mm of noise gives less
+/// than this.
 constexpr double kMinSway_m = 0.008;
-/// Fewer samples a stride do not show it.
 constexpr double kMinSamples = 6;
-/// Of people who stand or shuffle, sway is no stride.
+/// Slower sway of people who stand or shuffle is no stride.
 constexpr double kMinStride_hz = 0.35;
-/// Strides are compared with the nearest of these: what is 0.1 Hz beside it still shows.
+/// Wave frequencies; a stride frequency 0.1 Hz off the nearest one is still detected.
 constexpr std::array<double, 4> kWaves_hz = {0.5, 0.7, 0.9, 1.1};
 
 using Complex = std::complex<float>;
@@ -46,7 +44,7 @@ size_t nearest_wave(double strides_hz) {
   return nearest;
 }
 
-/// The deviation times each wave turned backwards, for every sample.
+/// Deviation times the conjugate of each wave, per sample.
 std::vector<std::array<Complex, kWaves_hz.size()>> demodulated(std::span<const SwaySample> track) {
   std::vector<std::array<Complex, kWaves_hz.size()>> out(track.size());
   for (size_t i = 0; i < track.size(); ++i) {
@@ -61,8 +59,8 @@ std::vector<std::array<Complex, kWaves_hz.size()>> demodulated(std::span<const S
   return out;
 }
 
-/// Since the head was last farthest to the left, in strides, [0, 1); NaN where no sway is seen.
-/// `track` in ascending order of time.
+/// Strides since the head was last farthest to the left, in [0, 1); NaN: no visible sway. `track`
+/// is in ascending order of time.
 std::vector<float> strides_since_left(std::span<const SwaySample> track) {
   std::vector<float> phases(track.size(), std::numeric_limits<float>::quiet_NaN());
   const auto products = demodulated(track);
@@ -91,16 +89,13 @@ std::vector<float> strides_since_left(std::span<const SwaySample> track) {
   return phases;
 }
 
-// A recorded way without its noise, and without the sway of the head. Each instant is fitted from
-// what lies around it in time, before and after alike, so that nothing is late.
+// Smoothing of a recorded path. Fits use samples before and after an instant: no delay.
 
-/// A line fitted through positions: where it is at an instant, and how fast.
 struct PathPoint {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
 };
 
-/// The samples not more than `reach_s` before `at` or after it.
 struct Window {
   size_t begin = 0, end = 0;
 
@@ -112,7 +107,6 @@ struct Window {
   size_t size() const { return end - begin; }
 };
 
-/// From the sample before to the one after, as far as there are any.
 Eigen::Vector2d velocity_by_neighbours(std::span<const Sample> track, size_t at) {
   const Sample& before = track[at > 0 ? at - 1 : at];
   const Sample& after = track[std::min(at + 1, track.size() - 1)];
@@ -121,8 +115,7 @@ Eigen::Vector2d velocity_by_neighbours(std::span<const Sample> track, size_t at)
   return (after.position_m - before.position_m) / time_s;
 }
 
-/// Where the body goes, by straight lines fitted within `reach_s` of each sample: what sways to and
-/// fro within that time is not in it.
+/// Path of the body from lines fitted within `reach_s` of each sample; faster sway is removed.
 std::vector<PathPoint> path_of(std::span<const Sample> track, double reach_s) {
   std::vector<PathPoint> path(track.size());
   Window window;
@@ -133,7 +126,6 @@ std::vector<PathPoint> path_of(std::span<const Sample> track, double reach_s) {
     Eigen::Vector2d sum = Eigen::Vector2d::Zero(), tilt = Eigen::Vector2d::Zero();
     for (size_t j = window.begin; j < window.end; ++j) {
       const double u = (track[j].time_s - here.time_s) / reach_s;
-      // Nearly a Gaussian of a third of the reach.
       const double inside = 1 - u * u, w = inside * inside * inside;
       const Eigen::Vector2d d = track[j].position_m - here.position_m;
       weight += w;
@@ -151,8 +143,8 @@ std::vector<PathPoint> path_of(std::span<const Sample> track, double reach_s) {
   return path;
 }
 
-/// Positions by parabolas fitted within `reach_s` of each sample, which keep what a head does in a
-/// step; none is moved by more than `max_move_m`.
+/// Positions from parabolas fitted within `reach_s` of each sample, which keep the sway of steps.
+/// No position moves by more than `max_move_m`.
 std::vector<Eigen::Vector2d> without_noise(std::span<const Sample> track, double reach_s,
                                            double max_move_m) {
   std::vector<Eigen::Vector2d> smooth(track.size());
@@ -175,7 +167,7 @@ std::vector<Eigen::Vector2d> without_noise(std::span<const Sample> track, double
       b2 += square * d;
     }
     const auto s0 = static_cast<double>(window.size());
-    // Cramer's rule for the parabola's value here.
+    // Value of the parabola here, by Cramer's rule.
     const double c0 = s2 * s4 - s3 * s3, c1 = s2 * s3 - s1 * s4, c2 = s1 * s3 - s2 * s2;
     const double determinant = s0 * c0 + s1 * c1 + s2 * c2;
     if (!(determinant > 1e-9)) continue;
@@ -187,18 +179,18 @@ std::vector<Eigen::Vector2d> without_noise(std::span<const Sample> track, double
   return smooth;
 }
 
-/// A stride takes a second: what a way does in less is sway.
+/// A stride takes about 1 s: faster deviations from the path are sway.
 constexpr double kPathReach_s = 1.2;
-/// Of the parabolas that take noise off a head, and how much at most.
+/// Reach of the parabolas that remove noise from heads, and the maximum correction.
 constexpr double kNoiseReach_s = 0.13;
 constexpr double kMaxNoise_m = 0.01;
-/// A heading is that of the way over so much to both sides: what is shorter is a shuffle.
+/// Headings are directions over this distance before and after; shorter displacements are shuffles.
 constexpr double kHeadingDistance_m = 0.4;
-constexpr double kHeadingReach_s = 1.0;  ///< and no turn is faster than one smoothed over this
-/// How far ahead people know where they go, and over what the way is smoothed for that.
+constexpr double kHeadingReach_s = 1.0;
+/// Time ahead for which people know their velocity, and smoothing of the path for it.
 constexpr double kNext_s = 0.3;
 constexpr double kNextReach_s = 0.5;
-/// Two directions that are nearly opposite have no middle.
+/// The mean of two nearly opposite directions is undefined.
 constexpr double kMinDirection = 1e-6;
 
 double usual_interval_s(std::span<const Sample> track) {
@@ -211,16 +203,16 @@ double usual_interval_s(std::span<const Sample> track) {
   return *middle;
 }
 
-TrackSample::Next next_of(const Sample& from, const Sample& to, double hole_s) {
+TrackSample::Next next_of(const Sample& from, const Sample& to, double max_gap_s) {
   const double time_s = to.time_s - from.time_s;
-  if (time_s > hole_s) return TrackSample::Next::kAbsent;
+  if (time_s > max_gap_s) return TrackSample::Next::kAbsent;
   const double moved_m = (to.position_m - from.position_m).norm();
   return moved_m > kMaxRunSpeed_mps * time_s && moved_m > 0.5 ? TrackSample::Next::kJump
                                                               : TrackSample::Next::kMove;
 }
 
-/// The direction at each sample as the way just before and just after has it, the nearer in time
-/// the more: those who stand turn from where they came to where they go.
+/// Heading at each sample: mean direction of the path before and after, weighted by proximity in
+/// time. Standing people turn from where they came from to where they go.
 class Headings {
  public:
   explicit Headings(std::span<const Sample> track, std::span<const PathPoint> path)
@@ -242,7 +234,6 @@ class Headings {
     return headings;
   }
 
-  /// As the file has them; what it leaves out is as the one before.
   std::vector<double> recorded() const {
     std::vector<double> headings(track_.size());
     double last = first_recorded_rad();
@@ -260,15 +251,14 @@ class Headings {
   }
 
  private:
-  /// The same direction, less than half a turn from `last`.
   static double unwrapped(double heading_rad, double last) {
     return last + std::remainder(heading_rad - last, kTurn);
   }
   double apart_m(size_t a, size_t b) const {
     return (path_[b].position_m - path_[a].position_m).norm();
   }
-  /// The direction from one to the other, the shorter the longer that takes; hardly any where they
-  /// are too near for one.
+  /// Direction from one sample to another, weighted by the inverse duration; nearly zero if they
+  /// are close together.
   Eigen::Vector2d towards(size_t from, size_t to) const {
     const Eigen::Vector2d path = path_[to].position_m - path_[from].position_m;
     const double length_m = path.norm();
@@ -289,7 +279,7 @@ class Headings {
   std::span<const PathPoint> path_;
 };
 
-/// By straight lines through what lies within reach, as positions are: nobody turns at once.
+/// Smooths angles by line fits, because people do not turn instantly.
 std::vector<double> smoothed(std::span<const Sample> track, std::span<const double> angles) {
   std::vector<Sample> as_track(track.begin(), track.end());
   for (size_t i = 0; i < as_track.size(); ++i) as_track[i].position_m = {angles[i], 0};
@@ -299,7 +289,6 @@ std::vector<double> smoothed(std::span<const Sample> track, std::span<const doub
   return out;
 }
 
-/// A stretch of a track without absence or jump.
 class TrackSegment {
  public:
   TrackSegment(std::span<const Sample> track, const RetargetBody& body,
@@ -334,7 +323,7 @@ class TrackSegment {
 
   void turn() {
     Headings headings(track_, path_);
-    // What the file says of turns is as true as its positions.
+    // Recorded headings are as accurate as positions and are not smoothed.
     const std::vector<double> all =
         headings.are_recorded() ? headings.recorded() : smoothed(track_, headings.along_path());
     const double turns = kTurn * std::floor(all.front() / kTurn);
@@ -375,12 +364,11 @@ class TrackSegment {
     const std::vector<float> since_left = strides_since_left(sway);
     for (size_t i = 0; i < samples_.size(); ++i) {
       const float leftmost = body_.head->leftmost_phase(samples_[i].ahead_mps, body_.scale);
-      samples_[i].phase = phase_of(since_left[i] + leftmost);  // NaN stays NaN
+      samples_[i].phase = phase_of(since_left[i] + leftmost);
     }
     bridge_phases();
   }
 
-  /// How far the gait goes on from a sample to the next by the distance walked.
   double strides_after(size_t i) const {
     const double ahead_mps = static_cast<double>(std::max(samples_[i].ahead_mps, 0.0f));
     const double stride_m = static_cast<double>(
@@ -388,8 +376,8 @@ class TrackSegment {
     return ahead_mps * (track_[i + 1].time_s - track_[i].time_s) / stride_m;
   }
 
-  /// Where no sway is seen before or between those that are, by distance, so that nobody has to
-  /// change step all at once when one is seen.
+  /// Fills phases without visible sway from the distance walked, blended between seen phases to
+  /// avoid jumps.
   void bridge_phases() {
     const auto is_seen = [](const TrackSample& sample) { return !std::isnan(sample.phase); };
     const auto first = std::find_if(samples_.begin(), samples_.end(), is_seen);
@@ -423,8 +411,8 @@ class TrackSegment {
   std::vector<PathPoint> path_;
 };
 
-/// Harmonic mean of two slopes, weighted by their intervals; 0 at an extreme (Fritsch and Butland
-/// 1984): a cubic with such slopes is monotone wherever the points are.
+/// Slope of a monotone cubic: harmonic mean of two slopes weighted by intervals, 0 at an extreme
+/// (Fritsch and Butland 1984).
 double slope(double h0, double s0, double h1, double s1) {
   if (!(s0 * s1 > 0)) return 0;
   const double w0 = 2 * h1 + h0, w1 = h1 + 2 * h0;
@@ -441,12 +429,12 @@ double cubic(double from, double to, double slope_from, double slope_to, double 
 
 std::vector<TrackSample> retarget(std::span<const Sample> track, const RetargetBody& body) {
   std::vector<TrackSample> samples(track.size());
-  const double hole_s = std::max(kMaxTrackGap_s, 1.5 * usual_interval_s(track));
+  const double max_gap_s = std::max(kMaxTrackGap_s, 1.5 * usual_interval_s(track));
   size_t begin = 0;
   for (size_t i = 0; i < track.size(); ++i) {
     const bool is_last = i + 1 == track.size();
     samples[i].next =
-        is_last ? TrackSample::Next::kAbsent : next_of(track[i], track[i + 1], hole_s);
+        is_last ? TrackSample::Next::kAbsent : next_of(track[i], track[i + 1], max_gap_s);
     if (samples[i].next == TrackSample::Next::kMove) continue;
     const size_t count = i + 1 - begin;
     TrackSegment(track.subspan(begin, count), body, std::span(samples).subspan(begin, count))

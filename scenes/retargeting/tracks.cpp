@@ -13,7 +13,7 @@ float between(float from, float to, double u) {
   return static_cast<float>(std::lerp(static_cast<double>(from), static_cast<double>(to), u));
 }
 
-/// The shorter way round; NaN stays NaN.
+/// Interpolates the shorter way round the cycle; NaN stays NaN.
 float phase_between(float from, float to, double u) {
   const float turn = std::remainder(to - from, 1.0f);
   return phase_of(between(from, from + turn, u));
@@ -29,7 +29,6 @@ TrackState state_at(const TrackSample& sample) {
           sample.phase};
 }
 
-/// Of somebody who is away, by the knot that it comes in at.
 TrackState before_entry(const TrackSample& first, double time_s) {
   const double left_s = first.time_s - time_s;
   if (left_s > kExpected_s) return {};
@@ -60,7 +59,7 @@ Tracks::Tracks(size_t people,
 
 void Tracks::load(size_t person, int64_t index) {
   Cursor& cursor = cursors_[person];
-  // One before for the curve; the rest is ahead, where time goes.
+  // One sample before, for the curve; the others lie ahead.
   cursor.loaded = std::max<int64_t>(index - 1, 0);
   const int64_t count = std::min<int64_t>(cursor.count - cursor.loaded, kWindow);
   const std::span<TrackSample> window(windows_[person].data(), static_cast<size_t>(count));
@@ -83,7 +82,7 @@ TrackState Tracks::at(size_t person, double time_s) {
   };
   need(cursor.from);
   if (sample(person, cursor.from).time_s > time_s + kTimeTolerance_s) {
-    cursor.from = 0;  // back in time, as in a run that is resumed: from the start again
+    cursor.from = 0;  // time went back, as after a resume: search from the start
     need(0);
     const TrackSample& first = sample(person, 0);
     if (first.time_s > time_s + kTimeTolerance_s) return before_entry(first, time_s);

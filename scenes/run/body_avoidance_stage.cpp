@@ -13,41 +13,34 @@ namespace throng {
 namespace {
 
 constexpr double kSearch_s = 0.4;
-// Whoever gives way or wants to decides so often, all others half as often.
+// Decision period of bodies that adapt or have to; twice as long for others.
 constexpr double kDecision_s = 0.1;
-// Two who walk towards each other at 1.5 m/s each until they are looked up again and half as far
-// ahead again as bodies look.
+// Two agents that approach at 1.5 m/s each cover 1.2 m until the next search. The other 1.8 m take
+// two thirds of kAvoidanceHorizon_s.
 constexpr float kSearch_m = 3;
 constexpr float kWallReach_m = 0.9f;
 enum : uint8_t { kAway, kFresh, kThere };
-// Velocities that nobody knows beforehand are means over about so long: what moves a root may
-// tremble. Rhythms, which look farther ahead, go by the long ones: whoever swerves will not for
-// long.
+// Averaging times of velocities that are not known in advance, because roots jitter. Cadence, which
+// looks farther ahead, uses the long one: evasive moves are short.
 constexpr float kMean_s = 0.05f, kLongMean_s = 0.3f;
 constexpr float kCadenceMean_s = 0.1f;
-// The place where a foot is to land changes no faster.
 constexpr float kLanding_mps = 2.5f;
-// Strides get longer or shorter no faster.
 constexpr float kStrideScale_ps = 3;
-// What is wanted of steps and strides is decided so often.
 constexpr double kLanding_s = 0.1, kCadence_s = 0.2;
-// Hips turn no faster; of those who stand and turn on the spot besides, slower: feet step along.
+// Maximum turn rates of hips. Lower for people who turn on the spot, because their feet step along.
 constexpr float kHips_rps = 0.65f, kStandingHips_rps = 0.18f, kSlow_mps = 0.3f;
-// Nobody goes so far in a step: a jump.
 constexpr double kJump_m = 1;
 
-/// Something outside moves it.
 bool is_external(const BodyStates& bodies, uint32_t id) {
   return !bodies.external_rows.empty() && bodies.external_rows[id] != nullptr;
 }
 
-/// The velocity that it is about to have, where that is known.
 std::optional<Eigen::Vector2f> next_of(const BodyStates& bodies, uint32_t id) {
   if (bodies.next_mps.empty() || std::isnan(bodies.next_mps[id].x())) return {};
   return bodies.next_mps[id];
 }
 
-/// As far as its velocity is known beforehand, and as fast as its gait.
+/// Whether a new avatar stands, judged by its known velocity and gait speed.
 bool comes_in_standing(const BodyStates& bodies, uint32_t id) {
   const Eigen::Vector2f next_mps = next_of(bodies, id).value_or(Eigen::Vector2f::Zero());
   return bodies.gait_mps[id] < kStanding_mps && next_mps.norm() < kStanding_mps;
@@ -134,14 +127,15 @@ void BodyAvoidanceStage::archive(Archive& a, BodyStates& bodies) {
 }
 
 void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const {
-  constexpr float kMaxMagnitude = 1000;  // of any number here, in whatever unit
+  constexpr float kMaxMagnitude = 1000;  // bound of all numbers here, in any unit
   for (const uint8_t state : presence_)
-    if (state > kThere) a.refuse("a person who is away, fresh or there", std::to_string(state));
+    if (state > kThere) a.refuse("a presence of 0 to 2", std::to_string(state));
   for (size_t i = 0; i < states_.size(); ++i) {
     const Surroundings& surroundings = surroundings_[i];
     if (surroundings.people_count > NeighbourGrid::kMaxNeighbours ||
         surroundings.wall_count > kMaxAvoidedWalls)
-      a.refuse("few near a person", std::to_string(surroundings.people_count));
+      a.refuse("at most ten neighbours and a few walls per person",
+               std::to_string(surroundings.people_count));
     for (const uint32_t other : surroundings.neighbours())
       if (other >= states_.size()) a.refuse("an avatar near a person", std::to_string(other));
     const AvoidancePosture& posture = bodies.avoidance[i];
@@ -151,16 +145,16 @@ void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const 
                               mean_velocities_mps_[i].y(), states_[i].phase, states_[i].cadence_hz,
                               m.turn_rad, m.turn_rps, m.arms_ps[0], m.arms_ps[1], m.standing_ps,
                               w.turn_rad, posture.trunk_rad, posture.hips_rad})
-      if (!is_sound(value)) a.refuse("how a body gives way", std::to_string(value));
+      if (!is_sound(value)) a.refuse("a finite posture of body avoidance", std::to_string(value));
     for (const float share : {m.arms[0], m.arms[1], w.arms[0], w.arms[1], posture.arms[0],
                               posture.arms[1], m.standing, posture.standing})
-      if (!(share >= 0 && share <= 1)) a.refuse("a share of an arm", std::to_string(share));
+      if (!(share >= 0 && share <= 1)) a.refuse("an arm share from 0 to 1", std::to_string(share));
     for (const float stride_scale : {foot_targets_[i].stride_scale, posture.stride_scale})
       if (!(stride_scale > 0.1f && stride_scale < 10))
-        a.refuse("a length of strides", std::to_string(stride_scale));
+        a.refuse("a stride scale from 0.1 to 10", std::to_string(stride_scale));
     for (size_t n = 0; n < 4; ++n)
       if (!(std::abs(foot_targets_[i].landing_m[n]) < 1 && std::abs(posture.landing_m[n]) < 1))
-        a.refuse("a foot near its landing place", std::to_string(posture.landing_m[n]) + " m");
+        a.refuse("a landing place within 1 m", std::to_string(posture.landing_m[n]) + " m");
   }
 }
 
@@ -178,7 +172,7 @@ void BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint3
     const Eigen::Vector2d moved_m = at - last_m_[id];
     last_m_[id] = at;
     BodyState2d& state = states_[id];
-    // The trunk's place, which sways; its way is the root's, which does not.
+    // Position of the trunk, which sways. The velocity is that of the root, which does not.
     state.x_m = static_cast<float>(at.x() - middle_m_.x()) - aside_m * sin;
     state.y_m = static_cast<float>(at.y() - middle_m_.y()) + aside_m * cos;
     state.cos = cos;
@@ -196,10 +190,10 @@ void BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint3
     state.arms = motions_[id].arms;
     state.scale = bodies.scales[id];
     const bool is_fresh = presence_[id] == kAway || moved_m.squaredNorm() > kJump_m * kJump_m;
-    // A person who comes in standing has stood before.
+    // An agent that enters standing has stood before.
     if (is_fresh) motions_[id].standing = comes_in_standing(bodies, id) ? 1 : 0;
     const Outline* outline = is_external(bodies, id) ? nullptr : posing_.gait_of(id).outline();
-    // Of arms on their way into a posture or back, where they are nearer to.
+    // Of arms that move into a standing posture or out of it, the outline of the nearer posture.
     state.sweep = outline == nullptr ? nullptr
                   : motions_[id].standing > 0.5f
                       ? &outline->standing_sweep(bodies.standing[id])
@@ -257,7 +251,6 @@ void BodyAvoidanceStage::search_all(std::span<const uint8_t> present, const Body
   search(slots_, bodies);
 }
 
-/// Whoever has come in since the latest search sees the others, and those near see them.
 void BodyAvoidanceStage::search_fresh(std::span<const uint8_t> present, const BodyStates& bodies) {
   const auto fresh = static_cast<size_t>(std::count(presence_.begin(), presence_.end(), kFresh));
   if (fresh == 0) return;
@@ -275,7 +268,7 @@ void BodyAvoidanceStage::search_fresh(std::span<const uint8_t> present, const Bo
       if (presence_[order[found[k]]] != kFresh) slots_.push_back(found[k]);
   }
   const auto neighbours = slots_.begin() + static_cast<std::ptrdiff_t>(fresh);
-  std::sort(neighbours, slots_.end());  // whoever has several near is looked up once
+  std::sort(neighbours, slots_.end());  // avatars next to several are searched once
   slots_.erase(std::unique(neighbours, slots_.end()), slots_.end());
   search(std::span(slots_).subspan(fresh), bodies);
 }
@@ -318,7 +311,7 @@ bool BodyAvoidanceStage::is_turn_of(uint32_t id) const {
   return (steps_ + id) % (rests ? 2 * steps_per_decision_ : steps_per_decision_) == 0;
 }
 
-/// Asks for what deciding about somebody will read: others are far apart in memory.
+/// Prefetches the data of neighbours, which are far apart in memory.
 void BodyAvoidanceStage::fetch(uint32_t id) const {
   if (is_turn_of(id))
     for (const uint32_t other : surroundings_[id].neighbours()) __builtin_prefetch(&states_[other]);
@@ -329,7 +322,7 @@ void BodyAvoidanceStage::adapt_posture(uint32_t id, BodyStates& bodies) {
   const bool is_fresh = presence_[id] == kFresh;
   presence_[id] = kThere;
   if (is_fresh || is_turn_of(id)) targets_[id] = target_of(id);
-  // A person who has just come in has seen the others before.
+  // A person who has just entered has adapted to the others before.
   if (is_fresh) {
     targets_[id].standing = motion.standing;  // as observe() has set it
     motion = targets_[id];
@@ -429,7 +422,7 @@ std::array<float, 4> BodyAvoidanceStage::target_landing_m(uint32_t id,
 
 void BodyAvoidanceStage::place_feet(uint32_t id, BodyStates& bodies) {
   FootTargets& target = foot_targets_[id];
-  const int64_t turn = steps_ + id;  // not everybody's at once
+  const int64_t turn = steps_ + id;  // spreads avatars over the period
   if (turn % steps_per_landing_ == 0) target.landing_m = target_landing_m(id, bodies);
   if (turn % steps_per_cadence_ == 0) target.stride_scale = target_stride_scale(id, bodies);
   const auto approach = [&](float to, float max_ps, float& now) {
@@ -440,8 +433,8 @@ void BodyAvoidanceStage::place_feet(uint32_t id, BodyStates& bodies) {
   for (size_t i = 0; i < 4; ++i) approach(target.landing_m[i], kLanding_mps, posture.landing_m[i]);
 }
 
-/// The room that stepping knows holds the body as its gait has it; this adds the body as it has
-/// given way. Who would leave the room of all postures does not give way.
+/// Extends the bounds of stepping by the adapted posture. Postures that would leave the bounds of
+/// all postures are dropped.
 void BodyAvoidanceStage::extend_bounds(std::span<const uint32_t> ids, int worker,
                                        BodyStates& bodies) {
   const uint16_t type = bodies.types[ids.front()];

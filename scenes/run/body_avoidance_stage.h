@@ -1,7 +1,5 @@
-// Who is near whom, for bodies that give way: neighbours and walls, and how everybody's body
-// follows what it wants to do about them.
-// One rule: everybody decides by the places and ways of all as of this frame, and by nothing of
-// what others decide in it.
+// BodyAvoidanceStage finds each body's neighbours and walls and adapts its posture to them.
+// Invariant: decisions depend on the state of the current frame, never on other decisions in it.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,29 +23,28 @@ namespace throng {
 
 class BodyAvoidanceStage {
  public:
-  /// Keeps references to posing and workers. `avatars` of the bodies are avatars.
+  /// Keeps references to `posing` and `workers`. The first `avatars` bodies are avatars.
   BodyAvoidanceStage(const Scene& scene, const Posing& posing, const BodyStates& bodies,
                      size_t avatars, SimdTarget simd, Workers& workers);
 
-  /// Once a frame, when roots and gait are where they should be: sets bodies.yields. `present`:
-  /// MotionSource::expected(). Allocates nothing when warm.
+  /// Sets bodies.avoidance, once per frame after roots and gait. `present`:
+  /// MotionSource::expected(). Allocates nothing after warm-up.
   void step(std::span<const uint8_t> present, BodyStates& bodies);
-  /// All that later steps depend on, bodies.yields included.
+  /// Saves or restores the state of later steps, including bodies.avoidance.
   void archive(Archive& a, BodyStates& bodies);
 
  private:
   struct Wall {
-    float x = 0, y = 0;  ///< away from it
-    float offset_m = 0;  ///< of its line, from the middle of the ground
+    float x = 0, y = 0;  ///< unit vector away from the wall
+    float offset_m = 0;  ///< offset of the wall's line from the middle of the ground
   };
-  /// Who and what is near somebody, as of the latest search.
+  /// Neighbours and walls of an avatar, as of the latest search.
   struct Surroundings {
-    std::array<uint32_t, NeighbourGrid::kMaxNeighbours> people{};  ///< the nearest first
+    std::array<uint32_t, NeighbourGrid::kMaxNeighbours> people{};
     std::array<Wall, kMaxAvoidedWalls> walls{};
     uint8_t people_count = 0, wall_count = 0;
     std::span<const uint32_t> neighbours() const { return {people.data(), people_count}; }
   };
-  /// What is wanted of somebody's steps.
   struct FootTargets {
     float stride_scale = 1;
     std::array<float, 4> landing_m{};
@@ -75,7 +72,6 @@ class BodyAvoidanceStage {
   WalkState steps_of(uint32_t id, const BodyStates& bodies,
                      const Eigen::Vector2f& velocity_mps) const;
 
-  /// For the postures of some of a model, one a worker.
   struct Scratch {
     std::vector<float> rows;
     std::vector<PartPose> poses;
@@ -85,8 +81,7 @@ class BodyAvoidanceStage {
   const Posing& posing_;
   Workers& workers_;
   SimdTarget simd_;
-  std::vector<std::optional<UpperBodyBounds>>
-      upper_bounds_;  ///< by model; none: its bodies do not give way
+  std::vector<std::optional<UpperBodyBounds>> upper_bounds_;  ///< per model; empty: does not adapt
   std::vector<Scratch> scratch_;
   float step_s_;
   int64_t steps_per_search_, steps_per_decision_, steps_per_landing_, steps_per_cadence_;
@@ -95,17 +90,16 @@ class BodyAvoidanceStage {
   Eigen::Vector2d middle_m_;
   NeighbourGrid grid_;
   std::vector<BodyBlock> blocks_;
-  std::vector<BodyState2d>
-      states_;  ///< by avatar, as all that follows; from the middle of the ground
-  std::vector<std::array<float, 4>>
-      landings_m_;  ///< AvoidancePosture::landing_m of the frame before
+  // The following are indexed by avatar.
+  std::vector<BodyState2d> states_;               ///< relative to the middle of the ground
+  std::vector<std::array<float, 4>> landings_m_;  ///< AvoidancePosture::landing_m, last frame
   std::vector<Eigen::Vector2f> mean_velocities_mps_;
   std::vector<Eigen::Vector2d> last_m_;
   std::vector<uint8_t> presence_;
   std::vector<AvoidanceMotion> motions_, targets_;
-  std::vector<FootTargets> foot_targets_;  ///< wanted
+  std::vector<FootTargets> foot_targets_;
   std::vector<Surroundings> surroundings_;
-  // Of a search: whose, and by slot of the grid.
+  // Buffers of a search: slots of the grid and their neighbours.
   std::vector<uint32_t> slots_;
   std::vector<uint32_t> found_;
   std::vector<uint8_t> counts_;

@@ -15,7 +15,7 @@
 namespace throng {
 namespace {
 
-/// A sphere in float must still hold points that rounding moved by an ulp of 10 km.
+/// Float spheres must hold points that rounding moved, by up to an ulp at 10 km.
 constexpr float kSphereSlack_m = 1e-3f;
 static_assert(BodyType::kMaxParts == kMaxModelParts);
 static_assert(kMaxModels + kMaxObstacles <= UINT16_MAX, "types of bodies are 16 bits");
@@ -24,7 +24,8 @@ static_assert(kMaxModels + kMaxObstacles <= UINT16_MAX, "types of bodies are 16 
 
 Kinds kinds_of(const Scene& scene) {
   Kinds kinds;
-  std::vector<const Model*> walking;  // by kind; null for a driven one, whose bounds are its own
+  std::vector<const Model*>
+      walking;  // by kind; null for externally controlled kinds, which are never shared
   for (const Group& group : scene.groups) {
     if (group.body->part_count() < 1 || group.body->part_count() > BodyType::kMaxParts)
       throw InputError(group.model.string(),
@@ -36,9 +37,10 @@ Kinds kinds_of(const Scene& scene) {
     kinds.of_group.push_back(static_cast<uint16_t>(kind - walking.begin()));
     if (kind != walking.end()) continue;
     if (static_cast<int64_t>(kinds.models.size()) >= kMaxModels)
-      throw InputError(scene.file.string(),
-                       fmt::format("at most {} models, one for each driven group", kMaxModels),
-                       "more");
+      throw InputError(
+          scene.file.string(),
+          fmt::format("at most {} models, one per externally controlled group", kMaxModels),
+          "more");
     walking.push_back(group.control_channel.empty() ? group.body.get() : nullptr);
     kinds.models.push_back(group.body);
   }
@@ -66,7 +68,6 @@ Ball ball_around(const std::vector<Eigen::Vector3f>& points) {
   return ball;
 }
 
-/// A joint's own values, through those that it follows.
 std::pair<double, double> values_of(const Model& model, const Joint& joint,
                                     std::span<const ColumnSpan> spans) {
   double multiplier = 1, offset = 0;
@@ -82,7 +83,7 @@ std::pair<double, double> values_of(const Model& model, const Joint& joint,
   return std::minmax(a, b);
 }
 
-/// Around every place that the joint takes the ball to, in the frame of the parent link.
+/// Ball around all images of a ball under the joint, in the frame of the parent link.
 Ball moved(const Model& model, const Joint& joint, std::span<const ColumnSpan> spans, Ball ball) {
   if (joint.kind != Joint::Kind::kFixed) {
     const auto [low, high] = values_of(model, joint, spans);
@@ -91,10 +92,10 @@ Ball moved(const Model& model, const Joint& joint, std::span<const ColumnSpan> s
       ball.centre_m += middle * joint.axis;
       ball.radius_m += half;
     } else {
-      // The centre goes round an arc; the circle around that has the chord as its diameter.
+      // The centre moves on an arc; the ball around it has the chord as its diameter.
       const Eigen::Vector3d along = ball.centre_m.dot(joint.axis) * joint.axis;
       const Eigen::Vector3d out = ball.centre_m - along;
-      // Far from zero floats no longer tell angles apart: all the way round.
+      // Far from zero, floats do not resolve angles: assume a full turn.
       const bool is_far = std::max(std::abs(low), std::abs(high)) > 8 * std::numbers::pi;
       const SinCos open =
           sin_cos(is_far ? 0.5 * std::numbers::pi : std::min(half, 0.5 * std::numbers::pi));
@@ -124,7 +125,7 @@ RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans) 
     high_m = std::max(high_m, ball.centre_m.z() + ball.radius_m);
     balls.push_back(ball);
   }
-  // On the axis of the cylinder, which is as wide then as the sphere is.
+  // Centre on the axis of the cylinder, whose radius is then that of the sphere.
   RootSphere sphere{{0, 0, static_cast<float>(0.5 * (low_m + high_m))}, 0, 0};
   const Eigen::Vector3d centre = sphere.centre_m.cast<double>();
   double radius_m = 0, upright_m = 0;
@@ -133,7 +134,7 @@ RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans) 
     radius_m = std::max(radius_m, apart_m + ball.radius_m);
     upright_m = std::max(upright_m, ball.centre_m.head<2>().norm() + ball.radius_m);
   }
-  // As in reach_of(): float poses are a little off.
+  // As in reach_of(): float poses have rounding errors.
   sphere.radius_m = static_cast<float>(radius_m * 1.001) + kSphereSlack_m;
   sphere.upright_radius_m = static_cast<float>(upright_m * 1.001) + kSphereSlack_m;
   return sphere;

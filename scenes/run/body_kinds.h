@@ -1,5 +1,5 @@
-// The kinds of bodies of a scene: models of its groups, and what culling knows of each kind.
-// One rule: a sphere holds every posture that its kind can take.
+// Body kinds are the models of a scene's groups and their bounds for culling.
+// Invariant: a kind's sphere holds every posture that its bodies can take.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@
 
 namespace throng {
 
-/// The kinds of avatars: models, and which of them each group has.
 struct Kinds {
   std::vector<std::shared_ptr<const Model>> models;
   std::vector<uint16_t> of_group;
 };
 
-/// The kinds of a scene's groups. Groups that walk with the same model share a kind; a driven group
-/// has its own, for its bounds are its own. Throws InputError if a model has no parts or too many.
+/// Kinds of a scene's groups. Walking groups with equal models share a kind; an externally
+/// controlled group has its own, because its bounds differ. Throws InputError for a model without
+/// parts or with too many.
 Kinds kinds_of(const Scene& scene);
 
-/// Around every posture at all.
+/// Sphere around all postures within the joint limits.
 RootSphere any_posture_sphere(const Model& model);
 
-/// The values of a column of posture rows; none yet.
+/// Range of values in a column of posture rows; initially empty.
 struct ColumnSpan {
   float low = std::numeric_limits<float>::infinity();
   float high = -std::numeric_limits<float>::infinity();
 };
-/// Around every posture whose columns are within `spans`, one a column, none of them empty.
+/// Sphere around all postures with columns within `spans`: one non-empty span per column.
 RootSphere sphere_around(const Model& model, std::span<const ColumnSpan> spans);
 
 std::shared_ptr<const BodyType> body_type(const Model& model, const RootSphere& sphere,

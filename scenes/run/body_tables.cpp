@@ -41,7 +41,7 @@ void BodyTables::tabulate(const std::shared_ptr<const Model>& model, GaitStyles 
 
 std::shared_ptr<const ModelGaits> BodyTables::gaits(const std::shared_ptr<const Model>& model,
                                                     GaitStyles styles, Workers& workers) {
-  styles.set(0);  // the plain one is always there
+  styles.set(0);
   const std::lock_guard lock(gaits_mutex_);
   for (const Gaits& known : gaits_)
     if (known.model == model && known.styles == styles) return known.gaits;

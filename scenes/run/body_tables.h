@@ -1,7 +1,5 @@
-// What is worked out once for a kind of body, before the first frame: its meshes, the tables of its
-// gaits, the volumes around its parts.
-// One rule: all of it is immutable and follows from its key alone, so runs that share it come out
-// as runs that do not.
+// BodyTables shares what is computed once per kind of body: meshes, gait tables, volumes of parts.
+// Invariant: entries are immutable and follow from their key alone; sharing never changes a result.
 #pragma once
 
 #include <filesystem>
@@ -19,17 +17,16 @@
 
 namespace throng {
 
-/// From several threads at once; whoever asks for what another is making waits for it.
+/// Thread-safe; a caller waits if another thread is computing the same entry.
 class BodyTables {
  public:
-  /// As load_model(), each file once: a file that changes meanwhile is not read again.
+  /// Loads each file once, see load_model(); later changes of the file have no effect.
   std::shared_ptr<const Model> model(const std::filesystem::path& urdf_file);
 
-  /// The plain gait of a model and those of `styles`, in the room that they need together.
+  /// Plain gait of a model and those of `styles`, with common bounds.
   std::shared_ptr<const ModelGaits> gaits(const std::shared_ptr<const Model>& model,
                                           GaitStyles styles, Workers& workers);
 
-  /// As body_type() of kinds.h.
   std::shared_ptr<const BodyType> body_type(const std::shared_ptr<const Model>& model,
                                             const RootSphere& sphere, const PartVolumes& volumes);
 
@@ -51,7 +48,7 @@ class BodyTables {
     std::shared_ptr<const BodyType> type;
   };
 
-  /// A megabyte or five each: sets differ by the styles that chance gave to few people.
+  /// A set takes 1 to 5 MB. Sets differ by the styles that few agents happen to draw.
   static constexpr size_t kMaxSets = 16;
 
   void tabulate(const std::shared_ptr<const Model>& model, GaitStyles styles, Workers& workers);
@@ -59,8 +56,8 @@ class BodyTables {
 
   mutable std::mutex models_mutex_, gaits_mutex_, types_mutex_;
   std::map<std::string, std::shared_ptr<const Model>> models_;
-  std::vector<StyledGait> single_gaits_;  ///< what takes long to work out; its room is of no use
-  std::vector<Gaits> gaits_;              ///< of the latest sets of styles, the oldest first
+  std::vector<StyledGait> single_gaits_;  ///< expensive tables; their bounds are not used
+  std::vector<Gaits> gaits_;              ///< latest sets of styles, oldest first
   std::vector<Type> types_;
 };
 

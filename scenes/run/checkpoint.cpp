@@ -15,10 +15,10 @@ namespace throng {
 namespace {
 
 constexpr std::string_view kMagic = "THRONGCP";
-constexpr size_t kHeadBytes = 8 + 4 + 8 + 8 + 8;
+constexpr size_t kCheckpointHeaderBytes = 8 + 4 + 8 + 8 + 8;
 constexpr size_t kChecksumBytes = 8;
 
-struct Head {
+struct CheckpointHeader {
   uint32_t version = kCheckpointVersion;
   uint64_t run_id = 0;
   int64_t next_frame = 0;
@@ -26,7 +26,7 @@ struct Head {
   void archive(Archive& a) { a(version, run_id, next_frame, state_bytes); }
 };
 
-/// Eight bytes at a time; any change of any byte changes it.
+/// Checksum of 8-byte words; any changed byte changes it.
 uint64_t checksum_of(std::span<const uint8_t> bytes) {
   Hasher hash;
   hash.add(uint64_t{bytes.size()});
@@ -42,11 +42,11 @@ uint64_t checksum_of(std::span<const uint8_t> bytes) {
 
 std::vector<uint8_t> format_checkpoint(const Checkpoint& checkpoint) {
   std::vector<uint8_t> bytes(kMagic.begin(), kMagic.end());
-  Archive head;
-  Head fields{kCheckpointVersion, checkpoint.run_id, checkpoint.next_frame,
-              checkpoint.state.size()};
-  head(fields);
-  bytes.insert(bytes.end(), head.bytes().begin(), head.bytes().end());
+  Archive header;
+  CheckpointHeader fields{kCheckpointVersion, checkpoint.run_id, checkpoint.next_frame,
+                          checkpoint.state.size()};
+  header(fields);
+  bytes.insert(bytes.end(), header.bytes().begin(), header.bytes().end());
   bytes.insert(bytes.end(), checkpoint.state.begin(), checkpoint.state.end());
   Archive tail;
   uint64_t checksum = checksum_of(bytes);
@@ -59,25 +59,25 @@ Checkpoint parse_checkpoint(std::span<const uint8_t> bytes, const std::string& n
   const bool is_ours =
       bytes.size() >= kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
   if (!is_ours) throw InputError(name, "a checkpoint of Throng", "something else");
-  if (bytes.size() < kHeadBytes + kChecksumBytes)
+  if (bytes.size() < kCheckpointHeaderBytes + kChecksumBytes)
     throw InputError(name, "a whole checkpoint", fmt::format("{} bytes of one", bytes.size()));
-  Head head;
-  Archive in(bytes.subspan(kMagic.size(), kHeadBytes - kMagic.size()), name);
-  in(head);
-  if (head.version != kCheckpointVersion)
+  CheckpointHeader header;
+  Archive in(bytes.subspan(kMagic.size(), kCheckpointHeaderBytes - kMagic.size()), name);
+  in(header);
+  if (header.version != kCheckpointVersion)
     throw InputError(name, fmt::format("a checkpoint of version {}", kCheckpointVersion),
-                     fmt::format("version {}; start the run anew", head.version));
-  const size_t state_bytes = bytes.size() - kHeadBytes - kChecksumBytes;
-  if (head.state_bytes != state_bytes)
-    throw InputError(name, fmt::format("{} bytes of state", head.state_bytes),
+                     fmt::format("version {}; start the run anew", header.version));
+  const size_t state_bytes = bytes.size() - kCheckpointHeaderBytes - kChecksumBytes;
+  if (header.state_bytes != state_bytes)
+    throw InputError(name, fmt::format("{} bytes of state", header.state_bytes),
                      fmt::format("{}", state_bytes));
   uint64_t checksum = 0;
   Archive tail(bytes.last(kChecksumBytes), name);
   tail(checksum);
   if (checksum != checksum_of(bytes.first(bytes.size() - kChecksumBytes)))
     throw InputError(name, "a sound checkpoint", "a wrong checksum: the file is damaged");
-  const auto state = bytes.subspan(kHeadBytes, state_bytes);
-  return {head.run_id, head.next_frame, {state.begin(), state.end()}};
+  const auto state = bytes.subspan(kCheckpointHeaderBytes, state_bytes);
+  return {header.run_id, header.next_frame, {state.begin(), state.end()}};
 }
 
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {

@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::string_view kPeople = "people", kRobots = "robots", kObstacles = "obstacles";
 
-/// A name that means something else where it stands alone.
 bool needs_prefix(std::string_view name) {
   return NamedBodies::is_kind(name) || name.starts_with(kGroupPrefix) ||
          name.starts_with(kObstaclePrefix);
@@ -26,28 +25,28 @@ using Sides = PairFilter::Sides;
 
 constexpr size_t kMaxNamesShown = 16;
 
-/// Gives every name of the rules' sides to what it means: of(name) has a flag each.
-/// Returns the first name that means nothing, "" if there is none.
+/// Sets a side of every body or part that a rule's name means; of(name) returns one flag each.
+/// Returns the first name that matches nothing, "" if there is none.
 template <typename Of>
 std::string assign_sides(const PairRules& rules, std::vector<Sides>& sides, const Of& of) {
-  std::string nobody;
-  const auto give = [&](const std::string& name, Sides side) {
+  std::string unknown;
+  const auto assign = [&](const std::string& name, Sides side) {
     const std::vector<uint8_t> meant = of(name);
     for (size_t i = 0; i < sides.size(); ++i)
       if (meant[i] != 0) sides[i] |= side;
-    const bool means_nobody =
+    const bool matches_nothing =
         std::none_of(meant.begin(), meant.end(), [](uint8_t is_meant) { return is_meant != 0; });
-    if (nobody.empty() && means_nobody) nobody = name;
+    if (unknown.empty() && matches_nothing) unknown = name;
   };
   for (size_t i = 0; i < rules.size(); ++i) {
-    give(rules[i].left, PairFilter::left_of(static_cast<int>(i)));
-    give(rules[i].right, PairFilter::right_of(static_cast<int>(i)));
+    assign(rules[i].left, PairFilter::left_of(static_cast<int>(i)));
+    assign(rules[i].right, PairFilter::right_of(static_cast<int>(i)));
   }
-  return nobody;
+  return unknown;
 }
 
-[[noreturn]] void refuse(const char* key, std::string what, std::vector<std::string> names,
-                         const std::string& name, const std::string& remark = "") {
+[[noreturn]] void reject_name(const char* key, std::string what, std::vector<std::string> names,
+                              const std::string& name, const std::string& remark = "") {
   const std::string nearest = remark.empty() ? did_you_mean(name, names) : remark;
   if (names.size() > kMaxNamesShown) {
     names.resize(kMaxNamesShown);
@@ -60,19 +59,19 @@ std::string assign_sides(const PairRules& rules, std::vector<Sides>& sides, cons
 std::vector<Sides> sides_of_bodies(const Scene& scene, const RunInfo& info) {
   std::vector<Sides> sides(info.model_of_avatar.size() + scene.obstacles.size());
   const NamedBodies named(info);
-  const std::string nobody = assign_sides(scene.group_filter, sides,
-                                          [&](const std::string& name) { return named.of(name); });
-  if (nobody.empty()) return sides;
-  const std::string namesake = NamedBodies::is_kind(nobody) ? named.namesake(nobody) : "";
+  const std::string unknown = assign_sides(scene.group_filter, sides,
+                                           [&](const std::string& name) { return named.of(name); });
+  if (unknown.empty()) return sides;
+  const std::string namesake = NamedBodies::is_kind(unknown) ? named.namesake(unknown) : "";
   std::vector<std::string> names = named.names();
-  if (nobody.starts_with(kGroupPrefix)) {
+  if (unknown.starts_with(kGroupPrefix)) {
     names.clear();
     for (const std::string& group : info.groups)
       names.push_back(fmt::format("{}{}", kGroupPrefix, group));
   }
   for (std::string& name : names) name = rule_name(name);
-  refuse("between", "groups of the run, or", names, nobody,
-         namesake.empty() ? "" : ", which no body is; " + namesake);
+  reject_name("group_filter", "groups of the run, or", names, unknown,
+              namesake.empty() ? "" : ", which no body is; " + namesake);
 }
 
 std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo& info) {
@@ -87,27 +86,27 @@ std::vector<std::vector<Sides>> sides_of_parts(const Scene& scene, const RunInfo
     sides.emplace_back(1);
   }
   std::vector<Sides> flat(names.size());
-  const std::string nobody = assign_sides(scene.part_filter, flat, [&](const std::string& name) {
+  const std::string unknown = assign_sides(scene.part_filter, flat, [&](const std::string& name) {
     std::vector<uint8_t> has;
     for (const std::string& part : names) has.push_back(name == kAll || has_words(part, name));
     return has;
   });
-  if (!nobody.empty()) refuse("parts", "words of a part", names, nobody);
+  if (!unknown.empty()) reject_name("part_filter", "words of a part", names, unknown);
   size_t next = 0;
   for (std::vector<Sides>& of_type : sides)
     for (Sides& side : of_type) side = flat[next++];
   return sides;
 }
 
-/// What is left out would seem far away.
+/// Rejects filters that omit pairs of robots and people: these would seem far away.
 void require_robots_and_people(const Scene& scene, const RunInfo& info, const PairFilter& filter) {
   if (!scene.separation) return;
   const std::string& where = scene.separation->where;
   if (!filter.sides_of_part.empty())
-    throw InputError(where, "all parts beside 'separation', which is of whole bodies",
-                     fmt::format("'parts' (or --parts) of '{}'", to_text(scene.part_filter)));
+    throw InputError(where, "no 'part_filter' with 'separation', which needs whole bodies",
+                     fmt::format("'{}'", to_text(scene.part_filter)));
   if (filter.sides_of_body.empty()) return;
-  // By the sides that they stand on, which are few.
+  // Compares distinct sides, which are few.
   std::set<PairFilter::Sides> robots, people;
   for (size_t id = 0; id < info.model_of_avatar.size(); ++id)
     (info.models[info.model_of_avatar[id]]->is_person ? people : robots)
@@ -116,8 +115,7 @@ void require_robots_and_people(const Scene& scene, const RunInfo& info, const Pa
     for (const PairFilter::Sides person : people)
       if (!PairFilter::match(robot, person))
         throw InputError(
-            where,
-            "'group_filter' (or --filter-groups) to hold 'robots: people' beside 'separation'",
+            where, "a 'group_filter' (or --filter-groups) with 'robots: people' for 'separation'",
             fmt::format("'{}'", to_text(scene.group_filter)));
 }
 
@@ -182,7 +180,8 @@ std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info) {
   std::vector<std::string> notes;
   for (const std::string& name : names)
     if (const std::string namesake = NamedBodies(info).namesake(name); !namesake.empty())
-      notes.push_back(fmt::format("between: '{}' means all of that kind; {}", name, namesake));
+      notes.push_back(
+          fmt::format("group_filter: '{}' means all bodies of that kind; {}", name, namesake));
   return notes;
 }
 

@@ -1,7 +1,6 @@
-// NamedBodies finds the bodies of a run that a name means: in filters and in --publish-for. A run's
-// filter follows from the names of its rules; a name that means nobody is an error, never an empty
-// answer. Invariant: a word that names bodies of a kind means all of that kind, whatever groups are
-// called.
+// NamedBodies finds the bodies that a name means, for filters and --publish-for.
+// Invariant: an unknown name is an InputError, never an empty filter; a kind name means all bodies
+// of that kind, whatever groups are called.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +13,30 @@
 
 namespace throng {
 
-/// `people`, `robots` (avatars of other models), `obstacles` and `all` name bodies of a kind;
-/// `group:NAME` and `obstacle:NAME` a group and an obstacle; any other name the group or the
-/// obstacles that are called so.
+/// `people`, `robots` (avatars of other models), `obstacles` and `all` name bodies of a kind.
+/// `group:NAME` and `obstacle:NAME` name a group and an obstacle. Other names are looked up in
+/// both.
 class NamedBodies {
  public:
   /// Keeps a reference to the run.
   explicit NamedBodies(const RunInfo& run) : run_(run) {}
 
-  /// One a body, by id, avatars first: whether the name means it.
+  /// Returns one flag per body id, avatars first: whether the name means it.
   std::vector<uint8_t> of(std::string_view name) const;
-  /// All that a name may be, for messages.
   std::vector<std::string> names() const;
   static bool is_kind(std::string_view name);
-  /// How to write the group or the obstacle that is called as a word with another meaning: "" if
-  /// none is called so.
+  /// Returns how to write the group or obstacle whose name is also a kind; "" if there is none.
   std::string namesake(std::string_view name) const;
 
  private:
   const RunInfo& run_;
 };
 
-/// The filter of a run: of bodies by id, avatars first, and of parts by type, models first. Throws
-/// InputError, also where pairs are left out that the scene's separation is judged by.
+/// Filter of a run: sides of bodies by id, avatars first, and of parts by type, models first.
+/// Throws InputError, also if it omits pairs that the scene's separation needs.
 PairFilter filter_of(const Scene& scene, const RunInfo& info);
 
-/// A line for each word of the scene's `between` that a group or an obstacle is called, too.
+/// One note for each kind name in the scene's filter that is also the name of a group or obstacle.
 std::vector<std::string> filter_notes(const Scene& scene, const RunInfo& info);
 
 }  // namespace throng

@@ -17,7 +17,7 @@ int64_t nanoseconds(Clock::duration duration) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(duration).count();
 }
 
-/// Room for the rows of one batch; grows to the widest model once a thread and is then reused.
+/// Buffer for the rows of a batch, one per thread; grows to the widest model.
 std::span<float> scratch_rows(size_t floats) {
   thread_local std::vector<float> rows;
   if (rows.size() < floats) rows.resize(floats);
@@ -87,7 +87,6 @@ void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) co
     pose_avatars(bodies, out);
 }
 
-/// One part each, in the root frame.
 void Posing::pose_obstacles(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
   for (size_t i = 0; i < bodies.size(); ++i) {
     Eigen::Isometry3d world_from_part = Eigen::Isometry3d::Identity();
@@ -128,7 +127,7 @@ void Posing::bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) co
     if (type < kinds_.size())
       kinds_[type].provider->bounds({run.data(), count}, boxes);
     else
-      std::fill(boxes.begin(), boxes.end(), RootBox{});  // an obstacle: its sphere has to do
+      std::fill(boxes.begin(), boxes.end(), RootBox{});  // an obstacle: only its sphere bounds it
     first += count;
   }
 }

@@ -1,5 +1,5 @@
-// Part poses of avatars and obstacles, on demand, many at a time.
-// One rule: what a body gets depends on its own state only, never on who is asked for with it.
+// Posing computes part poses of avatars and obstacles on demand, in batches.
+// Invariant: a body's poses depend on its own state only, not on the batch.
 #pragma once
 
 #include <atomic>
@@ -18,48 +18,42 @@ namespace throng {
 
 class BodyTables;  // scenes/run/body_tables.h
 
-/// What Posing has to know of those who have a model.
 struct ModelUse {
-  GaitStyles styles;  ///< the plain one need not be among them
+  GaitStyles styles;
   PostureKind postures = PostureKind::kStepping;
 };
 
 class Posing : public PoseSource {
  public:
-  /// Keeps a reference to `states`. Takes the gaits of each model from `tables`; `uses` by model.
+  /// Keeps a reference to `states`. Takes the gaits of each model from `tables`; `uses` per model.
   Posing(std::vector<std::shared_ptr<const Model>> models, std::span<const ModelUse> uses,
          const BodyStates& states, BodyTables& tables, Workers& workers);
 
-  /// Of an avatar.
   const Gait& gait_of(uint32_t body) const {
     return kinds_[states_.types[body]].gaits->of(states_, body);
   }
   size_t model_count() const { return kinds_.size(); }
-  /// Of a model's bodies, as far as giving way is concerned; null: they do not.
+  /// Outline of a model's bodies for body avoidance; null: they do not adapt.
   const Outline* outline_of(size_t model) const { return kinds_[model].gaits->plain().outline(); }
-  /// Every posture row of a model has so many floats.
   int column_count(size_t model) const { return kinds_[model].gaits->plain().column_count(); }
-  /// Around every posture of every style of a model's walkers.
   RootSphere sphere(size_t model) const { return kinds_[model].gaits->sphere(); }
   const Model& model(size_t model) const { return *kinds_[model].model; }
 
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
 
-  /// Posture rows of some avatars of one model, at most kMaxBatch.
+  /// Writes posture rows of avatars of one model, at most kMaxBatch.
   void rows(std::span<const uint32_t> bodies, std::span<float> rows) const;
-  /// Posture rows of consecutive avatars of one model.
   void postures(uint32_t first, uint32_t count, std::span<float> rows) const;
 
-  /// The bodies of the view that poses() is asked about, where not all are in it: poses() is given
-  /// indices into this. Empty: indices are bodies.
+  /// Sets the bodies that the indices of poses() refer to. Empty: indices are body ids.
   void use_bodies(std::span<const uint32_t> bodies) { view_ = bodies; }
 
-  /// Rows that postures() already computed for this frame, by avatar through `offsets`; poses()
-  /// then reads them. Empty: poses() computes what it needs.
+  /// Sets rows that postures() already computed for this frame; `offsets` locates them by avatar.
+  /// Empty: poses() computes the rows it needs.
   void use_rows(std::span<const float> rows, std::span<const size_t> offsets);
 
-  /// Nanoseconds inside poses() since the last call, summed over threads.
+  /// Nanoseconds spent in poses() since the last call, summed over threads.
   struct Times {
     double gait_ns = 0;
     double kinematics_ns = 0;
@@ -67,7 +61,6 @@ class Posing : public PoseSource {
   Times take_times();
 
  private:
-  /// All that is the same for the bodies of a type.
   struct Kind {
     std::shared_ptr<const Model> model;
     std::shared_ptr<const ModelGaits> gaits;
@@ -81,7 +74,7 @@ class Posing : public PoseSource {
   void find_rows(const Kind& kind, std::span<const uint32_t> bodies,
                  std::span<const float*> rows) const;
 
-  std::vector<Kind> kinds_;  ///< by model; providers keep references into it
+  std::vector<Kind> kinds_;  ///< indexed by model; providers keep references to its elements
   const BodyStates& states_;
   std::span<const uint32_t> view_;
   std::span<const float> rows_;

@@ -16,7 +16,7 @@ class ExternalPostures : public PostureProvider {
             std::span<const float*> rows) const override {
     for (size_t i = 0; i < bodies.size(); ++i) rows[i] = states_.external_rows[bodies[i]];
   }
-  /// Joints that no gait knows of: the sphere has to do.
+  /// No box: external joints are bounded by the sphere only.
   void bounds(std::span<const uint32_t> /*bodies*/, std::span<RootBox> out) const override {
     std::fill(out.begin(), out.end(), RootBox{});
   }
@@ -25,7 +25,6 @@ class ExternalPostures : public PostureProvider {
   const BodyStates& states_;
 };
 
-/// Bodies that walk by their own gaits, of one model.
 class WalkingPostures : public PostureProvider {
  public:
   WalkingPostures(const ModelGaits& gaits, const BodyStates& states)
@@ -53,13 +52,12 @@ class WalkingPostures : public PostureProvider {
  protected:
   const Gait& gait_of(uint32_t body) const { return gaits_.of(states_, body); }
   const BodyStates& states() const { return states_; }
-  /// Bodies are in the order of the search: far apart. Asks for what write() will read.
+  /// Prefetches the data that write() reads; bodies of a batch are far apart in memory.
   virtual void fetch(uint32_t body) const = 0;
   virtual void write(std::span<const Gait* const> gaits, std::span<const uint32_t> bodies,
                      std::span<float> rows) const = 0;
 
  private:
-  /// Turns the head, gives way and stands as the person does.
   void pose_upper_body(const Gait& gait, uint32_t body, std::span<float> row) const {
     float head_yaw_rad = states_.head_yaws_rad.empty() ? 0 : states_.head_yaws_rad[body];
     const Outline* const outline = states_.avoidance.empty() ? nullptr : gait.outline();
@@ -101,12 +99,11 @@ class SteppingPostures final : public WalkingPostures {
   }
 };
 
-/// As phases, speeds and scales have it.
 class TablePostures final : public WalkingPostures {
  public:
   using WalkingPostures::WalkingPostures;
 
-  /// Boxes of all styles are more than a core's own cache holds: all are asked for at once.
+  /// Prefetches all boxes first: those of all styles exceed a core's cache.
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
     assert(bodies.size() <= PoseSource::kMaxBatch);
     std::array<const RootBox*, PoseSource::kMaxBatch> boxes;

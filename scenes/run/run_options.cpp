@@ -29,7 +29,7 @@ RunOption row(std::string name, Kind kind, std::string value, std::string meanin
   return option;
 }
 
-/// `check` accepts a text, and `set` stores what it has accepted.
+/// Row whose values `check` accepts and `set` stores.
 RunOption checked(RunOption option, OptionCheck check,
                   std::function<void(const std::string&, RunOptions&)> set) {
   option.read = [check = std::move(check), set = std::move(set), name = option.name,
@@ -44,7 +44,7 @@ RunOption checked(RunOption option, OptionCheck check,
   return option;
 }
 
-/// `member` is a member of RunOptions, or a function that finds one of RecordingFlags.
+/// `member`: a member of RunOptions, or a function that returns a member of RecordingFlags.
 template <typename Number, typename Member>
 auto storing_number(Member member) {
   return [member](const std::string& text, RunOptions& options) {
@@ -89,7 +89,6 @@ RunOption flag(const char* name, const char* meaning, Member member) {
                  });
 }
 
-/// `named` finds what a word stands for.
 template <typename Member, typename Named>
 RunOption word(const char* name, const char* value, std::string meaning, Member member,
                std::vector<std::string> words, const Named& named) {
@@ -102,7 +101,6 @@ RunOption word(const char* name, const char* value, std::string meaning, Member 
                  });
 }
 
-/// The word itself is stored.
 template <typename Member>
 RunOption word(const char* name, const char* value, std::string meaning, Member member,
                std::vector<std::string> words) {
@@ -110,7 +108,7 @@ RunOption word(const char* name, const char* value, std::string meaning, Member 
               [](const std::string& text) { return std::optional(text); });
 }
 
-/// `parse` reads a text of several parts, and throws InputError itself.
+/// Stores the result of `parse`, which throws InputError itself.
 template <typename Member, typename Parse>
 RunOption parsed(const char* name, const char* value, const char* meaning, Member member,
                  const char* expected, Parse parse) {
@@ -144,7 +142,6 @@ auto flags(Value RecordingFlags::*member) {
   return [member](RunOptions& options) -> Value& { return options.recording.*member; };
 }
 
-/// Of anything that is none, 0.
 char separator_named(const std::string& name) {
   constexpr std::pair<const char*, char> kSeparators[] = {
       {"tab", '\t'}, {"blank", ' '}, {"comma", ','}, {"semicolon", ';'}};
@@ -162,98 +159,102 @@ std::string checked_separator(const std::string& text, std::string_view where) {
 
 void add_source_rows(std::vector<RunOption>& rows) {
   using O = RunOptions;
-  rows.push_back(of_study(whole("avatars", "N", "People in all; scales the scene's groups",
+  rows.push_back(of_study(whole("avatars", "N", "Total number of agents; scales all groups",
                                 &O::avatars, 1, PairKey::kMaxId)));
-  rows.push_back(of_study(number("seconds", "S", "Simulated time instead of the scene's",
+  rows.push_back(of_study(number("seconds", "S", "Simulated time in seconds [the scene's]",
                                  &O::seconds, {0, 1e7, true}, "a number of seconds above 0")));
-  rows.push_back(
-      not_of_study(whole("seed", "N", "Start of all random numbers instead of the scene's",
-                         &O::seed, 0, INT64_MAX),
-                   "'seeds: [1, 2, 3]'"));
+  rows.push_back(not_of_study(
+      whole("seed", "N", "Seed of all random numbers [the scene's]", &O::seed, 0, INT64_MAX),
+      "'seeds: [1, 2, 3]'"));
   rows.push_back(of_study(
       parsed("part_volume", "VOLUME",
-             "What encloses a body part; or by part, 'hands: sphere, default: ordop26'",
+             "Bounding volume of body parts, or by part 'hands: sphere, default: ordop26'",
              &O::part_volume, "a volume, or 'hands: sphere, default: ordop26'", part_volumes_of)));
   rows.push_back(
-      of_study(word("steering", "MODEL", steering_choices() + "; instead of the scene's model",
+      of_study(word("steering", "MODEL", "Steering model [the scene's]: " + steering_choices(),
                     &O::steering, steering_names(), steering_kind_of)));
-  rows.push_back(of_study(flag("exact", "Triangles decide what touches, and how near", &O::exact)));
   rows.push_back(
-      metres("proximity", "Distances of all parts that are nearer than M metres", &O::proximity_m));
+      of_study(flag("exact", "Decide contacts and distances by triangle tests", &O::exact)));
+  rows.push_back(metres("proximity", "Report pairs of parts within M metres, with distances",
+                        &O::proximity_m));
   rows.push_back(metres("closest_parts",
-                        "Of each two people nearer than M metres the nearest parts",
+                        "Report the closest parts of each two people within M metres",
                         &O::closest_parts_m));
   rows.push_back(flag("contact_points",
-                      "Of all parts that touch a point, direction and depth; needs --exact",
+                      "Report point, normal and depth of each contact; requires --exact",
                       &O::contact_points));
   rows.push_back(
       parsed("filter_groups", "A:B",
-             "Pairs of these groups alone, as in 'robots: people'; a name alone is with all",
+             "Find pairs of these groups only, as in 'robots: people'; one name pairs with all",
              &O::group_filter, "pairs of groups, as in 'robots: people'", pair_rules_of));
   rows.push_back(
       parsed("filter_parts", "PARTS",
-             "Pairs of these parts alone, as in 'hands: head'; words alone are with all parts",
+             "Find pairs of these parts only, as in 'hands: head'; one name pairs with all",
              &O::part_filter, "words of parts, as in 'hands: head'", part_rules_of));
 }
 
 void add_recording_rows(std::vector<RunOption>& rows) {
   using F = RecordingFlags;
   const auto add = [&rows](RunOption option) { rows.push_back(of_recording(std::move(option))); };
-  add(number("fps", "N", "Of a recording: frames a second, as its file numbers them",
-             flags(&F::fps), {0, 10'000, true}, "a number of frames a second above 0"));
-  add(word("unit", "UNIT", "Of lengths in a recording: m, cm, mm, km, ft or in", flags(&F::unit),
-           unit_names_of(Quantity::kLength)));
-  add(word("heading_unit", "UNIT", "Of headings in a table: rad or deg", flags(&F::heading_unit),
-           unit_names_of(Quantity::kAngle)));
+  add(number("fps", "N", "Frame rate of a recording per second, as its file numbers frames",
+             flags(&F::fps), {0, 10'000, true}, "a number of frames per second above 0"));
+  add(word("unit", "UNIT", "Unit of lengths in a recording: m, cm, mm, km, ft or in",
+           flags(&F::unit), unit_names_of(Quantity::kLength)));
+  add(word("heading_unit", "UNIT", "Unit of headings in a table: rad or deg",
+           flags(&F::heading_unit), unit_names_of(Quantity::kAngle)));
   add(parsed("columns", "LIST",
-             "Of a table: id=NAME,t=NAME,x=NAME,y=NAME; frame=, z=, heading=; numbers from 1 do",
+             "Columns of a table, by name or number: id=,t=,x=,y=,frame=,z=,heading=,active=",
              flags(&F::columns), "a list id=NAME,t=NAME,x=NAME,y=NAME",
              [](const std::string& text, std::string_view) { return text; }));
-  add(parsed("separator", "CHARACTER", "Of a table: one character, or tab, blank, comma, semicolon",
+  add(parsed("separator", "CHARACTER",
+             "Separator of columns: one character, or tab, blank, comma, semicolon",
              flags(&F::separator), "one character, or tab, blank, comma or semicolon",
              checked_separator));
   add(word("tracked_point", "POINT",
-           "Whose way a recording is: of heads or of centres of bodies [as the kind of file]",
+           "Point that a recording tracks: head or centre [by kind of file]",
            flags(&F::tracked_point), {"head", "centre"}));
-  add(flag("strict", "What is odd about a recording is an error", flags(&F::strict)));
-  add(word("sampling", "STEP",
-           "Of a recording: recorded, its frames alone, or smooth, at most 1/60 s [smooth]",
+  add(flag("strict", "Treat anomalies in the recording as errors", flags(&F::strict)));
+  add(word("sampling", "KIND",
+           "Frames of a recording: recorded ones, or smooth steps of at most 1/60 s [smooth]",
            &RunOptions::step, {"smooth", "recorded"}));
 }
 
 void add_culling_rows(std::vector<RunOption>& rows) {
   using O = RunOptions;
+  rows.push_back(not_of_study(
+      whole("threads", "N", "Number of threads [all cores]", &O::threads, 1, kMaxThreads),
+      "threads on the command line: throng study FILE --threads N"));
   rows.push_back(
-      not_of_study(whole("threads", "N", "Default: all cores", &O::threads, 1, kMaxThreads),
-                   "threads on the command line: throng study FILE --threads N"));
+      not_of_study(number("budget_ms", "D", "Budget per frame for culling, in milliseconds",
+                          &O::budget_ms, {0, 1e6}, "a number of milliseconds from 0"),
+                   "a repeatable budget ('budget_tests'; wall-clock budgets are not repeatable)"));
   rows.push_back(
-      not_of_study(number("budget_ms", "D", "Time for culling a frame, by the clock", &O::budget_ms,
-                          {0, 1e6}, "a number of milliseconds from 0"),
-                   "what comes out the same every time ('budget_tests' does; a clock does not)"));
-  rows.push_back(
-      of_study(whole("budget_tests", "N", "Tests of boxes, part volumes and triangles a frame",
+      of_study(whole("budget_tests", "N",
+                     "Budget per frame for culling, in tests of boxes, part volumes and triangles",
                      &O::budget_tests, 0, INT64_MAX)));
   const std::vector<std::string> strategies = strategy_names();
   const std::vector<std::string> papers(strategies.begin() + 1, strategies.end());
   rows.push_back(of_study(
       word("strategy", "NAME",
-           "One of the paper's instead of ours, on one thread, without a deadline: " +
+           "Culling strategy of the paper, on one thread, without a budget [pipeline]: " +
                list_of(papers, " or "),
            &O::strategy, strategies, [](const std::string& name) { return strategy_of(name); })));
-  rows.push_back(of_study(word("simd", "TARGET", list_of(simd_target_names(), " or "), &O::simd,
-                               simd_target_names(), simd_target_of)));
-  rows.push_back(of_study(word("pair_search", "NAME", list_of(pair_search_names(), " or "),
-                               &O::pair_search, pair_search_names(), pair_search_of)));
+  rows.push_back(
+      of_study(word("simd", "TARGET", "Instruction set: " + list_of(simd_target_names(), " or "),
+                    &O::simd, simd_target_names(), simd_target_of)));
+  rows.push_back(of_study(word(
+      "pair_search", "NAME", "Search for pairs of bodies: " + list_of(pair_search_names(), " or "),
+      &O::pair_search, pair_search_names(), pair_search_of)));
 }
 
 void add_message_rows(std::vector<RunOption>& rows) {
   using O = RunOptions;
   rows.push_back(not_of_study(
-      number("states_hz", "N", "States so often a simulated second, in log and LCM [every frame]",
-             &O::states_hz, {0, 1e6, true}, "a number of states a second above 0"),
+      number("states_hz", "N", "States per simulated second, in log and LCM [every frame]",
+             &O::states_hz, {0, 1e6, true}, "a number of states per second above 0"),
       kShapesNoResult));
   rows.push_back(not_of_study(
-      flag("publish_part_poses", "The pose of every part with the states, in log and LCM",
+      flag("publish_part_poses", "Publish the pose of every part with the states, in log and LCM",
            &O::publish_part_poses),
       kShapesNoResult));
 }
@@ -286,13 +287,13 @@ std::span<const std::string_view> output_option_names() {
                                                 "trajectory",
                                                 "trajectory_fps",
                                                 "trajectory_area",
-                                                "by_part",
+                                                "part_pairs",
                                                 "resume",
                                                 "checkpoint",
-                                                "every",
+                                                "checkpoint_every",
                                                 "trace_hash",
                                                 "pace",
-                                                "tell",
+                                                "publish_for",
                                                 "lockstep",
                                                 "lockstep_timeout"};
   return kNames;
@@ -318,7 +319,7 @@ const std::vector<RunOption>& run_options() {
 
 double apply(const RunOptions& options, Scene& scene, std::vector<std::string>& notes) {
   if (options.seconds && scene.recorded && *options.seconds > scene.duration_s)
-    notes.push_back(fmt::format("{} is over after {:.6g} s", scene.name, scene.duration_s));
+    notes.push_back(fmt::format("{} ends after {:.6g} s", scene.name, scene.duration_s));
   else if (options.seconds)
     scene.duration_s = *options.seconds;
   if (options.seed) scene.seed = *options.seed;
@@ -336,7 +337,7 @@ double apply(const RunOptions& options, Scene& scene, std::vector<std::string>& 
 SimulationOptions simulation_options(const RunOptions& options) {
   const bool is_papers = options.strategy != Strategy::kPipeline;
   if (is_papers && (options.budget_ms || options.budget_tests))
-    throw InputError(options.where("strategy"), "'pipeline' beside a deadline",
+    throw InputError(options.where("strategy"), "'pipeline' with a budget",
                      fmt::format("'{}'", name_of(options.strategy)));
   SimulationOptions out;
   out.threads =
@@ -356,7 +357,7 @@ double state_every(const RunOptions& options, const Scene& scene) {
   if (*options.states_hz > frames_hz * (1 + 1e-9))
     throw InputError(
         options.where("states_hz"),
-        fmt::format("at most {:.6g}, the frames a second of {}", frames_hz, scene.name),
+        fmt::format("at most {:.6g}, the frames per second of {}", frames_hz, scene.name),
         fmt::format("{:.6g}", *options.states_hz));
   return std::max(1.0, frames_hz / *options.states_hz);
 }

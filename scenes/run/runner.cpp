@@ -8,13 +8,12 @@
 namespace throng {
 namespace {
 
-/// The latest samples of a stage. A day at 60 Hz has five million frames; the last quarter of a
-/// million tell the median as well.
+/// Latest samples of a stage. A day at 60 Hz has five million frames; a quarter of a million give
+/// the same median.
 class Samples {
  public:
   explicit Samples(int64_t expected) {
-    // Written once, so that all its memory is there from the first frame on: what grows later is a
-    // leak.
+    // Written once, to take all memory from the first frame on: later growth is then a leak.
     values_.resize(static_cast<size_t>(std::min<int64_t>(expected, kMaxSamples)));
     values_.clear();
   }
@@ -35,10 +34,9 @@ class Samples {
   size_t next_ = 0;
 };
 
-/// A sample a frame of everything whose median is asked for.
 struct Measurements {
   explicit Measurements(int64_t frames) : frame(frames), cull(frames), proximity(frames) {
-    stages.reserve(kStageCount);  // a copy would have no room
+    stages.reserve(kStageCount);  // copies lose the reserved capacity
     for (size_t i = 0; i < kStageCount; ++i) stages.emplace_back(frames);
   }
 

@@ -36,11 +36,11 @@ uint64_t random_instance() {
   return (uint64_t{device()} << 32) | device();
 }
 
-/// Fills in the run id, the instance, and what the options say. `motion_hash`:
+/// Sets run id, instance and the fields that options determine. `motion_hash`:
 /// MotionSource::content_hash().
 void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t motion_hash,
                   RunInfo& info) {
-  // Threads, SIMD, pair search and outputs stay out: they change no frame.
+  // Threads, SIMD, pair search and outputs are omitted: they change no frame.
   Hasher name;
   name.add("throng run 1").add(scene.content_hash);
   if (motion_hash != 0) name.add("world").add(motion_hash);
@@ -56,12 +56,11 @@ void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t
   info.culling = options.culling;
 }
 
-/// What clocks of other programs on this machine tell, too.
+/// System clock, comparable between programs on this machine.
 int64_t since_1970_ns() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// Loads what the scene names but does not hold yet.
 Scene with_bodies(Scene scene, BodyTables& tables) {
   for (Group& group : scene.groups) {
     if (group.body == nullptr) group.body = tables.model(group.model);
@@ -72,8 +71,8 @@ Scene with_bodies(Scene scene, BodyTables& tables) {
   return scene;
 }
 
-/// What the avatars of a world are, and where obstacles stand. Adds those that something outside
-/// moves to `driven`, whose rows it refers to.
+/// Initial state of avatars and obstacles. Adds externally controlled avatars to `external`, whose
+/// rows it refers to.
 BodyStates bodies_of(MotionSource& motion, const Scene& scene, ExternalAvatars& external) {
   BodyStates bodies;
   motion.place(bodies);
@@ -111,7 +110,6 @@ SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
   return options;
 }
 
-/// How the avatars of each model walk, and whether something outside moves them.
 std::vector<ModelUse> uses_of(size_t models, const Scene& scene, const BodyStates& bodies) {
   const PostureKind walking = scene.planted_feet ? PostureKind::kStepping : PostureKind::kTable;
   std::vector<ModelUse> uses(models, ModelUse{{}, walking});
@@ -129,16 +127,15 @@ RootSphere external_rows_sphere(const MotionSource& motion, size_t model) {
 
 }  // namespace
 
-/// The bodies that culling sees: all of them, or those that are in the scene now. Ids stay.
+/// PresentBodies selects the bodies that culling sees: those that are in the scene. Ids stay.
 class PresentBodies {
  public:
   explicit PresentBodies(size_t bodies);
 
-  /// `present`: one an avatar, or empty if everybody is there; the bodies beyond are always there.
-  /// Holds as long as `bodies` does and until the next call.
+  /// `present`: one per avatar, or empty if all are present; obstacles always are. The view is
+  /// valid until the next call and as long as `bodies`.
   BodiesView view(const BodyStates& bodies, std::span<const uint8_t> present);
 
-  /// The ids of the latest view if some were left out, else empty.
   std::span<const uint32_t> chosen() const { return chosen_; }
 
  private:
@@ -159,7 +156,7 @@ BodiesView PresentBodies::view(const BodyStates& bodies, std::span<const uint8_t
   types_.clear();
   scales_.clear();
   roots_.clear();
-  // Once and for all, so that no later step allocates.
+  // Reserves once; later steps do not allocate.
   chosen_.reserve(ids_.size());
   types_.reserve(ids_.size());
   scales_.reserve(ids_.size());
@@ -190,22 +187,22 @@ struct Simulation::State {
   SimulationOptions options;
   Workers workers;
   std::unique_ptr<MotionSource> motion;
-  const std::vector<std::shared_ptr<const Model>>& models;  ///< of the world
+  const std::vector<std::shared_ptr<const Model>>& models;
   ExternalAvatars external;
   BodyStates bodies;
   size_t avatars;
-  std::vector<float> speeds_mps;  ///< of the roots, by avatar
-  std::vector<ModelUse> uses;     ///< by model
+  std::vector<float> speeds_mps;
+  std::vector<ModelUse> uses;
   Posing posing;
   PresentBodies present_bodies;
   std::vector<BodyBlock> blocks;
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
-  std::unique_ptr<BodyAvoidanceStage> body_avoidance;  ///< null: nobody gives way
+  std::unique_ptr<BodyAvoidanceStage> body_avoidance;
   std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
-  std::optional<PartTally> part_tally;  ///< once the run has ended
+  std::optional<PartTally> part_tally;
   Frame frame;
   FrameTimes times;
   int64_t frames = 0;
@@ -238,7 +235,7 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
   }
   options.culler.filter = filter_of(scene, info);
   culler = make_culler(types(), options.strategy, options.culler, workers);
-  options.tables.reset();  // what nobody shares goes
+  options.tables.reset();  // frees tables that no other run shares
   gather_notes();
 }
 
@@ -262,22 +259,22 @@ void Simulation::State::archive(Archive& a) {
   for (size_t i = 0; i < avatars; ++i)
     a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
   for (const float speed : bodies.gait_mps)
-    if (!(speed >= kNotEntered && speed < 1000)) a.refuse("a speed to walk at", "another");
+    if (!(speed >= kNotEntered && speed < 1000)) a.refuse("a gait speed below 1000 m/s", "another");
   for (const float standing_time_s : bodies.standing_time_s)
     if (!(standing_time_s >= 0 && standing_time_s <= kMaxStandingTime_s))
-      a.refuse("a time of standing", "another");
+      a.refuse("a possible standing time", "another");
   constexpr float kFarFoot_m = 10;
   for (const std::vector<float>& numbers : bodies.feet)
     for (const float number : numbers)
       if (!(std::abs(number) < kFarFoot_m))
         a.refuse("feet within 10 m of their body", std::to_string(number) + " m");
-  constexpr float kMaxMomentum = 1000;  // in whatever unit
+  constexpr float kMaxMomentum = 1000;
   for (const std::vector<float>& numbers : bodies.gait_rates)
     for (const float number : numbers)
       if (!(std::abs(number) < kMaxMomentum))
-        a.refuse("feet and hips that move as people do", std::to_string(number));
+        a.refuse("rates of feet and hips below 1000", std::to_string(number));
   for (const float phase : bodies.phases)
-    if (!(phase >= 0 && phase <= 1)) a.refuse("a phase from 0 to 1", "another");
+    if (!(phase >= 0 && phase <= 1)) a.refuse("a gait phase from 0 to 1", "another");
   motion->archive(a);
   external.archive(a);
   if (body_avoidance) body_avoidance->archive(a, bodies);
@@ -311,7 +308,7 @@ void Simulation::State::cut_blocks() {
 }
 
 void Simulation::State::update_postures() {
-  postures.resize(posture_offsets.back());  // of the first frame
+  postures.resize(posture_offsets.back());
   workers.for_blocks(static_cast<int>(blocks.size()), [&](int index, int) {
     const BodyBlock& block = blocks[static_cast<size_t>(index)];
     const size_t begin = posture_offsets[block.first];
@@ -321,7 +318,7 @@ void Simulation::State::update_postures() {
   posing.use_rows(postures, posture_offsets);
 }
 
-/// Stages of the culling pass overlap over threads: each gets its share of the pass's wall time.
+/// Stages of the culling pass overlap on several threads; each gets its share of the wall time.
 void Simulation::State::split_times(double steering_ns, double postures_ns) {
   const CullingCounters& counters = *culler->frame().counters;
   const Posing::Times posed = posing.take_times();

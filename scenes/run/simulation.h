@@ -1,5 +1,5 @@
-// One run of a scene: people placed, then step by step steering, gait, culling.
-// One rule: the same scene, seed and options give the same frames for any number of threads.
+// Simulation runs a scene: it places agents, then steps through steering, gait and culling.
+// Invariant: equal scene, seed and options give equal frames for any number of threads.
 #pragma once
 
 #include <memory>
@@ -22,75 +22,69 @@ class BodyTables;   // scenes/run/body_tables.h
 
 struct SimulationOptions {
   int threads = 1;
-  /// How contacts are found. Its volume and exactness are the scene's, whatever stands here; its
-  /// SIMD target is that of steering, too. A deadline changes the events (the clock's not
-  /// repeatably).
+  /// Contact detection. Volumes and `exact` are taken from the scene. The SIMD target also applies
+  /// to steering. A budget changes the events, a wall-clock budget not repeatably.
   CullerOptions culler{};
-  /// Another than kPipeline is the paper's, see PaperCuller: it changes the events, as far as
-  /// spheres and boxes rule pairs out.
+  /// Strategies other than kPipeline are those of the paper, see PaperCuller. They change the
+  /// events, because spheres and boxes decide.
   Strategy strategy = Strategy::kPipeline;
-  /// Fill Frame::postures; see serve(). Off, only avatars in a surviving pair get joint angles at
-  /// all: a run that nobody draws or logs does not pay for the rest. Never changes the events.
+  /// Whether to fill Frame::postures, see serve(). If false, only avatars in surviving pairs get
+  /// joint positions. Never changes the events.
   bool postures = true;
-  /// Off, people walk and nobody is culled: no pairs, no events, and a hash of 0.
+  /// Whether to detect contacts. If false, there are no pairs and no events, and the hash is 0.
   bool culling = true;
-  /// What moves the avatars; empty: what the scene asks for, see make_motion(). The scene of
-  /// another world need not have groups.
+  /// Source of the avatars' motion; empty: make_motion(). With another source the scene needs no
+  /// groups.
   MotionFactory motion{};
-  /// What several runs of the same bodies share; null: this one has its own. Never changes a
-  /// result.
+  /// Tables shared by runs of the same bodies; null: tables of this run. Never change a result.
   std::shared_ptr<BodyTables> tables{};
 };
 
 class Simulation {
  public:
-  /// Loads the models, places the people, fits the volumes. Throws InputError.
+  /// Loads the models, places the agents, fits the volumes. Throws InputError.
   Simulation(Scene scene, const SimulationOptions& options);
   ~Simulation();
 
   const RunInfo& info() const;
   const Scene& scene() const;
-  /// What the user should know: people who could not be placed, spawn areas that were enlarged.
+  /// Notes for the user: agents that could not be placed, spawn areas that were enlarged.
   const std::vector<std::string>& notes() const;
 
-  /// People that the scene asks for but that found no place.
+  /// Number of agents of the scene that found no place.
   int unplaced() const;
-  /// Of the latest decision of steering; all zero where nobody steers.
+  /// Counters of the latest steering decisions; zero without steering.
   const SteeringCounters& steering() const;
-  /// Who has entered and left so far; all zero in a box of parts.
+  /// Agents that entered and left so far; zero in a box of parts.
   const PopulationCounters& population() const;
-  /// The people who cannot reach a goal, as of now.
+  /// Agents without a path to their goal, as of now.
   std::vector<Stranding> strandings() const;
 
-  /// What poses depend on, as of the latest step: avatars, then obstacles.
+  /// Inputs of the poses, as of the latest step: avatars, then obstacles.
   const BodyStates& bodies() const;
 
-  /// From the next step on, frames hold what these need, and leave out what none of them does.
+  /// Sets the contents of later frames to what these sinks need, and nothing else.
   void serve(std::span<Sink* const> sinks);
 
-  /// The first call delivers frame 0, people where they start; each later one advances by
-  /// scene.step_s. The frame's spans hold until the next step.
+  /// Returns frame 0, the start, on the first call; later calls advance by scene().step_s. The
+  /// frame's spans are valid until the next step.
   const Frame& step();
-  /// Ends every pair that still touches.
   RunEnd finish();
 
-  /// Moves an avatar of a driven group from the next step on; until then, and for as long as
-  /// nothing new comes, it holds its pose. What lies outside the ground or the joints' limits is
-  /// set to the nearest that does not; returns how many numbers were. -1, and nothing happens, if
-  /// the avatar is not driven or the number of joints is not its model's (none leaves them as they
-  /// are).
+  /// Sets the pose of an externally controlled avatar from the next step on; it holds until the
+  /// next call. Values outside the ground or joint limits are clamped. Returns the number of
+  /// clamped values. Returns -1 without effect if the avatar is not externally controlled or the
+  /// number of joints is wrong. Empty joints keep their positions.
   int set_pose(uint32_t avatar, const ExternalPose& pose);
-  /// Where it is from the next step on, its joints left out; null if the avatar is not driven.
+  /// Pose from the next step on, without joints; null if the avatar is not externally controlled.
   const ExternalPose* external_pose(uint32_t avatar) const;
 
-  /// The number of the frame that step() delivers next.
   int64_t next_frame() const;
-  /// Everything that later frames depend on, as bytes; see scenes/run/checkpoint.h for the file.
+  /// State of the run as bytes, for resume(); see scenes/run/checkpoint.h for the file.
   std::vector<uint8_t> saved();
-  /// Goes on where saved() was called in a run of the same scene, seed and options that change
-  /// results: later frames, their events and the hash are the same to the bit. Only before the
-  /// first step. Throws InputError naming `name` where the bytes cannot be such a run's; this
-  /// object is then of no use.
+  /// Continues where saved() was called in a run of equal scene, seed and options that change
+  /// results. Later frames, events and the hash are bitwise equal. Call it before the first step
+  /// only. Throws InputError naming `name` for other bytes; this object must then not be used.
   void resume(std::span<const uint8_t> bytes, const std::string& name);
 
   FrameTimes& times();  ///< the runner adds kPublish and frame_ns here

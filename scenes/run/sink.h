@@ -1,5 +1,5 @@
-// What a run hands to its sinks: once at the start, once a frame, once at the end.
-// One rule: spans are valid during the call only; a sink never changes what the run computes.
+// Sink receives a run: its start, each frame, its end.
+// Invariant: spans are valid during the call only; a sink never changes the run's results.
 #pragma once
 
 #include <cstddef>
@@ -19,82 +19,80 @@
 
 namespace throng {
 
-/// Where a run goes on that was stopped or killed.
+/// Point at which a stopped run continues.
 struct Resumed {
-  int64_t frame = 0;  ///< the last one before; the run's first frame is the next
+  int64_t frame = 0;  ///< last frame before; the run's first frame is the next
   int64_t utime_us = 0;
-  std::vector<PairKey> touching;  ///< at that frame: their begins were reported before
-  std::vector<uint8_t> levels;    ///< as in Frame
-  uint64_t hash = 0;              ///< of the events up to that frame
+  /// Pairs that touch at that frame; their begin events were reported before.
+  std::vector<PairKey> touching;
+  std::vector<uint8_t> levels;  ///< see Frame
+  uint64_t hash = 0;            ///< hash of the events up to that frame
 };
 
 struct RunInfo {
   const Scene* scene = nullptr;
-  uint64_t run_id =
-      0;  ///< hashes scene content, seed and the options that change results; nothing else
-  uint64_t instance = 0;  ///< random for each run, to tell two runs on one channel apart
+  uint64_t run_id = 0;    ///< hash of scene content, seed and options that change results
+  uint64_t instance = 0;  ///< random per run, distinguishes two runs on one channel
   double step_s = 0;
   std::vector<std::shared_ptr<const Model>> models;
-  /// Index into models. Bodies of avatars are 0 .. avatars-1, those of obstacles follow.
+  /// Index into models, per avatar. Ids 0 .. avatar_count-1 are avatars; obstacles follow.
   std::vector<uint16_t> model_of_avatar;
   std::vector<float> scale_of_avatar;
-  std::vector<std::string> groups;        ///< names; a person is called "<group> <id>"
-  std::vector<uint16_t> group_of_avatar;  ///< index into groups
-  /// One a group: the LCM channel that moves its avatars, "" where the simulation does.
+  std::vector<std::string> groups;  ///< names; an agent is called "<group> <id>"
+  std::vector<uint16_t> group_of_avatar;
+  /// LCM channel that controls a group's avatars, per group; "" if the simulation moves them.
   std::vector<std::string> control_channels;
-  CullerOptions culler;  ///< with a deadline pairs have levels, and the hash holds them, too
+  CullerOptions culler;  ///< budgets give pairs levels, which the hash includes
   Strategy strategy = Strategy::kPipeline;
-  bool culling = true;             ///< false: nobody was looked at, and there are no events
-  std::optional<Resumed> resumed;  ///< then the first frame is not number 0
+  bool culling = true;             ///< false: no contact detection, hence no events
+  std::optional<Resumed> resumed;  ///< set if the first frame is not number 0
 
   int avatar_count() const { return static_cast<int>(model_of_avatar.size()); }
 };
 
-/// What the culler found, and where everybody is. `proximity_pairs` are within the scene's
-/// proximity_m, and `closest_parts` the nearest parts of two people within closest_parts_m.
+/// Result of culling, and the state of all avatars. `proximity_pairs` are within the scene's
+/// proximity_m, `closest_parts` within its closest_parts_m.
 struct Frame : CullingResult {
   int64_t number = 0;
-  int64_t utime_us = 0;               ///< simulation time
-  std::span<const RootPose> roots;    ///< one an avatar
-  std::span<const float> speeds_mps;  ///< one an avatar
-  std::span<const float>
-      postures;  ///< rows one after another, avatar by avatar (see posture_offsets)
-  std::span<const size_t> posture_offsets;  ///< avatar_count + 1 entries into postures
-  /// One an avatar, 0 where it is not in the scene at this time; empty: everybody is. An absent one
-  /// has no pairs and keeps the last root.
+  int64_t utime_us = 0;
+  std::span<const RootPose> roots;    ///< per avatar
+  std::span<const float> speeds_mps;  ///< per avatar
+  std::span<const float> postures;    ///< posture rows, one after another, see posture_offsets
+  std::span<const size_t> posture_offsets;  ///< avatar_count + 1 offsets into postures
+  /// Per avatar, 0: not in the scene; empty: all are. An absent avatar has no pairs and keeps its
+  /// last root.
   std::span<const uint8_t> present;
-  const FrameTimes* times = nullptr;  ///< of the frame so far; kPublish is the previous frame's
+  const FrameTimes* times = nullptr;  ///< times so far; kPublish is that of the previous frame
 };
 
 struct RunEnd {
   int64_t frames = 0;
   int64_t utime_us = 0;
-  std::span<const PairEvent> events;  ///< the ends of what still touched
-  uint64_t begins = 0;                ///< over the whole run
-  uint64_t ends = 0;                  ///< over the whole run, those above included
-  uint64_t hash = 0;                  ///< of all events
-  /// Of the whole run, where CullerOptions::by_part asks for it.
+  std::span<const PairEvent> events;
+  uint64_t begins = 0;  ///< begin events of the whole run
+  uint64_t ends = 0;
+  uint64_t hash = 0;
+  /// Statistics by pair of parts over the whole run, if CullerOptions::by_part is set.
   const PartTally* by_part = nullptr;
-  uint64_t proximity_hash = 0;  ///< of all near rows
+  uint64_t proximity_hash = 0;
 };
 
-/// What a frame costs more to hold, so that it only does for those who need it.
+/// Optional contents of a frame, filled only if a sink needs them.
 struct SinkNeeds {
-  bool postures = false;  ///< Frame::postures, of everybody
+  bool postures = false;  ///< Frame::postures of all avatars
 };
 
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Asked once, before begin().
   virtual SinkNeeds needs() const { return {}; }
   virtual void begin(const RunInfo& run) = 0;
   virtual void frame(const RunInfo& run, const Frame& frame) = 0;
   virtual void end(const RunInfo& run, const RunEnd& end) = 0;
 };
 
-/// Of a frame with postures (SinkNeeds::postures); `out` has room for the parts of the avatar's
-/// model.
+/// Writes the part poses of an avatar, from a frame with postures (SinkNeeds::postures). `out` has
+/// one element per part of the avatar's model.
 void part_poses(const RunInfo& run, const Frame& frame, size_t avatar, std::span<PartPose> out);
 
 }  // namespace throng

@@ -1,5 +1,6 @@
-// The stages of a frame and those of its culling, each in one order: by it go clocks, the summary,
-// JSON and LCM. One rule: a new stage comes last, for listeners know the others by their place.
+// Stage and FrameTimes name the stages of a frame and hold their times.
+// Invariant: the order is that of clocks, summary, JSON and LCM; new stages come last, because
+// listeners use the index.
 #pragma once
 
 #include <array>
@@ -11,7 +12,6 @@
 
 namespace throng {
 
-/// Where a frame's time goes.
 enum class Stage : uint8_t {
   kSteering,
   kGait,
@@ -25,25 +25,24 @@ enum class Stage : uint8_t {
 };
 inline constexpr size_t kStageCount = 9;
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "steering", "gait",   "kinematics", "broad_phase", "mid_phase",
-    "exact",    "events", "publish",    "yielding"};
+    "steering",     "gait",   "kinematics", "broad_phase",   "mid_phase",
+    "narrow_phase", "events", "publish",    "body_avoidance"};
 
-/// Wall-clock times of one frame, nanoseconds.
+/// Wall-clock times of one frame, in nanoseconds.
 struct FrameTimes {
   std::array<double, kStageCount> stage_ns{};
   double frame_ns = 0;
-  int64_t culling_began_ns = 0;  ///< since 1970, of the system's clock; 0: nobody was culled
+  int64_t culling_began_ns = 0;  ///< system clock since 1970; 0: no culling in this frame
 
   double& operator[](Stage stage) { return stage_ns[static_cast<size_t>(stage)]; }
   double operator[](Stage stage) const { return stage_ns[static_cast<size_t>(stage)]; }
 };
 
-/// The stages that count updates and tests.
 inline constexpr size_t kCullingStageCount = 5;
 inline constexpr std::array<std::string_view, kCullingStageCount> kCullingStageNames = {
-    "avatar", "body_box", "part_box", "part", "exact"};
+    "body_sphere", "body_box", "part_box", "part_volume", "triangles"};
 
-/// Of CullingCounters, constant or not, in the order of their names.
+/// Counters of the culling stages in the order of their names; `c` may be constant.
 template <class Counters>
 auto culling_stages(Counters& c) {
   return std::array{&c.body_sphere, &c.body_box, &c.part_box, &c.part_volume, &c.triangles};

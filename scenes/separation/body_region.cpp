@@ -10,7 +10,6 @@ namespace {
 constexpr std::array<std::string_view, kBodyRegions> kNames = {
     "head", "neck", "trunk", "upper_arms", "lower_arms", "hands", "legs", "feet", "other"};
 
-/// A name with all of the words.
 struct Row {
   BodyRegion region;
   std::string_view word, other_word = "";

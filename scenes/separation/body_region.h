@@ -1,6 +1,5 @@
-// Regions of the body, as studies of robots beside people tell them apart.
-// One rule: a region follows from the name of a part alone; a name that says nothing, or two
-// things, is of no region and said so.
+// BodyRegion assigns body parts to regions of the human body, as studies of human-robot contact do.
+// Invariant: the region follows from the part's name alone; an unknown or ambiguous name is kOther.
 #pragma once
 
 #include <array>
@@ -19,15 +18,14 @@ enum class BodyRegion : uint8_t {
   kHands,
   kLegs,
   kFeet,
-  kOther  ///< the name says nothing
+  kOther  ///< the name matches no region
 };
 inline constexpr size_t kBodyRegions = 9;
 
 /// "head", "upper_arms", ..., "other".
 std::string_view name_of(BodyRegion region);
 
-/// "lowerLeftArm" is of the lower arms, "pelvis" of the trunk; large and small letters are the
-/// same.
+/// Region of a part: "lowerLeftArm" is in kLowerArms, "pelvis" in kTrunk; case is ignored.
 BodyRegion body_region(std::string_view part_name);
 
 }  // namespace throng

@@ -15,7 +15,8 @@ auto key_of(const Shortfall& shortfall) {
   return std::tuple(shortfall.robot, shortfall.person, shortfall.region);
 }
 
-/// The material of a part at `point_m` (from the root), where it was before.
+/// Previous position of the material point of a part that is now at `point_m` (relative to the
+/// root).
 Eigen::Vector3d carried_back(const PartPose& now, const PartPose& then,
                              const Eigen::Vector3d& point_m) {
   const Eigen::Isometry3d then_from_now = to_isometry(then) * to_isometry(now).inverse();
@@ -55,7 +56,7 @@ void SeparationMonitor::pose_robots(const RunInfo& run, const Frame& frame) {
     part_poses(run, frame, robots_[i], robot_parts_[i].current);
 }
 
-void SeparationMonitor::remember_robots(const Frame& frame) {
+void SeparationMonitor::store_robot_poses(const Frame& frame) {
   for (size_t i = 0; i < robot_parts_.size(); ++i) {
     RobotParts& robot_parts = robot_parts_[i];
     robot_parts.is_known = frame.present.empty() || frame.present[robots_[i]] != 0;
@@ -64,7 +65,7 @@ void SeparationMonitor::remember_robots(const Frame& frame) {
   }
 }
 
-/// How fast the robot's own material at the nearest point came towards the person.
+/// Speed towards the person of the robot's material point that is nearest to it.
 double SeparationMonitor::robot_speed_mps(const ProximityPair& pair, bool robot_is_a) const {
   const uint32_t robot = robot_is_a ? pair.pair.a() : pair.pair.b();
   const uint32_t part = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
@@ -82,20 +83,20 @@ double SeparationMonitor::robot_speed_mps(const ProximityPair& pair, bool robot_
   return moved.dot(a_to_b) * (robot_is_a ? 1 : -1) / step_s_;
 }
 
-void SeparationMonitor::find(const ProximityPair& pair) {
+void SeparationMonitor::add(const ProximityPair& pair) {
   const uint32_t a = pair.pair.a(), b = pair.pair.b();
   const bool robot_is_a = is_robot(a) && is_person(b);
   if (!robot_is_a && !(is_person(a) && is_robot(b))) return;
   const uint32_t person = robot_is_a ? b : a;
   const uint32_t part = robot_is_a ? pair.pair.part_b() : pair.pair.part_a();
   const std::vector<BodyRegion>& regions = regions_[model_of_avatar_[person]];
-  JudgedPair judged;
-  judged.robot_index = static_cast<uint32_t>(robot_index_[robot_is_a ? a : b]);
-  judged.person = person;
-  judged.region = part < regions.size() ? regions[part] : BodyRegion::kOther;
-  RegionSeparation& row = judged.row;
+  EvaluatedPair evaluated;
+  evaluated.robot_index = static_cast<uint32_t>(robot_index_[robot_is_a ? a : b]);
+  evaluated.person = person;
+  evaluated.region = part < regions.size() ? regions[part] : BodyRegion::kOther;
+  RegionSeparation& row = evaluated.row;
   row.robot = robot_is_a ? a : b;
-  row.region = judged.region;
+  row.region = evaluated.region;
   row.lo_m = pair.lo_m;
   row.hi_m = pair.hi_m;
   row.pair = pair.pair;
@@ -107,14 +108,13 @@ void SeparationMonitor::find(const ProximityPair& pair) {
   row.robot_speed_mps = static_cast<float>(robot);
   row.human_speed_mps = static_cast<float>(human);
   row.required_m = static_cast<float>(protective_distance(rule_, human, robot).total_m());
-  if (judged.is_judged()) row.min_slack_m = row.lo_m - row.required_m;
+  if (evaluated.is_determined()) row.min_slack_m = row.lo_m - row.required_m;
   ++totals_.pairs;
-  totals_.undetermined += !judged.is_judged();
+  totals_.undetermined += !evaluated.is_determined();
   totals_.beyond_margin += row.required_m > margin_m_;
-  judged_.push_back(judged);
+  evaluated_.push_back(evaluated);
 }
 
-/// The least of each region; a margin's width where nothing is within it.
 void SeparationMonitor::fill_rows(const Frame& frame) {
   rows_.clear();
   size_t next = 0;
@@ -123,22 +123,23 @@ void SeparationMonitor::fill_rows(const Frame& frame) {
     of_robot.fill({});
     uint32_t last_person = UINT32_MAX;
     std::array<bool, kBodyRegions> counted{};
-    for (; next < judged_.size() && judged_[next].robot_index == i; ++next) {
-      const JudgedPair& judged = judged_[next];
-      if (judged.person != last_person) counted = {};
-      last_person = judged.person;
-      const auto region = static_cast<size_t>(judged.region);
+    for (; next < evaluated_.size() && evaluated_[next].robot_index == i; ++next) {
+      const EvaluatedPair& evaluated = evaluated_[next];
+      if (evaluated.person != last_person) counted = {};
+      last_person = evaluated.person;
+      const auto region = static_cast<size_t>(evaluated.region);
       RegionSeparation& row = of_robot[region];
       const float min_slack_m = row.min_slack_m;
       const uint32_t people_too_close = row.people_too_close;
-      if (row.is_far() || std::tuple(judged.row.lo_m, judged.row.hi_m, judged.row.pair) <
+      if (row.is_far() || std::tuple(evaluated.row.lo_m, evaluated.row.hi_m, evaluated.row.pair) <
                               std::tuple(row.lo_m, row.hi_m, row.pair))
-        row = judged.row;
-      row.min_slack_m = judged.is_judged() && !(judged.row.min_slack_m >= min_slack_m)
-                            ? judged.row.min_slack_m
+        row = evaluated.row;
+      row.min_slack_m = evaluated.is_determined() && !(evaluated.row.min_slack_m >= min_slack_m)
+                            ? evaluated.row.min_slack_m
                             : min_slack_m;
-      row.people_too_close = people_too_close + (judged.is_too_close() && !counted[region] ? 1 : 0);
-      counted[region] |= judged.is_too_close();
+      row.people_too_close =
+          people_too_close + (evaluated.is_too_close() && !counted[region] ? 1 : 0);
+      counted[region] |= evaluated.is_too_close();
     }
     if (!frame.present.empty() && frame.present[robots_[i]] == 0) continue;
     for (size_t region = 0; region < kBodyRegions; ++region) {
@@ -162,46 +163,47 @@ void SeparationMonitor::fill_rows(const Frame& frame) {
   }
 }
 
-void SeparationMonitor::close(Shortfall shortfall, bool cut) {
+void SeparationMonitor::close(Shortfall shortfall, bool truncated) {
   shortfall.end_frame = frame_;
-  shortfall.is_truncated |= cut;
+  shortfall.is_truncated |= truncated;
   ended_.push_back(shortfall);
 }
 
-/// What is found of a robot and a region of a person goes on, begins or ends. `open` is the place
-/// in open_ behind all that come before.
-void SeparationMonitor::judge(std::span<const JudgedPair> of_triple, size_t& open) {
-  const JudgedPair& first = of_triple.front();
+/// Begins, continues or ends the shortfall of one robot, person and region. `open`: index into
+/// open_ after all preceding ones.
+void SeparationMonitor::update_shortfall(std::span<const EvaluatedPair> pairs, size_t& open) {
+  const EvaluatedPair& first = pairs.front();
   const auto key = std::tuple(first.row.robot, first.person, first.region);
   for (; open < open_.size() && key_of(open_[open]) < key; ++open) close(open_[open], false);
   const bool was_open = open < open_.size() && key_of(open_[open]) == key;
-  bool is_too_close = false, is_unjudged = false;
-  for (const JudgedPair& judged : of_triple) {
-    is_too_close |= judged.is_too_close();
-    is_unjudged |= !judged.is_judged();
+  bool is_too_close = false, is_undetermined = false;
+  for (const EvaluatedPair& evaluated : pairs) {
+    is_too_close |= evaluated.is_too_close();
+    is_undetermined |= !evaluated.is_determined();
   }
-  // What cannot be judged neither begins nor ends.
-  const bool goes_on = is_too_close || (was_open && is_unjudged);
-  if (was_open && !goes_on) close(open_[open], false);
-  if (was_open && goes_on) still_open_.push_back(open_[open]);
+  // Undetermined pairs neither begin nor end a shortfall.
+  const bool continues = is_too_close || (was_open && is_undetermined);
+  if (was_open && !continues) close(open_[open], false);
+  if (was_open && continues) next_open_.push_back(open_[open]);
   if (was_open) ++open;
-  if (!goes_on) return;
+  if (!continues) return;
   if (!was_open)
-    still_open_.push_back({.robot = first.row.robot,
-                           .person = first.person,
-                           .region = first.region,
-                           .begin_frame = frame_,
-                           .is_truncated = frames_seen_ <= (rule_.is_measured() ? 2 : 1)});
-  Shortfall& shortfall = still_open_.back();
-  for (const JudgedPair& judged : of_triple) {
-    if (std::tuple(judged.row.lo_m, judged.row.hi_m) <
+    next_open_.push_back({.robot = first.row.robot,
+                          .person = first.person,
+                          .region = first.region,
+                          .begin_frame = frame_,
+                          .is_truncated = frames_seen_ <= (rule_.is_measured() ? 2 : 1)});
+  Shortfall& shortfall = next_open_.back();
+  for (const EvaluatedPair& evaluated : pairs) {
+    if (std::tuple(evaluated.row.lo_m, evaluated.row.hi_m) <
         std::tuple(shortfall.min_distance_lo_m, shortfall.min_distance_hi_m)) {
-      shortfall.min_distance_lo_m = judged.row.lo_m;
-      shortfall.min_distance_hi_m = judged.row.hi_m;
+      shortfall.min_distance_lo_m = evaluated.row.lo_m;
+      shortfall.min_distance_hi_m = evaluated.row.hi_m;
     }
-    if (judged.is_judged())
-      shortfall.max_shortfall_m = std::max(shortfall.max_shortfall_m, 0 - judged.row.min_slack_m);
-    shortfall.is_beyond_margin |= judged.row.required_m > margin_m_;
+    if (evaluated.is_determined())
+      shortfall.max_shortfall_m =
+          std::max(shortfall.max_shortfall_m, 0 - evaluated.row.min_slack_m);
+    shortfall.is_beyond_margin |= evaluated.row.required_m > margin_m_;
   }
   RegionTotals& totals = totals_.regions[static_cast<size_t>(first.region)];
   totals.max_shortfall_m = std::max(totals.max_shortfall_m, shortfall.max_shortfall_m);
@@ -215,26 +217,27 @@ void SeparationMonitor::frame(const RunInfo& run, const Frame& frame) {
   frame_ = frame.number;
   ++frames_seen_;
   roots_ = frame.roots;
-  judged_.clear();
+  evaluated_.clear();
   begun_.clear();
   ended_.clear();
-  still_open_.clear();
+  next_open_.clear();
   pose_robots(run, frame);
-  for (const ProximityPair& pair : frame.proximity_pairs) find(pair);
-  remember_robots(frame);
-  std::sort(judged_.begin(), judged_.end(), [](const JudgedPair& p, const JudgedPair& q) {
-    return std::tuple(p.key(), p.row.pair) < std::tuple(q.key(), q.row.pair);
-  });
+  for (const ProximityPair& pair : frame.proximity_pairs) add(pair);
+  store_robot_poses(frame);
+  std::sort(evaluated_.begin(), evaluated_.end(),
+            [](const EvaluatedPair& p, const EvaluatedPair& q) {
+              return std::tuple(p.key(), p.row.pair) < std::tuple(q.key(), q.row.pair);
+            });
   fill_rows(frame);
   size_t open = 0;
-  for (size_t i = 0; i < judged_.size();) {
+  for (size_t i = 0; i < evaluated_.size();) {
     size_t end = i + 1;
-    while (end < judged_.size() && judged_[end].key() == judged_[i].key()) ++end;
-    judge({judged_.data() + i, end - i}, open);
+    while (end < evaluated_.size() && evaluated_[end].key() == evaluated_[i].key()) ++end;
+    update_shortfall({evaluated_.data() + i, end - i}, open);
     i = end;
   }
   for (; open < open_.size(); ++open) close(open_[open], false);
-  open_.swap(still_open_);
+  open_.swap(next_open_);
 }
 
 void SeparationMonitor::end() {

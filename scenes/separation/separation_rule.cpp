@@ -12,7 +12,7 @@
 namespace throng {
 namespace {
 
-/// NaN stays NaN.
+/// Maximum of 0 and a speed; NaN stays NaN.
 double at_least_zero(double speed_mps) { return speed_mps < 0 ? 0 : speed_mps; }
 
 }  // namespace
@@ -28,7 +28,7 @@ ProtectiveDistance protective_distance(const SeparationRule& rule, double human_
 
 namespace {
 
-/// What is required at the speeds that the rule names, of measured ones at none.
+/// Required distance at the fixed speeds of the rule, with measured speeds of 0.
 double min_required_m(const SeparationRule& rule) {
   return protective_distance(rule, rule.human_speed_mps.value_or(0),
                              rule.robot_speed_mps.value_or(0))
@@ -39,15 +39,15 @@ std::string reach_note(const Scene& scene) {
   const SeparationRule& rule = *scene.separation;
   const std::string text = fmt::format(
       "separation: distances are known up to proximity_m = {:.6g} m", scene.proximity_m);
-  // How much farther each metre a second of a person makes it.
+  // Increase of the required distance per speed of the person, in seconds.
   const double seconds = protective_distance(rule, 1, rule.robot_speed_mps.value_or(0)).human_m;
   if (!rule.robot_speed_mps || !(seconds > 0))
     return text +
-           "; where a measured speed requires more, shortfalls may begin unseen, and this is "
+           "; if measured speeds require more, shortfalls may begin undetected; such cases are "
            "counted";
   return text + fmt::format(
-                    ", which is enough for people who come nearer at up to {:.3g} m/s; where they "
-                    "are faster, shortfalls may begin unseen, and this is counted",
+                    ", enough for people who approach at up to {:.3g} m/s; at higher speeds "
+                    "shortfalls may begin undetected; such cases are counted",
                     (scene.proximity_m - min_required_m(rule)) / seconds);
 }
 
@@ -57,12 +57,12 @@ void require_valid_separation(const Scene& scene) {
   if (!scene.separation) return;
   const SeparationRule& rule = *scene.separation;
   if (!(scene.proximity_m > 0))
-    throw InputError(
-        rule.where, "'proximity_m' (or --proximity) beside 'separation', which is judged within it",
-        "none");
+    throw InputError(rule.where,
+                     "'proximity_m' (or --proximity) with 'separation', which needs distances",
+                     "none");
   if (rule.is_measured() && !scene.exact)
     throw InputError(rule.where,
-                     "'exact: true' under 'culling' (or --exact), by which speeds are measured, or "
+                     "'exact: true' under 'culling' (or --exact) to measure speeds, or "
                      "'human_speed_mps' and 'robot_speed_mps'",
                      "neither");
   const double min_required = min_required_m(rule);
@@ -77,7 +77,7 @@ void require_valid_separation(const Scene& scene) {
 
 void require_separation(const Scene& scene, const std::string& where) {
   if (!scene.separation)
-    throw InputError(where, "a scene with a 'separation' (see docs/near.md)",
+    throw InputError(where, "a scene with a 'separation' (see docs/contacts.md)",
                      fmt::format("none in {}", scene.name));
 }
 
@@ -94,8 +94,8 @@ std::vector<std::string> separation_notes(const Scene& scene) {
       if (body_region(part.name) == BodyRegion::kOther) names.push_back(part.name);
     if (!names.empty())
       notes.push_back(
-          fmt::format("separation: of model '{}' {} of no region of the body: {}", group.body->name,
-                      names.size() == 1 ? "1 part is" : fmt::format("{} parts are", names.size()),
+          fmt::format("separation: model '{}' has {} without a body region: {}", group.body->name,
+                      names.size() == 1 ? "1 part" : fmt::format("{} parts", names.size()),
                       fmt::join(names, ", ")));
   }
   return notes;

@@ -1,4 +1,4 @@
-// What several seeds say together: nobody hides a bad one among good ones.
+// across_seeds() combines the outcomes of several seeds without hiding a bad one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace throng::validation::across_seeds_test {
 namespace {
 
-/// 1.0 to 1.2 is accepted.
+/// A reading with bounds 1.0 and 1.2.
 Reading flow(double simulated, bool headline = true) {
   return {"door",  "flow", "1/s", simulated, 1.1, 1.0, 1.2, simulated >= 1.0 && simulated <= 1.2,
           headline};
@@ -25,7 +25,7 @@ SeedOutcome seed_with(uint64_t seed, double simulated) {
   return out;
 }
 
-TEST(AcrossSeeds, OneSeedSaysWhatItMeasured) {
+TEST(AcrossSeeds, KeepsTheOutcomeOfASingleSeed) {
   const std::vector<SeedOutcome> seeds = {seed_with(7, 1.1)};
   const Outcome outcome = across_seeds(seeds);
   EXPECT_EQ(outcome.verdict(), Verdict::kPass);
@@ -33,7 +33,7 @@ TEST(AcrossSeeds, OneSeedSaysWhatItMeasured) {
   EXPECT_TRUE(std::isnan(outcome.readings[0].worst));
 }
 
-TEST(AcrossSeeds, ATestFailsWhereOneSeedFails) {
+TEST(AcrossSeeds, FailsIfOneSeedFails) {
   const std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.3), seed_with(3, 1.05)};
   const Outcome outcome = across_seeds(seeds);
   EXPECT_EQ(outcome.verdict(), Verdict::kFail);
@@ -41,7 +41,7 @@ TEST(AcrossSeeds, ATestFailsWhereOneSeedFails) {
   EXPECT_THAT(outcome.measured, testing::HasSubstr("2 of 3 seeds pass; worst, seed 2: flow"));
 }
 
-TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
+TEST(AcrossSeeds, ReportsTheMeanAndTheWorstReading) {
   const std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1),
                                           seed_with(3, 1.15)};
   const Outcome outcome = across_seeds(seeds);
@@ -50,7 +50,7 @@ TEST(AcrossSeeds, ReadingsAreTheMeanAndTheOneFarthestOff) {
   EXPECT_EQ(outcome.readings[0].worst, 1.02) << "0.02 from the bound, others 0.05";
 }
 
-TEST(AcrossSeeds, MeansOfOneNameTellWhereTheyAre) {
+TEST(AcrossSeeds, NamesThePlaceOfMeansWithEqualNames) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.02), seed_with(2, 1.1)};
   EXPECT_THAT(across_seeds(seeds).measured, testing::HasSubstr("; means: flow 1.06 1/s"));
   for (SeedOutcome& each : seeds) {
@@ -61,7 +61,7 @@ TEST(AcrossSeeds, MeansOfOneNameTellWhereTheyAre) {
               testing::HasSubstr("; means: flow (door) 1.06 1/s, flow (gate) 1.2 1/s"));
 }
 
-TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
+TEST(AcrossSeeds, AveragesOnlySeedsWithTheReading) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
   seeds[0].outcome.readings[0].simulated = Reading::kNone;
   seeds[0].outcome.readings[0].met.reset();
@@ -70,7 +70,7 @@ TEST(AcrossSeeds, ASeedWithoutAReadingIsNoZero) {
   EXPECT_EQ(outcome.readings[0].met, true);
 }
 
-TEST(AcrossSeeds, AllOthersCountForWallsAndPlaces) {
+TEST(AcrossSeeds, ReportsWallCrossingsAndUnplacedPeopleOfAnySeed) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
   seeds[1].outcome.wall_crossings = 3;
   seeds[1].outcome.unplaced = 2;
@@ -78,22 +78,21 @@ TEST(AcrossSeeds, AllOthersCountForWallsAndPlaces) {
   EXPECT_EQ(across_seeds(seeds).unplaced, 2);
 }
 
-TEST(Verdict, OfATestThatFailsAndDiffersIsFail) {
+TEST(Verdict, IsFailIfATestFailsAndDiffers) {
   Outcome outcome;
   outcome.differs = true;
   EXPECT_EQ(outcome.verdict(), Verdict::kFail);
   outcome.passed = true;
   EXPECT_EQ(outcome.verdict(), Verdict::kDiffers);
-  // As a test that differs and in which people found no room.
   const validation::Test full{{"full"}, {"full"}, "", "", [&](const Conditions&) {
-                                Outcome without_room = outcome;
-                                without_room.unplaced = 1;
-                                return without_room;
+                                Outcome unplaced = outcome;
+                                unplaced.unplaced = 1;
+                                return unplaced;
                               }};
   EXPECT_EQ(run_test(full, {}).verdict(), Verdict::kFail);
 }
 
-TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {
+TEST(AcrossSeeds, RanksFailAboveDiffersAndSkipped) {
   std::vector<SeedOutcome> seeds = {seed_with(1, 1.1), seed_with(2, 1.1)};
   seeds[0].outcome.differs = true;
   EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kDiffers);
@@ -107,7 +106,7 @@ TEST(AcrossSeeds, FailingOutweighsDifferingAndSkipping) {
   EXPECT_EQ(across_seeds(seeds).verdict(), Verdict::kSkipped);
 }
 
-TEST(Conditions, SeedsOfSeveralRunsNeverMeet) {
+TEST(Conditions, GiveDistinctSeedsToAllRuns) {
   EXPECT_EQ(Conditions{}.seed_of_run(0, 3), 1u);
   EXPECT_EQ(Conditions{}.seed_of_run(2, 3), 3u);
   Conditions second;
@@ -115,7 +114,7 @@ TEST(Conditions, SeedsOfSeveralRunsNeverMeet) {
   EXPECT_EQ(second.seed_of_run(0, 3), 4u);
 }
 
-TEST(Conditions, OfARunAreTheSameButForTheSeed) {
+TEST(Conditions, ChangeOnlyTheSeedOfARun) {
   Conditions conditions;
   conditions.seed = 2;
   conditions.recordings = "recordings";

@@ -1,4 +1,4 @@
-// How people move, stand and meet: every criterion can fail, and the instruments see what is there.
+// Verdicts on behaviour can fail, and the measures of behaviour see what the scenes contain.
 #include "analysis/validation/behaviour.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 namespace throng::validation::behaviour_test {
 namespace {
 
-TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
+TEST(AccelerationVerdict, FailsForOneSceneAboveTheLimit) {
   EXPECT_TRUE(judge_accelerations(std::vector<SceneAccelerations>{{"a", 4.9, 1000}}).passed);
   EXPECT_FALSE(
       judge_accelerations(std::vector<SceneAccelerations>{{"a", 3, 1000}, {"b", 5.1, 1000}})
@@ -22,39 +22,38 @@ TEST(AccelerationsOfPeople, FailWhereOneSceneJerks) {
   EXPECT_FALSE(judge_accelerations({}).passed);
 }
 
-TEST(Queues, FailForPeopleWhoSpinAndForTooFewOfThem) {
+TEST(QueueVerdict, FailsForTurningPeopleAndForTooFew) {
   EXPECT_TRUE(judge_queues(std::vector<QueueTurning>{{"a", 9, 99, 600}}).passed);
   EXPECT_FALSE(judge_queues(std::vector<QueueTurning>{{"a", 11, 99, 600}}).passed);
   EXPECT_FALSE(judge_queues(std::vector<QueueTurning>{{"a", 0, 0, 299}}).passed);
   EXPECT_FALSE(judge_queues({}).passed);
 }
 
-TEST(Audience, FailsForOneMomentOfLookingAway) {
+TEST(AudienceVerdict, FailsForOneMomentBelowTheShare) {
   EXPECT_TRUE(judge_audience(std::vector<double>{1, 0.96, 1}).passed);
   EXPECT_FALSE(judge_audience(std::vector<double>{1, 0.94, 1}).passed);
   EXPECT_FALSE(judge_audience({}).passed);
 }
 
-TEST(StandingClose, FailsForTooFewAndForBodiesInEachOther) {
+TEST(StandingVerdict, FailsForLowDensityAndForOverlappingBodies) {
   EXPECT_TRUE(judge_standing(std::vector<DenseStanding>{{4, 3.97, 0.005}}).passed);
   EXPECT_FALSE(judge_standing(std::vector<DenseStanding>{{4, 3.9, -0.1}}).passed);
   EXPECT_FALSE(judge_standing(std::vector<DenseStanding>{{4, 4, 0.02}}).passed);
 }
 
-TEST(Encounters, FailForASingleTouch) {
+TEST(EncounterVerdict, FailsForASingleContact) {
   std::vector<EncounterOutcome> met(100, {EncounterKind::kCrossing, 0.4, false});
-  EXPECT_TRUE(judge_encounters(met).passed) << "bodies give way at 0.4 m";
+  EXPECT_TRUE(judge_encounters(met).passed) << "bodies avoid each other at 0.4 m";
   met[50].touched = true;
   EXPECT_FALSE(judge_encounters(met).passed);
   EXPECT_FALSE(judge_encounters({}).passed);
 }
 
-/// Contacts that give a rate in so many person-minutes.
 CountedContacts at_rate(double per_person_min, double person_min = 60) {
   return {static_cast<uint64_t>(std::lround(per_person_min * person_min / 2)), 60 * person_min};
 }
 
-/// As recorded people have them, with an hour at each level.
+/// Recorded rates, with an hour at each level.
 PlaceContacts recorded_place() {
   PlaceContacts place{"as recorded", {}};
   for (const RecordedContacts& recorded : recorded_contacts())
@@ -70,7 +69,7 @@ PlaceContacts with_rate(size_t level, double per_person_min, double person_min =
 
 constexpr double kFromDense_per_m2 = 2;
 
-/// As `contacts` judges, and as `contacts_walked_again` does.
+/// Judges as the test `contacts`; the next function as `contacts_walked_again`.
 bool pass(const std::vector<PlaceContacts>& places) {
   return judge_contacts(places, kFromDense_per_m2).passed;
 }
@@ -78,12 +77,12 @@ bool pass_walked_again(const std::vector<PlaceContacts>& places) {
   return judge_contacts(places, 0).passed;
 }
 
-TEST(ContactsByDensity, PassForThoseOfRecordedPeople) {
+TEST(ContactVerdict, PassesForRecordedRates) {
   EXPECT_TRUE(pass({recorded_place()}));
   EXPECT_TRUE(pass_walked_again({recorded_place()}));
 }
 
-TEST(ContactsByDensity, FailForTooManyAtAnyLevel) {
+TEST(ContactVerdict, FailsAboveTheUpperBoundOfAnyLevel) {
   for (size_t i = 0; i < recorded_contacts().size(); ++i) {
     const double bound = i == 0 ? 1 : 1.5 * recorded_contacts()[i].per_person_min;
     for (const auto& passes : {pass, pass_walked_again}) {
@@ -93,7 +92,7 @@ TEST(ContactsByDensity, FailForTooManyAtAnyLevel) {
   }
 }
 
-TEST(ContactsByDensity, FailForTooFewFromTwoPerSquareMetreOn) {
+TEST(ContactVerdict, FailsBelowTheLowerBoundFromTwoPerSquareMetre) {
   for (const size_t i : {3u, 4u}) {
     const double bound = 0.5 * recorded_contacts()[i].per_person_min;
     for (const auto& passes : {pass, pass_walked_again}) {
@@ -104,17 +103,18 @@ TEST(ContactsByDensity, FailForTooFewFromTwoPerSquareMetreOn) {
   EXPECT_FALSE(pass({with_rate(3, 7)})) << "3 per m2";
 }
 
-TEST(ContactsByDensity, FailForTooFewBelowThatOnlyOnTheRecordingsOwnGround) {
-  PlaceContacts few = with_rate(1, 0.4);  // 0.5 per m2; 1.1 at least
+TEST(ContactVerdict, FailsBelowTheLowerBoundOfSparseLevelsOnRecordedGroundOnly) {
+  PlaceContacts few = with_rate(1, 0.4);  // 0.5 per m2; the lower bound is 1.1
   EXPECT_TRUE(pass({few}));
   EXPECT_FALSE(pass_walked_again({few}));
-  few = with_rate(2, 2.5);  // 1.5 per m2; 2.7 at least
+  few = with_rate(2, 2.5);  // 1.5 per m2; the lower bound is 2.7
   EXPECT_TRUE(pass({few}));
   EXPECT_FALSE(pass_walked_again({few}));
-  EXPECT_TRUE(pass_walked_again({with_rate(0, 0)})) << "no bound asks people with room to touch";
+  EXPECT_TRUE(pass_walked_again({with_rate(0, 0)})) << "the lowest level has no lower bound above "
+                                                       "0";
 }
 
-TEST(ContactsByDensity, HaveALowerBoundOnlyWhereTooFewFail) {
+TEST(ContactVerdict, ReportsALowerBoundOnlyWhereItIsJudged) {
   const Judgement contacts = judge_contacts(std::vector{recorded_place()}, kFromDense_per_m2);
   const Judgement again = judge_contacts(std::vector{recorded_place()}, 0);
   const auto lows = [](const Judgement& judgement) {
@@ -131,65 +131,66 @@ TEST(ContactsByDensity, HaveALowerBoundOnlyWhereTooFewFail) {
                                                 DoubleNear(8.2, 1e-9), DoubleNear(25.6, 1e-9)));
 }
 
-TEST(ContactsByDensity, FailWhereTheyFallByMoreThanChance) {
+TEST(ContactVerdict, FailsIfRatesFallBeyondChance) {
   PlaceContacts place = recorded_place();
-  // 3.2 a minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: both as recorded, each for itself.
+  // 3.2 per minute at 0.43 to 1 per m2 and 2.8 at 1 to 2: each within its bounds.
   place.levels[1] = at_rate(3.2, 600);
   place.levels[2] = at_rate(2.8, 600);
   EXPECT_FALSE(pass({place}));
   EXPECT_FALSE(pass_walked_again({place}));
   place.levels[2] = at_rate(3.15, 600);
-  EXPECT_TRUE(pass({place})) << "2 % is chance";
+  EXPECT_TRUE(pass({place})) << "a fall of 2 % is chance";
 }
 
-TEST(ContactsByDensity, FailForACrowdThatIsNeverDense) {
+TEST(ContactVerdict, FailsForACrowdThatIsNeverDense) {
   PlaceContacts place = recorded_place();
   place.levels.resize(2);
   EXPECT_FALSE(pass({place}));
   EXPECT_FALSE(pass_walked_again({place}));
 }
 
-TEST(ContactsByDensity, FailForACrowdThatNoLowerBoundIsAskedOf) {
+TEST(ContactVerdict, FailsWithoutALevelThatHasALowerBound) {
   PlaceContacts place = recorded_place();
   place.levels.resize(3);  // up to 2 per m2
-  EXPECT_FALSE(pass({place})) << "three levels, all of them with upper bounds alone";
+  EXPECT_FALSE(pass({place})) << "three levels with upper bounds only";
   EXPECT_TRUE(pass_walked_again({place}));
 }
 
-TEST(ContactsByDensity, AreThoseOfAllPeopleNotTheMeanOfPlaces) {
-  // 4.5 a minute for 9 of 10 people, 0.1 for the others: the mean of places, 2.3, is as recorded.
+TEST(ContactVerdict, PoolsAllPlacesByPersonTime) {
+  // 4.5 per minute for 9 of 10 people, 0.1 for the others: the mean of places, 2.3, is within
+  // bounds.
   const PlaceContacts full = with_rate(1, 4.5, 900), empty = with_rate(1, 0.1, 100);
   EXPECT_FALSE(pass({full, empty}));
   EXPECT_FALSE(pass_walked_again({full, empty}));
-  // The same at 3 per m2: 5 for 9 of 10 people and 20 for the others are 6.5 of all, 12.5 by place.
+  // At 3 per m2, 5 for 9 of 10 people and 20 for the others are 6.5 for all, but 12.5 by place.
   EXPECT_FALSE(pass({with_rate(3, 5, 900), with_rate(3, 20, 100)}));
-  // Ten places with too many and one, with most people, that makes up for them.
+  // Ten places above the bound, and one with most of the people that compensates.
   std::vector<PlaceContacts> places(10, with_rate(1, 4, 10));
   places.push_back(with_rate(1, 2, 1000));
   EXPECT_TRUE(pass(places));
   EXPECT_TRUE(pass_walked_again(places));
 }
 
-TEST(ContactsByDensity, AreNotJudgedAtALevelThatAllPlacesTogetherWatchedForLessThanHalfAnHour) {
+TEST(ContactVerdict, SkipsLevelsWithLessThanHalfAnHourInTotal) {
   PlaceContacts place = recorded_place(), brief = recorded_place();
   place.levels[4] = brief.levels[4] = at_rate(999, 14.9);
   EXPECT_TRUE(pass({place, brief})) << "29.8 min";
   place.levels[4] = at_rate(999, 15.2);
-  EXPECT_FALSE(pass({place, brief})) << "30.1 min, in no place as many";
+  EXPECT_FALSE(pass({place, brief})) << "30.1 min in total, fewer in each place";
   EXPECT_FALSE(pass({}));
 }
 
-TEST(CompanionsTogether, FailForPartiesThatScatterAndForThoseThatPart) {
-  const std::vector<GroupCohesion> near = {{"a", 1000, 960}},
+TEST(SocialGroupVerdict, FailsForScatteredAndForSplitGroups) {
+  const std::vector<GroupCohesion> together = {{"a", 1000, 960}},
                                    far = {{"a", 1000, 960}, {"b", 1000, 940}};
-  EXPECT_TRUE(judge_social_groups(near, {100, 96, 0}).passed);
+  EXPECT_TRUE(judge_social_groups(together, {100, 96, 0}).passed);
   EXPECT_FALSE(judge_social_groups(far, {100, 96, 0}).passed);
-  EXPECT_FALSE(judge_social_groups(near, {100, 94, 0}).passed);
-  EXPECT_FALSE(judge_social_groups(near, {100, 100, 1}).passed);
+  EXPECT_FALSE(judge_social_groups(together, {100, 94, 0}).passed);
+  EXPECT_FALSE(judge_social_groups(together, {100, 100, 1}).passed);
   EXPECT_FALSE(judge_social_groups({}, {100, 100, 0}).passed);
 }
 
-TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
+TEST(SocialGroupPlans, PlaceEachGroupTogether) {
   for (const Plan& plan : {crossing_groups_plan(SteeringRule{}.model, 1),
                            groups_at_a_door_plan(SteeringRule{}.model, 1),
                            groups_with_two_exits_plan(SteeringRule{}.model, 1)}) {
@@ -202,13 +203,13 @@ TEST(CompanionsTogether, EveryPartyIsAGroupAndFindsRoom) {
   }
 }
 
-TEST(CompanionsTogether, TwoWhoAreNoCompanionsPart) {
+TEST(GroupCohesion, IsLowerWithoutSocialGroups) {
   Plan plan("apart", {{-20, -4}, {20, 4}}, {}, 1);
   Group& group = plan.people(2, {{-1, -1}, {1, 1}}, {{{15, -4}, {20, 4}}});
   group.social_groups = SocialGroupRule{1, {1, 0, 0}};
   Outcome outcome;
   EXPECT_GT(measure_cohesion("together", plan, 30, outcome).share(), 0.95);
-  // Of one group, and nobody's social_groups: one is fast.
+  // One group without social groups, with different speeds.
   group.social_groups.reset();
   group.speed_mps = Distribution{1.2, 0.6, 0.5, 2};
   plan.scene.seed = 3;
@@ -221,7 +222,7 @@ std::vector<SpeedAndSpacing::Spacing> cells(double shift_m) {
           {"2 to 3", true, 499, {0.1, 0.1, 0.1}}};
 }
 
-TEST(Spacing, FailsNineCentimetresOffAndForACrowdThatIsNeverSoDense) {
+TEST(SpacingVerdict, FailsNineCentimetresOffAndForASparseCrowd) {
   EXPECT_TRUE(judge_spacing(cells(0.07), cells(0)).passed);
   EXPECT_FALSE(judge_spacing(cells(0.09), cells(0)).passed);
   EXPECT_FALSE(judge_spacing(cells(-0.09), cells(0)).passed);
@@ -232,7 +233,7 @@ TEST(Spacing, FailsNineCentimetresOffAndForACrowdThatIsNeverSoDense) {
   EXPECT_FALSE(judge_spacing(few, cells(0)).passed);
 }
 
-TEST(Spacing, OfOnePercentMayBeFartherOff) {
+TEST(SpacingVerdict, AllowsALargerDeviationAtOnePercent) {
   auto simulated = cells(0);
   simulated[0].quantiles_m[0] += 0.11;
   EXPECT_TRUE(judge_spacing(simulated, cells(0)).passed);
@@ -240,7 +241,7 @@ TEST(Spacing, OfOnePercentMayBeFartherOff) {
   EXPECT_FALSE(judge_spacing(simulated, cells(0)).passed);
 }
 
-TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
+TEST(RecordedInflow, IsSkippedWithoutRecordings) {
   std::vector<validation::Test> tests = spacing_tests();
   tests.push_back(contact_tests().back());
   for (const validation::Test& test : tests) {
@@ -251,8 +252,8 @@ TEST(WalkedAgain, IsSkippedWithoutTheRecordings) {
   }
 }
 
-/// With the recordings, where they are at hand.
-TEST(WalkedAgain, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
+/// Runs only if the recordings are available.
+TEST(RecordedInflow, AddsEachPersonAtTheRecordedTimeAndPlace) {
   const char* const folder = std::getenv("THRONG_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
   for (const char* id : kInflowSites) {
@@ -280,7 +281,7 @@ TEST(WalkedAgain, EverybodyOfARecordingComesInWhenAndWhereTheyDid) {
   }
 }
 
-TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
+TEST(MeasuredAccelerations, IncludeAWalkerWhoTurnsBack) {
   Plan plan("alone", {{0, 0}, {20, 2}}, {}, 1);
   Group& group = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
   Outcome outcome;
@@ -295,7 +296,7 @@ TEST(Behaviour, AWalkerWhoTurnsBackAccelerates) {
   EXPECT_LT(found.at_999_mps2, 5);
 }
 
-TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
+TEST(MeasuredQueue, CoversOnlyPeopleInFrontOfTheDoor) {
   Plan plan("closed", {{0, 0}, {10, 4}}, {}, 1);
   plan.wall_along_y(0, 4, 8, {2}, 0.7);
   plan.people(30, {{0.5, 0.5}, {7, 3.5}}, {{{9, 0}, {10, 4}}});
@@ -307,7 +308,7 @@ TEST(Behaviour, AQueueIsThatBeforeTheDoor) {
   EXPECT_GE(before.all_turns, before.net_turns);
 }
 
-TEST(Behaviour, WhoStandsFacesWhatTheGroupFaces) {
+TEST(FacingShares, CountPeopleWhoFaceThePointOfTheirGroup) {
   Plan plan("hall", {{0, 0}, {20, 20}}, {}, 1);
   Group& group = plan.people(20, {{4, 4}, {16, 16}}, {{{0, 0}, {20, 2}}});
   group.premovement_s = fixed(100);
@@ -320,13 +321,13 @@ TEST(Behaviour, WhoStandsFacesWhatTheGroupFaces) {
   EXPECT_TRUE(facing_shares(plan, 2, outcome).empty()) << "no audience";
 }
 
-TEST(Behaviour, EncountersBeginWhereTheyAreDrawnAndAreTheSameAgain) {
+TEST(SimulatedEncounters, StartAsDrawnAndAreReproducible) {
   const std::vector<EncounterOutcome> met = simulate_encounters(10, {});
   ASSERT_EQ(met.size(), 10u);
   for (size_t i = 0; i < met.size(); ++i) {
     EXPECT_EQ(met[i].kind, Encounter(1, i).kind());
     EXPECT_GT(met[i].nearest_m, 0.2) << i;
-    EXPECT_LT(met[i].nearest_m, 4) << i << ": they hardly met";
+    EXPECT_LT(met[i].nearest_m, 4) << i << ": closest approach";
   }
   const std::vector<EncounterOutcome> again = simulate_encounters(10, {});
   for (size_t i = 0; i < met.size(); ++i) EXPECT_EQ(met[i].nearest_m, again[i].nearest_m);

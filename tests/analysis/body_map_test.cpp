@@ -1,4 +1,4 @@
-// Where on the body contacts are: points of a run, carried back to a body at rest, lie on its skin.
+// BodyMap places the contact points of a run on the skin of the body at rest.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace throng::body_map_test {
 namespace {
 
-/// By trying the plane, the edges and the corners.
+/// Distance from a point to a triangle: plane, edges and corners.
 double distance_m(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                   const Eigen::Vector3d& c) {
   const auto to_edge = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -20,17 +20,17 @@ double distance_m(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eige
     const double along = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
     return (p - from - along * way).norm();
   };
-  double least = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
+  double min_m = std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
   const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
   const Eigen::Vector3d foot = p - normal.dot(p - a) * normal;
   const bool inside = normal.dot((b - a).cross(foot - a)) >= 0 &&
                       normal.dot((c - b).cross(foot - b)) >= 0 &&
                       normal.dot((a - c).cross(foot - c)) >= 0;
-  if (inside) least = std::min(least, (p - foot).norm());
-  return least;
+  if (inside) min_m = std::min(min_m, (p - foot).norm());
+  return min_m;
 }
 
-/// The triangles of the bundled adult with all joints at zero.
+/// Triangles of the bundled adult with all joints at zero.
 std::vector<std::array<Eigen::Vector3d, 3>> skin() {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const std::vector<float> zeros(static_cast<size_t>(adult->kinematics.column_count()));
@@ -49,7 +49,7 @@ std::vector<std::array<Eigen::Vector3d, 3>> skin() {
   return triangles;
 }
 
-/// Keeps a map, and counts what it should have.
+/// Feeds a map and counts the contact points that it should hold.
 struct Counted final : public Sink {
   SinkNeeds needs() const override { return {.postures = true}; }
   void begin(const RunInfo& run) override { map.emplace(run); }
@@ -65,7 +65,7 @@ struct Counted final : public Sink {
   double seconds = 0;
 };
 
-TEST(BodyMap, HasEveryPointOfContactOnTheSkin) {
+TEST(BodyMap, PlacesContactPointsOnTheSkin) {
   const auto triangles = skin();
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
@@ -85,28 +85,28 @@ TEST(BodyMap, HasEveryPointOfContactOnTheSkin) {
     double sum_s = 0, on_skin_s = 0;
     for (const BodyMap::TouchedPoint& touched : counted.map->touched()) {
       const Eigen::Vector3d at = touched.at_m.cast<double>();
-      double least = 1;
-      for (const auto& [a, b, c] : triangles) least = std::min(least, distance_m(at, a, b, c));
+      double min_m = 1;
+      for (const auto& [a, b, c] : triangles) min_m = std::min(min_m, distance_m(at, a, b, c));
       sum_s += touched.seconds;
-      // Half the diagonal of a cell; what lies deep in another solid is no point of the skin.
-      if (least < 0.0045) on_skin_s += touched.seconds;
-      EXPECT_LT(least, 0.1);
+      // Half the diagonal of a cell. Points deep in another solid are not on the skin.
+      if (min_m < 0.0045) on_skin_s += touched.seconds;
+      EXPECT_LT(min_m, 0.1);
     }
     EXPECT_NEAR(sum_s, counted.seconds, 1e-6);
     EXPECT_GT(on_skin_s, 0.98 * sum_s);
   }
 }
 
-TEST(BodyMap, NeedsPeopleAndContacts) {
+TEST(BodyMap, IsEmptyWithoutPeopleOrContacts) {
   Scene scene = load_scene("corridor");
   EXPECT_FALSE(BodyMap::is_known(scene));
-  RunInfo nobody;
-  BodyMap map(nobody);
-  map.frame(nobody, {});
+  RunInfo empty_run;
+  BodyMap map(empty_run);
+  map.frame(empty_run, {});
   EXPECT_FALSE(map.has_figure());
 }
 
-TEST(BodyMap, IsDrawnBesideTheOtherFigures) {
+TEST(BodyMap, IsDrawnWithTheOtherFigures) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "throng_body_map";
@@ -120,7 +120,7 @@ TEST(BodyMap, IsDrawnBesideTheOtherFigures) {
   run(simulation, sinks);
   const auto bytes = std::filesystem::file_size(folder / "contact_body.svg");
   EXPECT_GT(bytes, 20'000u);
-  EXPECT_LT(bytes, 1'000'000u) << "the picture is no image";
+  EXPECT_LT(bytes, 1'000'000u) << "the body is not stored as an image";
   std::filesystem::remove_all(folder);
 }
 

@@ -1,5 +1,5 @@
-// Volumes by part and counts by part: a mixture gives one answer, sums are the counters of the run,
-// and counting changes nothing.
+// Part volumes per part and counts per pair of parts: mixtures are deterministic, sums equal the
+// counters of the run, and counting changes no result.
 #include "analysis/by_part.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ struct Result {
   PartNameTally tally;
 };
 
-/// People who stand and walk closer than they would, so that parts touch.
+/// People packed more densely than they would walk, to make parts touch.
 Scene pressed(const char* volumes, bool exact) {
   Scene scene = load_scene("robot_in_crowd");
   for (Group& group : scene.groups)
@@ -56,7 +56,7 @@ PartPairCounts sum_of(const PartNameTally& tally) {
   return sum;
 }
 
-TEST(ByPart, SumsAreTheCountersOfTheRun) {
+TEST(PartPairCounts, SumToTheCountersOfTheRun) {
   for (const char* volumes : {"ordop26", "kdop18", kMixture})
     for (const bool exact : {false, true}) {
       const Result found = run(pressed(volumes, exact), 2, {.by_part = true});
@@ -76,7 +76,7 @@ TEST(ByPart, SumsAreTheCountersOfTheRun) {
     }
 }
 
-TEST(ByPart, CountsAreTheSameForAnyThreadsAndChangeNothing) {
+TEST(PartPairCounts, AreEqualForAnyThreadsAndChangeNoResult) {
   const Scene scene = pressed("ordop26", false);
   const Result one = run(scene, 1, {.by_part = true}), three = run(scene, 3, {.by_part = true});
   EXPECT_EQ(one.hash, run(scene, 2, {}).hash);
@@ -86,12 +86,12 @@ TEST(ByPart, CountsAreTheSameForAnyThreadsAndChangeNothing) {
     EXPECT_EQ(one.tally.cells[i].box_passed, three.tally.cells[i].box_passed);
     EXPECT_EQ(one.tally.cells[i].touching, three.tally.cells[i].touching);
   }
-  // What touches, judged aside, is what triangles decide.
+  // Touching pairs are decided by triangles even if the run is by volumes.
   const Result exact = run(pressed("ordop26", true), 1, {.by_part = true});
   EXPECT_EQ(sum_of(one.tally).touching, sum_of(exact.tally).touching);
 }
 
-TEST(ByPart, IsRefusedWhereItWouldLeaveSomethingOut) {
+TEST(PartPairCounts, AreRejectedWithABudgetOrTwoPasses) {
   const Scene scene = pressed("ordop26", false);
   EXPECT_THROW(Simulation(scene, {.culler = {.budget_tests = 100, .by_part = true}}), InputError);
   EXPECT_THROW(Simulation(scene, {.culler = {.by_part = true}, .strategy = Strategy::kTwoPass}),
@@ -99,7 +99,7 @@ TEST(ByPart, IsRefusedWhereItWouldLeaveSomethingOut) {
   EXPECT_THROW(Simulation(pressed(kMixture, false), {.strategy = Strategy::kTwoPass}), InputError);
 }
 
-TEST(PartVolumes, OfAMixtureGiveOneHash) {
+TEST(PartVolumes, GiveOneHashForAnySearchAndTarget) {
   const Scene scene = pressed(kMixture, false);
   const uint64_t hash = run(scene, 1, {}).hash;
   for (const SimdTarget target : simd_targets_of_this_machine())
@@ -107,18 +107,17 @@ TEST(PartVolumes, OfAMixtureGiveOneHash) {
       EXPECT_EQ(run(scene, 3, {.pair_search = search, .simd = target}).hash, hash)
           << name_of(target);
   EXPECT_NE(hash, run(pressed("ordop26", false), 1, {}).hash);
-  // Under a counted deadline, too.
-  const CullerOptions deadline{.budget_tests = 3000};
-  EXPECT_EQ(run(scene, 1, deadline).hash, run(scene, 3, deadline).hash);
+  const CullerOptions budget{.budget_tests = 3000};
+  EXPECT_EQ(run(scene, 1, budget).hash, run(scene, 3, budget).hash);
 }
 
-TEST(PartVolumes, DoNotMatterWhereTrianglesDecide) {
+TEST(PartVolumes, DoNotAffectResultsOfTriangles) {
   const uint64_t hash = run(pressed("sphere", true), 1, {}).hash;
   for (const char* volumes : {"ordop26", kMixture, "feet: kdop14, default: sphere"})
     EXPECT_EQ(run(pressed(volumes, true), 2, {}).hash, hash) << volumes;
 }
 
-TEST(PartVolumes, AreTheSameAsTextAndTakePartsByTheirWords) {
+TEST(PartVolumes, RoundTripAsTextAndMatchPartsByWords) {
   for (const char* text : {"ordop26", "sphere", kMixture, "leftHand: aabb, default: kdop26"})
     EXPECT_EQ(to_text(part_volumes_of(text, "test")), text);
   EXPECT_EQ(part_volumes_of("hand: sphere", "test").fallback, VolumeKind::kOrdop26);
@@ -132,7 +131,7 @@ TEST(PartVolumes, AreTheSameAsTextAndTakePartsByTheirWords) {
   EXPECT_EQ(volumes.of("handle"), VolumeKind::kOrdop26);
 }
 
-TEST(PartVolumes, SayWhatIsWrong) {
+TEST(PartVolumes, ReportInvalidText) {
   const auto refusal = [](const char* text) -> std::string {
     try {
       Simulation(pressed(text, false), {});
@@ -154,7 +153,7 @@ TEST(PartVolumes, SayWhatIsWrong) {
   EXPECT_NE(unknown.find("found 'antennas'"), std::string::npos) << unknown;
 }
 
-TEST(PartVolumes, StandInASceneAsAMap) {
+TEST(PartVolumes, AreReadFromAMapInAScene) {
   const std::string name = testing::TempDir() + "throng_part_volumes.yaml";
   const auto scene_with = [&](const std::string& culling) {
     std::ofstream(name) << "ground: {min_m: [-5, -5], max_m: [5, 5]}\nculling:\n" + culling +
@@ -170,7 +169,7 @@ TEST(PartVolumes, StandInASceneAsAMap) {
   EXPECT_EQ(scene_with("  part_volume: {default: obb}\n").content_hash, word.content_hash);
   try {
     scene_with("  part_volume:\n    hands: spere\n");
-    ADD_FAILURE() << "expected a refusal";
+    ADD_FAILURE() << "expected an InputError";
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),
               name +

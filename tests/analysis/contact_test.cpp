@@ -1,4 +1,4 @@
-// Contact statistics: what counts as a contact, how long it lasts, who had it, how dense it was.
+// Contact statistics: definition, duration, partners and density of contacts.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 namespace throng::contact_test {
 namespace {
 
-/// Three people and a wall; a step is a tenth of a second.
+/// Three people and a wall; a step is 0.1 s.
 class Contacts : public testing::Test {
  protected:
   static uint32_t part(const std::string& name) {
@@ -65,7 +65,6 @@ class Contacts : public testing::Test {
     frame.present = present_;
     statistics_->frame(frame);
   }
-  /// Frames without events.
   void pass(int64_t first, int64_t last) {
     for (int64_t number = first; number <= last; ++number) frame(number);
   }
@@ -82,12 +81,12 @@ class Contacts : public testing::Test {
   std::optional<ContactStatistics> statistics_;
 };
 
-TEST_F(Contacts, OfTwoPeopleLastFromTheirFirstPartToTheirLast) {
+TEST_F(Contacts, LastFromTheFirstTouchingPairOfPartsToTheLast) {
   frame(0);
   frame(1, {begin(0, 1, kHand, kHand)});
   frame(2, {begin(0, 1, kHead, kHand)});
   frame(3, {end(0, 1, kHand, kHand)});
-  EXPECT_TRUE(statistics_->ended().empty()) << "the other parts still touch";
+  EXPECT_TRUE(statistics_->ended().empty()) << "another pair of parts still touches";
   pass(4, 5);
   frame(6, {end(0, 1, kHead, kHand)});
   ASSERT_EQ(statistics_->ended().size(), 1u);
@@ -97,12 +96,12 @@ TEST_F(Contacts, OfTwoPeopleLastFromTheirFirstPartToTheirLast) {
   EXPECT_NEAR(contact.duration_s, 0.5, 1e-9);
   EXPECT_EQ(contact.part_contacts, 2u);
   EXPECT_EQ(contact.first_part_a, kHand);
-  EXPECT_FALSE(contact.cut);
+  EXPECT_FALSE(contact.is_truncated);
   EXPECT_EQ(statistics_->totals().contacts, 1u);
   EXPECT_NEAR(statistics_->totals().median_s, 0.5, 1e-6);
 }
 
-TEST_F(Contacts, GoOnWhenOnlyTheirPartsChange) {
+TEST_F(Contacts, ContinueIfOnlyTheirPartsChange) {
   frame(0);
   frame(1, {begin(0, 1, kHand, kHead)});
   frame(2, {begin(0, 1, kWholeBody, kWholeBody), end(0, 1, kHand, kHead)});
@@ -112,19 +111,19 @@ TEST_F(Contacts, GoOnWhenOnlyTheirPartsChange) {
   EXPECT_EQ(statistics_->parts().names.back(), "whole body");
 }
 
-TEST_F(Contacts, CutOffByTheRunAreCountedApart) {
+TEST_F(Contacts, AreCountedApartIfTruncated) {
   frame(0, {begin(0, 1, kHand, kHand)});
   frame(1, {begin(1, 2, kHand, kHand)});
   frame(2, {end(0, 1, kHand, kHand)});
   finish({end(1, 2, kHand, kHand)});
-  EXPECT_EQ(statistics_->cut_count(), 2u) << "one began before the run, one went on after it";
-  EXPECT_EQ(statistics_->uncut_count(), 0u);
+  EXPECT_EQ(statistics_->truncated_count(), 2u) << "one exists in the first frame, one in the last";
+  EXPECT_EQ(statistics_->complete_count(), 0u);
   EXPECT_EQ(statistics_->totals().contacts, 2u);
   ASSERT_EQ(statistics_->ended().size(), 1u);
   EXPECT_NEAR(statistics_->ended()[0].duration_s, 0.2, 1e-9) << "frames 1 and 2";
 }
 
-TEST_F(Contacts, BelongToBothPeople) {
+TEST_F(Contacts, CountForBothPeople) {
   frame(0);
   frame(1, {begin(0, 1, kHand, kHand), begin(1, 2, kHead, kHead)});
   frame(2, {end(0, 1, kHand, kHand)});
@@ -139,11 +138,11 @@ TEST_F(Contacts, BelongToBothPeople) {
   EXPECT_NEAR(people[0].touching_s, 0.2, 1e-9);
   EXPECT_NEAR(people[1].touching_s, 0.3, 1e-9);
   EXPECT_NEAR(people[0].present_s, 1.0, 1e-9);
-  // Three contacts, six sides of them, three people for a second each.
+  // Three contacts count six times; three people are present for 1 s.
   EXPECT_NEAR(statistics_->totals().per_person_min(), 6 / 3.0 * 60, 1e-6);
 }
 
-TEST_F(Contacts, OfPartsAreSymmetricAndCountOnce) {
+TEST_F(Contacts, CountEachPairOfPartsOnceInASymmetricMatrix) {
   frame(0);
   frame(1, {begin(0, 1, kHead, kHand), begin(0, 2, kHand, kHand), begin(1, 2, kHand, kHead)});
   frame(3, {end(0, 1, kHead, kHand), end(0, 2, kHand, kHand), end(1, 2, kHand, kHead)});
@@ -158,23 +157,24 @@ TEST_F(Contacts, OfPartsAreSymmetricAndCountOnce) {
   EXPECT_NEAR(parts.seconds[kHand * 15 + kHead], 0.4, 1e-9);
 }
 
-TEST_F(Contacts, OfPartsAreListedInTheOrderOfTheirBeginning) {
+TEST_F(Contacts, ListContactsOfPartsByBegin) {
   frame(0, {begin(1, 2, kHead, kHead)});
   frame(1, {begin(0, 2, kHand, kHead), begin(0, 1, kHead, kHand)});
   frame(2, {end(0, 1, kHead, kHand), begin(2, kWall, kHand, 0)});
   frame(3, {begin(0, 1, kHead, kHand)});
   frame(6, {end(0, 2, kHand, kHead), end(0, 1, kHead, kHand), end(2, kWall, kHand, 0)});
   finish({end(1, 2, kHead, kHead)});
-  std::vector<std::string> told;
+  std::vector<std::string> listed;
   statistics_->for_each_part_contact([&](const PartContact& contact) {
-    told.push_back(fmt::format("frame {} for {}: {} {}{}", contact.begin_frame, contact.frames,
-                               contact.pair.a(), contact.pair.b(), contact.cut ? ", cut" : ""));
+    listed.push_back(fmt::format("frame {} for {}: {} {}{}", contact.begin_frame, contact.frames,
+                                 contact.pair.a(), contact.pair.b(),
+                                 contact.is_truncated ? ", truncated" : ""));
   });
-  EXPECT_THAT(told, testing::ElementsAre("frame 0 for 7: 1 2, cut", "frame 1 for 1: 0 1",
-                                         "frame 1 for 5: 0 2", "frame 3 for 3: 0 1"));
+  EXPECT_THAT(listed, testing::ElementsAre("frame 0 for 7: 1 2, truncated", "frame 1 for 1: 0 1",
+                                           "frame 1 for 5: 0 2", "frame 3 for 3: 0 1"));
 }
 
-TEST_F(Contacts, WithObstaclesAreNoneOfPeople) {
+TEST_F(Contacts, WithObstaclesAreCountedSeparately) {
   frame(0);
   frame(1, {begin(2, kWall, kHand, 0), begin(2, kWall, kHead, 0)});
   frame(2, {end(2, kWall, kHand, 0)});
@@ -199,7 +199,7 @@ TEST_F(Contacts, AreCountedByMinute) {
   EXPECT_NEAR(statistics_->minutes()[1].person_s, 180, 1e-6);
 }
 
-TEST_F(Contacts, PeopleWhoAreNotThereSpendNoTime) {
+TEST_F(Contacts, IgnoreTheTimeOfAbsentPeople) {
   present_ = {1, 0, 1};
   pass(0, 9);
   finish();
@@ -207,25 +207,25 @@ TEST_F(Contacts, PeopleWhoAreNotThereSpendNoTime) {
   EXPECT_NEAR(statistics_->totals().person_s, 2, 1e-9);
 }
 
-TEST_F(Contacts, CarryTheDensityOfTheirBeginning) {
+TEST_F(Contacts, StoreTheDensityAtTheirBegin) {
   frame(0);
   frame(1, {begin(0, 1, kHand, kHand)});
   frame(2, {end(0, 1, kHand, kHand)});
   ASSERT_EQ(statistics_->ended().size(), 1u);
   const double circle_m2 = std::numbers::pi * 4;
-  // Around each of the two are all three: 2 m reach the far one, too.
+  // All three are within 2 m of both people.
   EXPECT_NEAR(statistics_->ended()[0].density_per_m2, 3 / circle_m2, 1e-9);
   EXPECT_EQ(statistics_->densities()[0].contacts, 1u) << "0.24 per m2 is free walking";
   EXPECT_EQ(statistics_->ended()[0].place_m, Eigen::Vector2d(0.5, 0));
 }
 
-/// What a run of these people without a contact leaves in a folder, and what is said about it.
+/// Folder that a run of these people without contacts writes, its output and its notes.
 struct Folder {
   Folder(const RunInfo& run, const std::vector<RootPose>& roots) {
     std::string name = (std::filesystem::temp_directory_path() / "throng-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot create " + name);
     path = name;
-    std::ofstream(path / "contact_parts.svg") << "of an earlier run";
+    std::ofstream(path / "contact_parts.svg") << "stale";
     testing::internal::CaptureStderr();
     ContactSink sink(path);
     sink.begin(run);
@@ -233,7 +233,7 @@ struct Folder {
     frame.roots = roots;
     sink.frame(run, frame);
     sink.end(run, {});
-    said = testing::internal::GetCapturedStderr();
+    captured = testing::internal::GetCapturedStderr();
     note = sink.notes().empty() ? "" : sink.notes().back();
     for (const auto& entry : std::filesystem::directory_iterator(path))
       names.push_back(entry.path().filename().string());
@@ -241,41 +241,41 @@ struct Folder {
   ~Folder() { std::filesystem::remove_all(path); }
 
   std::filesystem::path path;
-  std::string said, note;
+  std::string captured, note;
   std::vector<std::string> names;
 };
 
-TEST_F(Contacts, OfNobodyAreTablesWithoutRows) {
+TEST_F(Contacts, GiveEmptyTablesWithoutPeople) {
   for (const bool has_model : {true, false}) {
-    RunInfo nobody = run_;
-    nobody.model_of_avatar.clear();
-    nobody.group_of_avatar.clear();
-    if (!has_model) nobody.models.clear();
-    const Folder folder(nobody, {});
-    EXPECT_EQ(folder.said, "");
-    EXPECT_THAT(folder.note, testing::HasSubstr(has_gnuplot() ? "nothing to draw" : "no figures"));
+    RunInfo empty_run = run_;
+    empty_run.model_of_avatar.clear();
+    empty_run.group_of_avatar.clear();
+    if (!has_model) empty_run.models.clear();
+    const Folder folder(empty_run, {});
+    EXPECT_EQ(folder.captured, "");
+    EXPECT_THAT(folder.note, testing::HasSubstr(has_gnuplot() ? "no data for it" : "no figures"));
     EXPECT_THAT(folder.names, testing::UnorderedElementsAre(
-                                  "contacts.csv", "pairs.csv", "people.csv", "minutes.csv",
+                                  "contacts.csv", "part_contacts.csv", "people.csv", "minutes.csv",
                                   "durations.csv", "parts.csv", "parts_seconds.csv", "density.csv",
                                   "touching.tij", "touching.graphml"));
-    std::ifstream pairs(folder.path / "pairs.csv");
+    std::ifstream pairs(folder.path / "part_contacts.csv");
     const std::string text{std::istreambuf_iterator<char>(pairs), {}};
-    EXPECT_EQ(text, "begin_s,duration_s,person_a,part_a,person_b,part_b,cut\n");
+    EXPECT_EQ(text, "begin_s,duration_s,person_a,part_a,person_b,part_b,truncated\n");
   }
 }
 
-TEST_F(Contacts, OfPeopleWhoNeverTouchHaveOneFigure) {
+TEST_F(Contacts, GiveOneFigureIfNoPeopleTouch) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
   const Folder folder(run_, roots_);
-  EXPECT_EQ(folder.said, "");
+  EXPECT_EQ(folder.captured, "");
   EXPECT_THAT(folder.names, testing::Contains("contact_rates.svg"));
   EXPECT_THAT(folder.names, testing::Not(testing::Contains("contact_parts.svg")));
   EXPECT_THAT(folder.note, testing::HasSubstr("contact_parts.svg"));
-  // A plan of outputs knows every file that may come.
+  // contact_files() lists every file that can be written.
   EXPECT_THAT(contact_files(), testing::IsSupersetOf(folder.names));
 }
 
-TEST(LocalDensity, CountsTheWalkablePartOfTheCircle) {
+TEST(LocalDensity, DividesByTheWalkablePartOfTheCircle) {
   Scene scene;
   scene.ground = {{0, -10}, {20, 10}};
   LocalDensity density(scene);
@@ -287,7 +287,7 @@ TEST(LocalDensity, CountsTheWalkablePartOfTheCircle) {
       << "half of it is off the ground";
 }
 
-/// A corridor 1.8 m wide between walls of 0.2 m, in the middle of more ground.
+/// A corridor 1.8 m wide between walls of 0.2 m, in the middle of larger ground.
 Scene thin_walled_corridor() {
   Scene scene;
   scene.ground = {{-10, -10}, {10, 10}};
@@ -295,16 +295,16 @@ Scene thin_walled_corridor() {
   return scene;
 }
 
-TEST(LocalDensity, GroundBehindAWallIsNoRoom) {
+TEST(LocalDensity, IgnoresGroundBehindAWall) {
   LocalDensity density(thin_walled_corridor());
   const std::vector<Eigen::Vector2d> people = {{0, 0}, {1, 0.3}};
   density.place(people, {});
-  // The part of a circle of 2 m that is within 0.9 m of a line through its middle.
-  const double seen_m2 = 2 * (0.9 * std::sqrt(4 - 0.81) + 4 * std::asin(0.45));
-  EXPECT_NEAR(density.around({0, 0}), 2 / seen_m2, 0.05 * 2 / seen_m2);
+  // Area of a circle of 2 m that is within 0.9 m of a line through its centre.
+  const double visible_m2 = 2 * (0.9 * std::sqrt(4 - 0.81) + 4 * std::asin(0.45));
+  EXPECT_NEAR(density.around({0, 0}), 2 / visible_m2, 0.05 * 2 / visible_m2);
 }
 
-TEST(LocalDensity, NobodyBehindAWallCounts) {
+TEST(LocalDensity, IgnoresPeopleBehindAWall) {
   LocalDensity density(thin_walled_corridor());
   const std::vector<Eigen::Vector2d> people = {{0, 0.7}, {0, 1.3}};
   density.place(people, {});
@@ -313,16 +313,17 @@ TEST(LocalDensity, NobodyBehindAWallCounts) {
   EXPECT_EQ(density.around({0, 0.7}), alone);
 }
 
-TEST(LocalDensity, WhoLeansOverAWallIsBesideIt) {
+TEST(LocalDensity, MovesAPersonOnAWallNextToIt) {
   LocalDensity density(thin_walled_corridor());
   const std::vector<Eigen::Vector2d> people = {{0, 0.93}, {0, 0.4}};
   density.place(people, {});
-  const double beside = density.around({0, 0.899});
-  EXPECT_NEAR(density.around(people[0]), beside, 0.05 * beside);
-  EXPECT_GT(beside, 2 / (std::numbers::pi * 4)) << "both are counted, over less than the circle";
+  const double next_to_wall = density.around({0, 0.899});
+  EXPECT_NEAR(density.around(people[0]), next_to_wall, 0.05 * next_to_wall);
+  EXPECT_GT(next_to_wall, 2 / (std::numbers::pi * 4)) << "both are counted, over less than the "
+                                                         "circle";
 }
 
-TEST(LocalDensity, LevelsBeginAboveTheirBounds) {
+TEST(LocalDensity, StartsEachLevelAboveItsBound) {
   EXPECT_EQ(DensityLevels::level_of(0.1), 0u);
   EXPECT_EQ(DensityLevels::level_of(0.5), 1u);
   EXPECT_EQ(DensityLevels::level_of(4), 3u);

@@ -1,5 +1,5 @@
-// How the crowd is held against recorded people: every criterion can fail, every set-up can be
-// built. Whether today's crowd passes is the business of `throng validate --empirical`.
+// Comparisons with recorded people: every criterion can fail, and every setup can be built. The
+// verdict on the present crowd is the task of `throng validate --empirical`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,9 +16,8 @@ namespace throng::validation::reality_test {
 namespace {
 
 constexpr SteeringKind kModel = SteeringKind::kOrca;
-const char* const kSetUps[] = {"ug", "uo", "eo", "ko", "bot", "single_file"};
+const char* const kSetups[] = {"ug", "uo", "eo", "ko", "bot", "single_file"};
 
-/// A crowd that does what the experiments' people did on average.
 std::vector<DoorFlow> recorded_flows() {
   std::vector<DoorFlow> flows;
   for (const RecordedDoor& door : recorded_doors())
@@ -26,9 +25,11 @@ std::vector<DoorFlow> recorded_flows() {
   return flows;
 }
 
-TEST(Doors, PassForTheExperimentsOwnMeans) { EXPECT_TRUE(judge_doors(recorded_flows()).passed); }
+TEST(DoorVerdict, PassesForTheMeansOfTheExperiments) {
+  EXPECT_TRUE(judge_doors(recorded_flows()).passed);
+}
 
-TEST(Doors, FailForAFlowSixteenPercentOffAtAnyWidth) {
+TEST(DoorVerdict, FailsForAFlowSixteenPercentOffAtAnyWidth) {
   for (size_t i = 0; i < recorded_doors().size(); ++i)
     for (const double off : {0.84, 1.16}) {
       std::vector<DoorFlow> flows = recorded_flows();
@@ -37,24 +38,24 @@ TEST(Doors, FailForAFlowSixteenPercentOffAtAnyWidth) {
     }
 }
 
-TEST(Doors, FailForAFlowThatFallsFromAWidthToTheNext) {
+TEST(DoorVerdict, FailsForAFlowThatFallsWithTheWidth) {
   std::vector<DoorFlow> flows = recorded_flows();
-  // 0.5 m: 1.02, 0.6 m: 1.12; both within 15 %, and the wider one carries less.
+  // 0.5 m: 1.02, 0.6 m: 1.12; both within 15 %, but the wider door carries less.
   flows[0].flow_per_s *= 1.06;
   flows[1].flow_per_s *= 0.95;
   ASSERT_GT(flows[0].flow_per_s, flows[1].flow_per_s);
   EXPECT_FALSE(judge_doors(flows).passed);
 }
 
-TEST(Doors, FailForADoorThatBlocks) {
+TEST(DoorVerdict, FailsForABlockedDoor) {
   std::vector<DoorFlow> flows = recorded_flows();
   flows[0].through = 179;
   EXPECT_FALSE(judge_doors(flows).passed);
 }
 
-TEST(Doors, FailWithoutAnyDoor) { EXPECT_FALSE(judge_doors({}).passed); }
+TEST(DoorVerdict, FailsWithoutDoors) { EXPECT_FALSE(judge_doors({}).passed); }
 
-/// As many samples as count, in each bin, of the recording's mean times a factor.
+/// The minimum number of samples in each bin, at the recording's mean times a factor.
 std::vector<DensitySpeed> recorded_speeds(const RecordedCurve& curve, double factor = 1,
                                           size_t bins = 100) {
   std::vector<DensitySpeed> samples;
@@ -64,16 +65,16 @@ std::vector<DensitySpeed> recorded_speeds(const RecordedCurve& curve, double fac
   return samples;
 }
 
-TEST(SpeedAgainstDensity, PassesForTheRecordingsOwnMeans) {
-  for (const char* id : kSetUps) {
+TEST(SpeedVerdict, PassesForTheMeansOfTheRecording) {
+  for (const char* id : kSetups) {
     const RecordedCurve& curve = recorded_curve(id);
     const Judgement judgement = judge_speeds(curve, recorded_speeds(curve));
     EXPECT_TRUE(judgement.passed) << id << ": " << judgement.summary;
   }
 }
 
-TEST(SpeedAgainstDensity, FailsWhereBinsLieOutsideTheBand) {
-  for (const char* id : kSetUps) {
+TEST(SpeedVerdict, FailsForBinsOutsideTheBand) {
+  for (const char* id : kSetups) {
     const RecordedCurve& curve = recorded_curve(id);
     std::vector<DensitySpeed> samples = recorded_speeds(curve);
     size_t outside = 0;
@@ -89,8 +90,8 @@ TEST(SpeedAgainstDensity, FailsWhereBinsLieOutsideTheBand) {
   }
 }
 
-TEST(SpeedAgainstDensity, FailsForSpeedsThatAreTooFarOffOnAverage) {
-  // Wide bands: all inside, but as far off as they let.
+TEST(SpeedVerdict, FailsForALargeMeanError) {
+  // Wide bands: all bins inside, at the largest mean error that is allowed.
   RecordedCurve curve = recorded_curve("ko");
   for (RecordedBin& bin : curve.bins) bin.high_mps = bin.mean_mps + 0.3;
   std::vector<DensitySpeed> samples = recorded_speeds(curve);
@@ -98,14 +99,14 @@ TEST(SpeedAgainstDensity, FailsForSpeedsThatAreTooFarOffOnAverage) {
   EXPECT_FALSE(judge_speeds(curve, samples).passed);
 }
 
-TEST(SpeedAgainstDensity, FailsForACrowdThatNeverGetsDense) {
+TEST(SpeedVerdict, FailsForACrowdThatIsNeverDense) {
   const RecordedCurve& curve = recorded_curve("ug");
   EXPECT_FALSE(judge_speeds(curve, recorded_speeds(curve, 1, 7)).passed);
   EXPECT_TRUE(judge_speeds(curve, recorded_speeds(curve, 1, 8)).passed);
   EXPECT_FALSE(judge_speeds(curve, {}).passed);
 }
 
-TEST(SpeedAgainstDensity, BinsWithFewSamplesAreNotJudged) {
+TEST(SpeedVerdict, IgnoresBinsWithFewSamples) {
   const RecordedCurve& curve = recorded_curve("ug");
   std::vector<DensitySpeed> samples = recorded_speeds(curve);
   samples.erase(samples.begin());
@@ -113,7 +114,7 @@ TEST(SpeedAgainstDensity, BinsWithFewSamplesAreNotJudged) {
   EXPECT_FALSE(judge_speeds(curve, samples).readings.front().met);
 }
 
-TEST(SpeedsOfOneWay, AreThoseOfABinInItsMiddleAndGoOverIntoTheNext) {
+TEST(RecordedOneWay, InterpolatesBetweenCentresOfBins) {
   // `ug` is the slowest, `uo` the fastest: 0.48 to 1.07 m/s at 1.75 to 2 per m2, 0.3 to 0.9 above.
   const auto low = recorded_one_way_at(1.875), high = recorded_one_way_at(2.125);
   ASSERT_TRUE(low && high);
@@ -125,28 +126,28 @@ TEST(SpeedsOfOneWay, AreThoseOfABinInItsMiddleAndGoOverIntoTheNext) {
   ASSERT_TRUE(edge && next);
   EXPECT_NEAR(edge->low_mps, 0.39, 1e-12);
   EXPECT_NEAR(edge->high_mps, 0.985, 1e-12);
-  EXPECT_NEAR(next->low_mps, edge->low_mps, 1e-12) << "an edge of bins decides nothing";
+  EXPECT_NEAR(next->low_mps, edge->low_mps, 1e-12) << "no jump at the edge of a bin";
 }
 
-TEST(SpeedsOfOneWay, AreUnknownWhereNobodyWasRecorded) {
+TEST(RecordedOneWay, IsUnknownOutsideTheRecordedDensities) {
   EXPECT_FALSE(recorded_one_way_at(0.1));
   EXPECT_TRUE(recorded_one_way_at(0.125));
   EXPECT_TRUE(recorded_one_way_at(4.125));
   EXPECT_FALSE(recorded_one_way_at(4.2));
 }
 
-TEST(Lanes, OneWithMoreThanItsShareFails) {
+TEST(LaneVerdict, FailsForAnOverfullLane) {
   EXPECT_TRUE(judge_fullest_lane(std::vector<double>{10, 30, 35, 25}, 0.35).passed);
   EXPECT_FALSE(judge_fullest_lane(std::vector<double>{10, 29, 36, 25}, 0.35).passed);
-  EXPECT_FALSE(judge_fullest_lane(std::vector<double>{0, 0}, 0.35).passed) << "nobody was there";
+  EXPECT_FALSE(judge_fullest_lane(std::vector<double>{0, 0}, 0.35).passed) << "no people";
 }
 
-TEST(Lanes, TooFewInUseFail) {
+TEST(LaneVerdict, FailsForTooFewLanesInUse) {
   EXPECT_TRUE(judge_used_lanes(std::vector<double>{80, 5, 5, 5, 5, 0}, 5, 0.05).passed);
   EXPECT_FALSE(judge_used_lanes(std::vector<double>{81, 5, 5, 5, 4, 0}, 5, 0.05).passed);
 }
 
-TEST(Overtaking, FailsForOneStartInTwentyTooMany) {
+TEST(OvertakingVerdict, FailsForMoreThanOneStartInTwenty) {
   std::vector<Overtaking> starts(100, Overtaking{true, 0.05});
   for (size_t i = 0; i < 5; ++i) starts[i].passed = false;
   EXPECT_TRUE(judge_overtaking(starts).passed);
@@ -155,7 +156,7 @@ TEST(Overtaking, FailsForOneStartInTwentyTooMany) {
   EXPECT_FALSE(judge_overtaking({}).passed);
 }
 
-TEST(TwoWay, FailsForLittleFlowAndForAMinuteOfGridlock) {
+TEST(CounterflowVerdict, FailsForLowFlowAndForAMinuteOfGridlock) {
   using Crowds = std::vector<std::vector<double>>;
   EXPECT_TRUE(judge_counterflow(Crowds{{1.2, 0.8, 1.0}}).passed);
   EXPECT_FALSE(judge_counterflow(Crowds{{1.2, 0.7, 1.0}}).passed);
@@ -173,29 +174,29 @@ CounterflowUse evenly_spread() {
   return use;
 }
 
-TEST(TwoWay, UseOfTheWidthFailsAtWallsInTheCentreByLanesAndBySpeed) {
+TEST(CounterflowVerdict, FailsForUseOfWallsCentreLanesAndSpeed) {
   const CounterflowUse recorded = evenly_spread();
   EXPECT_TRUE(judge_counterflow_use(recorded, recorded).passed);
-  CounterflowUse at_walls = recorded, beside = recorded, parted = recorded, slow = recorded,
+  CounterflowUse at_walls = recorded, off_centre = recorded, parted = recorded, slow = recorded,
                  sparse = recorded;
   at_walls.from_right_wall_m.insert(at_walls.from_right_wall_m.end(), 300, 0.2);  // 47 %, not 20 %
   at_walls.from_right_wall_m.insert(at_walls.from_right_wall_m.end(), 100, 2);
-  beside.from_right_wall_m.insert(beside.from_right_wall_m.end(), 200, 1);  // 17 %, not 25 %
+  off_centre.from_right_wall_m.insert(off_centre.from_right_wall_m.end(), 200, 1);  // 17 % < 25 %
   parted.lane_orders.assign(100, 0.91);
   slow.speeds.assign(kMinSamples, {1.1, 0.89});
   sparse.speeds.pop_back();
-  for (const CounterflowUse& simulated : {at_walls, beside, parted, slow, sparse})
+  for (const CounterflowUse& simulated : {at_walls, off_centre, parted, slow, sparse})
     EXPECT_FALSE(judge_counterflow_use(simulated, recorded).passed)
         << judge_counterflow_use(simulated, recorded).summary;
 }
 
-TEST(FarExit, FailsBelowAThirdAndForThoseLeftBehind) {
+TEST(FarExitVerdict, FailsBelowAThirdAndForPeopleLeftBehind) {
   EXPECT_TRUE(judge_far_exit(400, 200, 600).passed);
   EXPECT_FALSE(judge_far_exit(401, 199, 600).passed);
   EXPECT_FALSE(judge_far_exit(300, 299, 600).passed);
 }
 
-TEST(Reality, EveryTestIsNamedOnceAndHasASource) {
+TEST(EmpiricalTests, HaveUniqueIdsAndASource) {
   std::set<std::string> ids;
   for (const auto* tests : {&all_tests(), &empirical_tests()})
     for (const validation::Test& test : *tests)
@@ -206,12 +207,12 @@ TEST(Reality, EveryTestIsNamedOnceAndHasASource) {
   for (const validation::Test& test : empirical_tests())
     EXPECT_THAT(test.criterion,
                 testing::AnyOf(testing::HasSubstr("source: "), testing::HasSubstr("RiMEA 4.1.0")));
-  for (const char* id : kSetUps) EXPECT_TRUE(ids.contains(id)) << id;
+  for (const char* id : kSetups) EXPECT_TRUE(ids.contains(id)) << id;
 }
 
-TEST(SetUps, OfSpeedAgainstDensityPlaceEverybody) {
-  for (const char* id : kSetUps)
-    // Where people go round, how many find a place depends on their number.
+TEST(RecordedSetups, PlaceAllPeople) {
+  for (const char* id : kSetups)
+    // In loop runs the number of placed people depends on the requested number.
     for (int index = 0; index < recorded_runs(id); ++index) {
       const bool is_last = index + 1 == recorded_runs(id);
       if (index > 0 && !is_last && id != std::string("ug") && id != std::string("single_file"))
@@ -224,8 +225,8 @@ TEST(SetUps, OfSpeedAgainstDensityPlaceEverybody) {
     }
 }
 
-/// Who is pushed on to the face of a wall while people are spread has to come off it again.
-TEST(SetUps, OfTwoWaysPlaceEverybodyWhateverTheSeed) {
+/// Regression: spreading people must not leave one on the face of a wall.
+TEST(RecordedSetups, PlaceAllPeopleOfTwoWayRunsWithAnySeed) {
   for (uint64_t seed = 1; seed <= 5; ++seed)
     for (int index = 3; index < recorded_runs("bot"); index += 6) {
       const Trial trial(recorded_run("bot", index, {kModel, seed}).plan);
@@ -233,7 +234,7 @@ TEST(SetUps, OfTwoWaysPlaceEverybodyWhateverTheSeed) {
     }
 }
 
-TEST(SetUps, OfSituationsPlaceEverybody) {
+TEST(SituationPlans, PlaceAllPeople) {
   for (uint64_t seed = 1; seed <= 5; ++seed)
     for (const Plan& plan : {door_plan(0.5, 180, kModel, seed), overtaking_plan(20, kModel, seed),
                              two_way_plan(kModel, seed), ring_plan(kModel, seed),
@@ -243,7 +244,7 @@ TEST(SetUps, OfSituationsPlaceEverybody) {
     }
 }
 
-TEST(SetUps, AnOvalIsTheSameThereAndBack) {
+TEST(Oval, InvertsItsCoordinates) {
   for (const Oval& oval : {Oval{6.4, 1.2, 1.8}, Oval{0, 7, 3}}) {
     EXPECT_NEAR(oval.length_m(), 2 * oval.straight_m + 2 * std::numbers::pi * oval.middle_m(),
                 1e-9);
@@ -258,7 +259,7 @@ TEST(SetUps, AnOvalIsTheSameThereAndBack) {
   }
 }
 
-TEST(SetUps, AllAroundOpenGroundIsWall) {
+TEST(CarvedPlan, SurroundsOpenGroundWithWalls) {
   const std::vector<Rectangle> open = {{{0, 0}, {4, 2}}, {{3, 0}, {4, 6}}, {{6, 1}, {7, 3}}};
   const Plan plan = carved("carved", open, {}, 1);
   const Rectangle& ground = plan.scene.ground;
@@ -273,7 +274,7 @@ TEST(SetUps, AllAroundOpenGroundIsWall) {
     }
 }
 
-TEST(AreaSpeeds, SomebodyAloneWalksAtTheirOwnSpeed) {
+TEST(AreaSpeeds, MeasureTheSpeedOfASinglePerson) {
   RecordedRun run{
       carved("alone", {{{0, 0}, {20, 2}}}, {kModel}, 1), {{{8, 0}, {12, 2}}}, {}, {}, 15};
   run.plan.people(1, {{0.9, 0.9}, {1.1, 1.1}}, {{{18, 0}, {20, 2}}}).speed_mps = fixed(1.25);
@@ -288,7 +289,7 @@ TEST(AreaSpeeds, SomebodyAloneWalksAtTheirOwnSpeed) {
   }
 }
 
-TEST(Reality, ADoorIsMeasuredFromEndToEnd) {
+TEST(MeasuredDoorFlow, CoversAWholeRun) {
   Outcome outcome;
   const DoorFlow flow = measure_door_flow(1.0, 30, kModel, 1, outcome);
   EXPECT_EQ(flow.through, 30);
@@ -297,7 +298,7 @@ TEST(Reality, ADoorIsMeasuredFromEndToEnd) {
   EXPECT_EQ(outcome.unplaced, 0);
 }
 
-TEST(Reality, ASlowOneIsPassedOrNot) {
+TEST(MeasuredOvertaking, DetectsWhetherASlowPersonIsPassed) {
   Outcome outcome;
   const std::vector<Overtaking> starts = measure_overtaking(3, kModel, 1, outcome);
   ASSERT_EQ(starts.size(), 3u);

@@ -1,5 +1,4 @@
-// Networks and tables of who was near or with whom: files against sets that are kept frame by
-// frame.
+// Contact networks and proximity tables match sets that an oracle collects frame by frame.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +21,6 @@ namespace {
 using testing::HasSubstr;
 using Pair = std::pair<uint32_t, uint32_t>;
 
-/// Keeps everything, frame by frame.
 struct Oracle final : public Sink {
   void begin(const RunInfo& run) override { avatars = static_cast<uint32_t>(run.avatar_count()); }
   void frame(const RunInfo& run, const Frame& frame) override {
@@ -36,10 +34,10 @@ struct Oracle final : public Sink {
     rows += frame.proximity_pairs.size() + frame.closest_parts.size();
     for (const ProximityPair& row : frame.closest_parts) {
       const Pair people{row.pair.a(), row.pair.b()};
-      near.insert({second, people});
+      proximity.insert({second, people});
       for (const double level : {0.5, 1.0, 2.0}) {
         below[level][people] += static_cast<double>(row.hi_m) <= level;
-        unsure[level][people] +=
+        undetermined[level][people] +=
             static_cast<double>(row.lo_m) <= level && static_cast<double>(row.hi_m) > level;
       }
     }
@@ -48,14 +46,14 @@ struct Oracle final : public Sink {
 
   uint32_t avatars = 0;
   size_t rows = 0;
-  std::set<std::pair<int64_t, Pair>> touching, near;
+  std::set<std::pair<int64_t, Pair>> touching, proximity;
   std::map<Pair, std::set<int64_t>> touching_frames;
-  std::map<double, std::map<Pair, int>> below, unsure;
+  std::map<double, std::map<Pair, int>> below, undetermined;
 };
 
 class Networks : public SceneFile {
  protected:
-  /// Runs people in the metro, all of them or so many; what is said of distances that are left out.
+  /// Runs `people` people in the metro (0: all); returns the note on omitted levels.
   std::string run_metro(int people, double seconds, double proximity_m, double closest_parts_m,
                         uint64_t seed, bool exact) {
     Scene scene = load_scene("metro");
@@ -82,7 +80,7 @@ class Networks : public SceneFile {
     return lines;
   }
   bool is_there(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
-  /// In order, none twice.
+  /// Lines of a .tij file, which must be sorted and unique.
   std::set<std::pair<int64_t, Pair>> seconds_of(const std::string& name) const {
     std::vector<std::pair<int64_t, Pair>> all;
     for (const std::string& line : lines_of(name)) {
@@ -96,7 +94,7 @@ class Networks : public SceneFile {
     EXPECT_TRUE(std::equal(all.begin(), all.end(), set.begin(), set.end())) << name;
     return set;
   }
-  /// Fields of the edges of a graph.
+  /// Attribute values of the edges of a graph.
   std::map<Pair, std::vector<std::string>> edges_of(const std::string& name) const {
     static const std::regex edge_line("<edge source=\"(\\d+)\" target=\"(\\d+)\">(.*)</edge>");
     static const std::regex data_field("<data key=\"e\\d+\">([^<]*)</data>");
@@ -119,7 +117,7 @@ class Networks : public SceneFile {
   double step_s_ = 0;
 };
 
-TEST_F(Networks, OfTouchingHaveEverySecondAndEverySpell) {
+TEST_F(Networks, ListEverySecondAndSpellOfContact) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     oracle_ = {};
@@ -138,21 +136,21 @@ TEST_F(Networks, OfTouchingHaveEverySecondAndEverySpell) {
       EXPECT_EQ(std::count(edge[3].begin(), edge[3].end(), ';'), spells - 1);
     }
   }
-  for (const char* name : {"near.csv", "exposure.csv", "near.tij", "near.graphml"})
-    EXPECT_FALSE(is_there(name)) << "no margin was asked for";
+  for (const char* name : {"proximity.csv", "exposure.csv", "proximity.tij", "proximity.graphml"})
+    EXPECT_FALSE(is_there(name)) << "the run has no margin";
 }
 
-TEST_F(Networks, OfNearnessCountEverySecond) {
+TEST_F(Networks, ListEverySecondOfProximity) {
   for (const bool exact : {false, true}) {
     oracle_ = {};
     EXPECT_THAT(run_metro(24, 1.3, 0.1, 2, 4, exact), "");
-    EXPECT_EQ(lines_of("near.csv").size(), 1 + oracle_.rows);
-    EXPECT_EQ(seconds_of("near.tij"), oracle_.near);
+    EXPECT_EQ(lines_of("proximity.csv").size(), 1 + oracle_.rows);
+    EXPECT_EQ(seconds_of("proximity.tij"), oracle_.proximity);
     const auto lines = lines_of("exposure.csv");
     EXPECT_EQ(lines[0],
-              "person_a,person_b,below_0.5_m_s,unsure_0.5_m_s,below_1_m_s,unsure_1_m_s,"
-              "below_2_m_s,unsure_2_m_s");
-    const auto edges = edges_of("near.graphml");
+              "person_a,person_b,below_0.5_m_s,undetermined_0.5_m_s,below_1_m_s,undetermined_1_m_s,"
+              "below_2_m_s,undetermined_2_m_s");
+    const auto edges = edges_of("proximity.graphml");
     ASSERT_EQ(lines.size(), 1 + edges.size());
     ASSERT_EQ(edges.size(), oracle_.below[2].size());
     for (size_t i = 1; i < lines.size(); ++i) {
@@ -164,7 +162,7 @@ TEST_F(Networks, OfNearnessCountEverySecond) {
       size_t at = 2;
       for (const double level : {0.5, 1.0, 2.0}) {
         EXPECT_NEAR(fields[at], oracle_.below[level][pair] * step_s_, 1e-4);
-        EXPECT_NEAR(fields[at + 1], oracle_.unsure[level][pair] * step_s_, 1e-4);
+        EXPECT_NEAR(fields[at + 1], oracle_.undetermined[level][pair] * step_s_, 1e-4);
         EXPECT_NEAR(std::stod(edges.at(pair)[at / 2 - 1]), fields[at], 1e-9);
         at += 2;
       }
@@ -172,15 +170,15 @@ TEST_F(Networks, OfNearnessCountEverySecond) {
   }
 }
 
-TEST_F(Networks, LeaveOutWhatTheMarginDoesNotReach) {
+TEST_F(Networks, OmitLevelsBeyondTheMargin) {
   EXPECT_THAT(run_metro(24, 1.3, 0, 1.2, 5, false),
-              HasSubstr("exposure.csv has no seconds below 2 m: closest_parts_m is 1.2"));
+              HasSubstr("exposure.csv has no seconds below 2 m because closest_parts_m is 1.2 m"));
   EXPECT_EQ(lines_of("exposure.csv")[0],
-            "person_a,person_b,below_0.5_m_s,unsure_0.5_m_s,below_1_m_s,unsure_1_m_s");
+            "person_a,person_b,below_0.5_m_s,undetermined_0.5_m_s,below_1_m_s,undetermined_1_m_s");
   oracle_ = {};
   run_metro(24, 1.3, 0.1, 0, 5, false);
-  EXPECT_TRUE(is_there("near.csv"));
-  EXPECT_FALSE(is_there("exposure.csv")) << "of an earlier run";
+  EXPECT_TRUE(is_there("proximity.csv"));
+  EXPECT_FALSE(is_there("exposure.csv")) << "stale";
 }
 
 TEST(GraphFiles, EscapeNames) {

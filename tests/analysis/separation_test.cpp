@@ -1,5 +1,5 @@
-// How near robots come to regions of people: by hand, against an oracle that looks at every pair of
-// every frame anew, and what is refused.
+// Separation of robots and people: hand-made cases, an oracle over all pairs of all frames, and
+// invalid input.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(BodyRegions, EveryPartOfTheBundledPersonIsOfOne) {
+TEST(BodyRegions, CoverAllPartsOfTheBundledPerson) {
   std::map<BodyRegion, int> parts;
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   for (const Part& part : adult->parts) {
@@ -38,12 +38,12 @@ TEST(BodyRegions, EveryPartOfTheBundledPersonIsOfOne) {
   EXPECT_EQ(parts, expected);
 }
 
-TEST(BodyRegions, FollowFromTheName) {
+TEST(BodyRegions, FollowFromTheNameOfAPart) {
   EXPECT_EQ(body_region("Neck_1"), BodyRegion::kNeck);
   EXPECT_EQ(body_region("left_forearm"), BodyRegion::kLowerArms);
   EXPECT_EQ(body_region("RIGHT_TOE"), BodyRegion::kFeet);
-  EXPECT_EQ(body_region("arm"), BodyRegion::kOther) << "upper or lower";
-  EXPECT_EQ(body_region("head_and_neck"), BodyRegion::kOther) << "two regions";
+  EXPECT_EQ(body_region("arm"), BodyRegion::kOther) << "ambiguous: upper or lower";
+  EXPECT_EQ(body_region("head_and_neck"), BodyRegion::kOther) << "ambiguous: two regions";
   EXPECT_EQ(body_region(""), BodyRegion::kOther);
 }
 
@@ -51,7 +51,7 @@ double uniform(uint64_t seed, uint32_t index, double low, double high) {
   return random_uniform({seed, 0, 0, Purpose::kBoxWorld}, low, high, index);
 }
 
-/// Both move in small steps until the robot stands.
+/// Distance covered by both in small steps until the robot stops.
 double walked_m(const SeparationRule& rule, double human_speed_mps, double robot_speed_mps) {
   const double stops_s =
       rule.stopping_s ? *rule.stopping_s : robot_speed_mps / *rule.deceleration_mps2;
@@ -67,7 +67,7 @@ double walked_m(const SeparationRule& rule, double human_speed_mps, double robot
   return sum_m;
 }
 
-TEST(ProtectiveDistance, IsWhatBothCoverUntilTheRobotStands) {
+TEST(ProtectiveDistance, IsTheDistanceCoveredUntilTheRobotStops) {
   for (uint64_t seed = 0; seed < 200; ++seed) {
     SeparationRule rule;
     rule.reaction_s = uniform(seed, 0, 0.01, 1);
@@ -89,7 +89,7 @@ TEST(ProtectiveDistance, IsWhatBothCoverUntilTheRobotStands) {
   EXPECT_TRUE(std::isnan(protective_distance(rule, 1, NAN).total_m()));
 }
 
-/// Two robots that walk among people, and what is asked of them.
+/// Two robots among people, with the given separation.
 std::string scene_text(const std::string& separation,
                        const std::string& more = "proximity_m: 0.6\n") {
   return fmt::format(
@@ -117,15 +117,15 @@ constexpr const char* kMeasured =
 
 using Triple = std::tuple<uint32_t, uint32_t, BodyRegion>;
 
-/// A pair of parts of a robot and a person.
-struct SeenPair {
-  ProximityPair near;
+/// A pair of parts within the margin of a robot and a person.
+struct ObservedPair {
+  ProximityPair proximity;
   uint32_t person;
-  float required_m;  ///< NaN where there is no speed
+  float required_m;  ///< NaN without a speed
 };
-/// What one frame says, pair by pair and without order.
-struct Seen {
-  std::map<std::pair<uint32_t, BodyRegion>, std::vector<SeenPair>> pairs;
+/// Pairs of one frame by robot and region.
+struct Observation {
+  std::map<std::pair<uint32_t, BodyRegion>, std::vector<ObservedPair>> pairs;
   std::map<Triple, bool> is_short, is_unknown;
 };
 
@@ -133,8 +133,8 @@ class Oracle {
  public:
   Oracle(const RunInfo& run, const SeparationRule& rule) : run_(run), rule_(rule) {}
 
-  Seen look(const Frame& frame) {
-    Seen seen;
+  Observation look(const Frame& frame) {
+    Observation observed;
     std::map<uint32_t, std::vector<Eigen::Isometry3d>> now;
     for (uint32_t id = 0; id < run_.model_of_avatar.size(); ++id)
       if (!model(id).is_person) now[id] = poses(frame, id);
@@ -150,25 +150,25 @@ class Oracle {
         const BodyRegion region = body_region(model(person).parts[part].name);
         double robot_speed_mps = NAN;
         const uint32_t own = robot_is_a ? pair.pair.part_a() : pair.pair.part_b();
-        if (was_.contains(robot)) {
+        if (previous_.contains(robot)) {
           const Eigen::Vector3d at((robot_is_a ? pair.point_a_m : pair.point_b_m).data());
-          const Eigen::Vector3d then = was_[robot][own] * (now[robot][own].inverse() * at);
+          const Eigen::Vector3d previous = previous_[robot][own] * (now[robot][own].inverse() * at);
           Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
           if (!robot_is_a) normal = -normal;
-          robot_speed_mps = (at - then).dot(normal) / run_.step_s;
+          robot_speed_mps = (at - previous).dot(normal) / run_.step_s;
         }
         const double human_speed_mps = rule_.human_speed_mps.value_or(
             static_cast<double>(pair.closing_speed_mps) - robot_speed_mps);
         robot_speed_mps = rule_.robot_speed_mps.value_or(robot_speed_mps);
         const double required =
             protective_distance(rule_, human_speed_mps, robot_speed_mps).total_m();
-        seen.pairs[{robot, region}].push_back({pair, person, static_cast<float>(required)});
+        observed.pairs[{robot, region}].push_back({pair, person, static_cast<float>(required)});
         const Triple triple{robot, person, region};
-        seen.is_short[triple] |= static_cast<double>(pair.lo_m) < required;
-        seen.is_unknown[triple] |= std::isnan(required);
+        observed.is_short[triple] |= static_cast<double>(pair.lo_m) < required;
+        observed.is_unknown[triple] |= std::isnan(required);
       }
-    was_ = now;
-    return seen;
+    previous_ = now;
+    return observed;
   }
 
  private:
@@ -184,13 +184,13 @@ class Oracle {
 
   const RunInfo& run_;
   SeparationRule rule_;
-  std::map<uint32_t, std::vector<Eigen::Isometry3d>> was_;
+  std::map<uint32_t, std::vector<Eigen::Isometry3d>> previous_;
 };
 
 class Separation : public SceneFile {
  protected:
   static constexpr int kFrames = 40;
-  /// Runs a scene beside the oracle; returns how many shortfalls there were.
+  /// Compares a run with the oracle; returns the number of shortfalls.
   size_t compare(const std::string& separation, uint64_t seed) {
     Scene scene = load(scene_text(separation) + fmt::format("seed: {}\n", seed));
     const SeparationRule rule = *scene.separation;
@@ -203,10 +203,10 @@ class Separation : public SceneFile {
     for (int i = 0; i < kFrames; ++i) {
       SCOPED_TRACE(fmt::format("seed {}, frame {}", seed, i));
       const Frame& frame = simulation.step();
-      const Seen seen = oracle.look(frame);
+      const Observation observed = oracle.look(frame);
       monitor.frame(run, frame);
-      compare_rows(monitor, seen);
-      begun += compare_shortfalls(monitor, seen, i, open);
+      compare_rows(monitor, observed);
+      begun += compare_shortfalls(monitor, observed, i, open);
       if (HasFailure()) return begun;
     }
     monitor.end();
@@ -222,54 +222,55 @@ class Separation : public SceneFile {
   }
 
  private:
-  static void compare_rows(const SeparationMonitor& monitor, const Seen& seen) {
-    ASSERT_EQ(monitor.rows().size(), 2u * 7) << "two robots, and no neck";
+  static void compare_rows(const SeparationMonitor& monitor, const Observation& observed) {
+    ASSERT_EQ(monitor.rows().size(), 2u * 7) << "two robots, seven regions (no neck)";
     for (const RegionSeparation& row : monitor.rows()) {
-      const auto found = seen.pairs.find({row.robot, row.region});
-      if (found == seen.pairs.end()) {
+      const auto found = observed.pairs.find({row.robot, row.region});
+      if (found == observed.pairs.end()) {
         ASSERT_TRUE(row.is_far());
         ASSERT_EQ(row.lo_m, 0.6f);
         ASSERT_EQ(row.people_too_close, 0u);
         continue;
       }
-      const auto key = [](const SeenPair& p) {
-        return std::tuple(p.near.lo_m, p.near.hi_m, p.near.pair);
+      const auto key = [](const ObservedPair& p) {
+        return std::tuple(p.proximity.lo_m, p.proximity.hi_m, p.proximity.pair);
       };
-      const SeenPair& least =
-          *std::min_element(found->second.begin(), found->second.end(),
-                            [&](const SeenPair& p, const SeenPair& q) { return key(p) < key(q); });
-      ASSERT_EQ(row.pair, least.near.pair);
-      ASSERT_EQ(row.lo_m, least.near.lo_m);
-      ASSERT_EQ(row.hi_m, least.near.hi_m);
-      expect_same(row.required_m, least.required_m);
+      const ObservedPair& nearest = *std::min_element(
+          found->second.begin(), found->second.end(),
+          [&](const ObservedPair& p, const ObservedPair& q) { return key(p) < key(q); });
+      ASSERT_EQ(row.pair, nearest.proximity.pair);
+      ASSERT_EQ(row.lo_m, nearest.proximity.lo_m);
+      ASSERT_EQ(row.hi_m, nearest.proximity.hi_m);
+      expect_same(row.required_m, nearest.required_m);
       float min_slack_m = NAN;
       std::set<uint32_t> people;
-      for (const SeenPair& pair : found->second) {
-        const float spare = pair.near.lo_m - pair.required_m;
-        if (!std::isnan(spare))
-          min_slack_m = std::isnan(min_slack_m) ? spare : std::min(min_slack_m, spare);
-        if (spare < 0) people.insert(pair.person);
+      for (const ObservedPair& pair : found->second) {
+        const float slack_m = pair.proximity.lo_m - pair.required_m;
+        if (!std::isnan(slack_m))
+          min_slack_m = std::isnan(min_slack_m) ? slack_m : std::min(min_slack_m, slack_m);
+        if (slack_m < 0) people.insert(pair.person);
       }
       expect_same(row.min_slack_m, min_slack_m);
       ASSERT_EQ(row.people_too_close, people.size());
     }
   }
-  /// Poses as matrices round differently.
+  /// Tolerates the rounding of poses as matrices.
   static void expect_same(float found, float expected) {
     if (std::isnan(expected))
       ASSERT_TRUE(std::isnan(found));
     else
       ASSERT_NEAR(found, expected, 1e-5);
   }
-  static size_t compare_shortfalls(const SeparationMonitor& monitor, const Seen& seen, int frame,
-                                   std::map<Triple, int64_t>& open) {
+  static size_t compare_shortfalls(const SeparationMonitor& monitor, const Observation& observed,
+                                   int frame, std::map<Triple, int64_t>& open) {
     std::set<Triple> begins, ends;
-    for (const auto& [triple, is_short] : seen.is_short)
+    for (const auto& [triple, is_short] : observed.is_short)
       if (is_short && !open.contains(triple)) begins.insert(triple);
     for (const auto& [triple, since] : open) {
-      const auto is_short = seen.is_short.find(triple), is_unknown = seen.is_unknown.find(triple);
+      const auto is_short = observed.is_short.find(triple);
+      const auto is_unknown = observed.is_unknown.find(triple);
       const bool goes_on =
-          is_short != seen.is_short.end() && (is_short->second || is_unknown->second);
+          is_short != observed.is_short.end() && (is_short->second || is_unknown->second);
       if (!goes_on) ends.insert(triple);
     }
     std::set<Triple> begun, ended;
@@ -292,22 +293,22 @@ class Separation : public SceneFile {
   }
 };
 
-TEST_F(Separation, OfNamedSpeedsIsWhatEveryPairSays) {
+TEST_F(Separation, MatchesTheOracleForConfiguredSpeeds) {
   size_t begun = 0;
   for (uint64_t seed = 1; seed <= 20 && !HasFailure(); ++seed) begun += compare(kNamed, seed);
   EXPECT_GT(begun, 100u);
 }
 
-TEST_F(Separation, OfMeasuredSpeedsIsWhatEveryPairSays) {
+TEST_F(Separation, MatchesTheOracleForMeasuredSpeeds) {
   size_t begun = 0;
   for (uint64_t seed = 1; seed <= 4 && !HasFailure(); ++seed) begun += compare(kMeasured, seed);
   EXPECT_GT(begun, 10u);
 }
 
-/// An arm of 0.6 m that turns towards somebody who stands still.
+/// An arm of 0.6 m that turns towards a person who stands still.
 TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
   Scene scene =
-      load(fmt::format("step_s: 1/100\nduration_s: 1\nculling: {{exact: true}}\nnear_m: 1\n"
+      load(fmt::format("step_s: 1/100\nduration_s: 1\nculling: {{exact: true}}\nproximity_m: 1\n"
                        "ground: {{min_m: [-5, -4], max_m: [5, 4]}}\n"
                        "groups:\n"
                        "  - {{name: picker, model: {}/examples/picker.urdf, control_channel: PICK, "
@@ -320,7 +321,7 @@ TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
   Simulation simulation(std::move(scene), {});
   SeparationMonitor monitor(simulation.info());
   constexpr double kTurn_radps = 0.5;
-  int seen = 0;
+  int checked = 0;
   for (int i = 0; i < 40; ++i) {
     const double joints[] = {kTurn_radps * i / 100, 0};
     ExternalPose pose;
@@ -339,14 +340,14 @@ TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
         const Eigen::Vector3d normal(pair.normal[0], pair.normal[1], pair.normal[2]);
         EXPECT_NEAR(row.robot_speed_mps, speed.dot(normal), 2e-3);
         EXPECT_NEAR(row.human_speed_mps, 0, 2e-3);
-        ++seen;
+        ++checked;
       }
     }
   }
-  EXPECT_GT(seen, 20);
+  EXPECT_GT(checked, 20);
 }
 
-TEST_F(Separation, IsRefusedWhereItCannotBeJudged) {
+TEST_F(Separation, IsRejectedIfItCannotBeJudged) {
   const auto refusal = [&](const std::string& text) {
     try {
       Simulation simulation(load(text), {});
@@ -366,7 +367,7 @@ TEST_F(Separation, IsRefusedWhereItCannotBeJudged) {
   EXPECT_THAT(refusal(coarse), HasSubstr("--exact"));
 }
 
-TEST_F(Separation, SaysWhatIsWrongInTheFile) {
+TEST_F(Separation, ReportsInvalidKeys) {
   EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1}")),
               HasSubstr("expected one of 'stopping_s' and 'deceleration_mps2', found neither"));
   EXPECT_THAT(complaint(scene_text("{reaction_s: 0.1, stopping_s: 1, deceleration_mps2: 1}")),
@@ -380,9 +381,9 @@ TEST_F(Separation, SaysWhatIsWrongInTheFile) {
               HasSubstr("found people alone"));
 }
 
-TEST_F(Separation, SaysHowFarTheMarginReaches) {
+TEST_F(Separation, NotesTheSpeedThatTheMarginCovers) {
   EXPECT_TRUE(separation_notes(load(scene_text(kNamed))).empty());
-  // 0.6 - 0.5 * (0.2 + 0.5 * 0.25) over 0.2 + 0.25.
+  // 0.972 = (0.6 - 0.5 * (0.2 + 0.5 * 0.25)) / (0.2 + 0.25).
   const auto notes = separation_notes(
       load(scene_text("{robot_speed_mps: 0.5, reaction_s: 0.2, deceleration_mps2: 2}")));
   ASSERT_EQ(notes.size(), 1u);
@@ -390,7 +391,7 @@ TEST_F(Separation, SaysHowFarTheMarginReaches) {
   EXPECT_THAT(separation_notes(load(scene_text(kMeasured))), testing::SizeIs(1));
 }
 
-TEST_F(Separation, IsPartOfWhatARunIsAndOfNothingElse) {
+TEST_F(Separation, ChangesTheContentHashButNotTheEvents) {
   const Scene with = load(scene_text(kNamed));
   std::string text = scene_text(kNamed);
   const Scene without = load(text.substr(0, text.find("separation")));
@@ -399,7 +400,7 @@ TEST_F(Separation, IsPartOfWhatARunIsAndOfNothingElse) {
   EXPECT_EQ(run(a, {}).hash, run(b, {}).hash);
 }
 
-TEST_F(Separation, FilesSayWhatTheMonitorSaw) {
+TEST_F(Separation, WritesTheRowsOfTheMonitor) {
   Simulation simulation(load(scene_text(kMeasured)), {});
   SeparationSink sink(folder_ / "out", *simulation.scene().separation);
   Sink* const sinks[] = {&sink};
@@ -419,7 +420,7 @@ TEST_F(Separation, FilesSayWhatTheMonitorSaw) {
     for (const std::string& line : lines)
       EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
   }
-  // Seconds too near are the same in both, region by region: each robot once, whoever it is.
+  // Rows and totals have equal shortfall times by region, counting each robot once.
   std::map<std::string, double> shortfall_s;
   for (size_t i = 1; i < rows.size(); ++i) {
     std::vector<std::string> fields;

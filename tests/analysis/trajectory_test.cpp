@@ -1,4 +1,4 @@
-// Trajectories as other programs read them: tables, columns, geometry, a row a person who is there.
+// Trajectory files hold the tables, columns and geometry that other programs read.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,8 +35,8 @@ class Trajectory : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// Three people who walk east, each a metre further north, for `frames` steps; the middle one is
-  /// there for the first second only.
+  /// Three people walk east, 1 m apart, for `frames` steps; the middle one is present for the first
+  /// second only.
   void record(TrajectorySink& sink, int64_t frames) {
     scene_.name = "three";
     scene_.seed = 7;
@@ -71,10 +71,10 @@ class Trajectory : public testing::Test {
 
   fs::path folder_;
   Scene scene_;
-  std::optional<Obstacle> cut_;  ///< one more obstacle
+  std::optional<Obstacle> cut_;  ///< additional obstacle
 };
 
-/// All rows of a query, columns joined by '|'.
+/// Rows of a query, with columns joined by '|'.
 std::vector<std::string> query(const fs::path& file, const char* sql) {
   sqlite3* database = nullptr;
   EXPECT_EQ(sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr), SQLITE_OK);
@@ -104,7 +104,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST_F(Trajectory, SqliteHasTheTablesOfJuPedSimVersion2) {
+TEST_F(Trajectory, WritesTheTablesOfJuPedSimVersion2) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 12);
   const auto columns = [&](const char* table) {
@@ -124,7 +124,7 @@ TEST_F(Trajectory, SqliteHasTheTablesOfJuPedSimVersion2) {
               ElementsAre("hash"));
 }
 
-TEST_F(Trajectory, SqliteSaysRateBoundsAndGeometry) {
+TEST_F(Trajectory, WritesRateBoundsAndGeometryToSqlite) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 12);
   const fs::path file = folder_ / "t.sqlite";
@@ -140,9 +140,9 @@ TEST_F(Trajectory, SqliteSaysRateBoundsAndGeometry) {
               ElementsAre("2"));
 }
 
-TEST_F(Trajectory, HasARowAPersonAndRecordedFrame) {
+TEST_F(Trajectory, HasOneRowPerPersonAndFrame) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
-  record(sink, 13);  // steps 0, 6 and 12
+  record(sink, 13);  // records steps 0, 6 and 12
   const fs::path file = folder_ / "t.sqlite";
   EXPECT_EQ(sink.frames(), 3);
   EXPECT_EQ(sink.rows(), 9);
@@ -158,8 +158,7 @@ TEST_F(Trajectory, HasARowAPersonAndRecordedFrame) {
               ElementsAre("0.5|1.5"));
 }
 
-/// The questions that PedPy 1 and JuPedSim 1 ask of a file.
-TEST_F(Trajectory, SqliteAnswersWhatPedPyAndJuPedSimAsk) {
+TEST_F(Trajectory, AnswersTheQueriesOfPedPyAndJuPedSim) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 13);
   const fs::path file = folder_ / "t.sqlite";
@@ -177,14 +176,14 @@ TEST_F(Trajectory, SqliteAnswersWhatPedPyAndJuPedSimAsk) {
                     "SELECT count(*) FROM geometry WHERE hash IN (SELECT geometry_hash FROM "
                     "frame_data WHERE frame == 1)"),
               ElementsAre("1"));
-  // They take a single polygon.
+  // Both require a single polygon.
   const std::vector<std::string> wkt = query(file, "SELECT wkt FROM geometry");
   ASSERT_EQ(wkt.size(), 1u);
   EXPECT_EQ(parse_area(wkt[0], "wkt").size(), 1u) << wkt[0];
   EXPECT_THAT(wkt[0], testing::StartsWith("POLYGON (("));
 }
 
-TEST_F(Trajectory, IsReadBackWithItsAreaAndHeadings) {
+TEST_F(Trajectory, IsReadBackWithAreaAndHeadings) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 120);
   RecordingOptions options;
@@ -201,14 +200,14 @@ TEST_F(Trajectory, IsReadBackWithItsAreaAndHeadings) {
   EXPECT_EQ(samples[2].position_m, Eigen::Vector2d(0.1875, 1));
 }
 
-TEST_F(Trajectory, OfAnAreaInPiecesHasTheOneThatWasChosen) {
+TEST_F(Trajectory, StoresTheChosenPieceOfTheArea) {
   const auto write = [&](const char* name, std::optional<int64_t> piece) {
     TrajectorySink sink({folder_ / name, 10, piece});
     record(sink, 6);
   };
   cut_ = box(0, -3, 10, 0.2);
   EXPECT_THROW(write("t.sqlite", {}), InputError);
-  EXPECT_NO_THROW(write("t.csv", {})) << "holds no area";
+  EXPECT_NO_THROW(write("t.csv", {})) << "CSV holds no area";
   write("t.sqlite", 2);
   EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT wkt FROM geometry"),
               ElementsAre("POLYGON ((-5.0000 -4.0000, 5.0000 -4.0000, 5.0000 -3.1001, -5.0000 "
@@ -217,7 +216,7 @@ TEST_F(Trajectory, OfAnAreaInPiecesHasTheOneThatWasChosen) {
               ElementsAre("2 of 2"));
 }
 
-TEST_F(Trajectory, HasNoRowsOfPeopleWhoAreNotThere) {
+TEST_F(Trajectory, HasNoRowsOfAbsentPeople) {
   TrajectorySink sink({folder_ / "t.sqlite", 10});
   record(sink, 120);
   EXPECT_THAT(query(folder_ / "t.sqlite",
@@ -233,27 +232,27 @@ TEST_F(Trajectory, NamesPeopleByTheirGroup) {
               ElementsAre("walkers 0", "walkers 1", "guards 2"));
 }
 
-TEST_F(Trajectory, LongRecordingsAreCommittedOnTheWay) {
+TEST_F(Trajectory, CommitsLongRecordingsPeriodically) {
   const fs::path file = folder_ / "t.sqlite";
   const auto writer = open_sqlite_trajectory(file);
-  writer->begin({60, {{-1, -1}, {1, 1}}, "POLYGON EMPTY", {}, {"somebody"}});
+  writer->begin({60, {{-1, -1}, {1, 1}}, "POLYGON EMPTY", {}, {"person"}});
   const std::vector<TrajectoryRow> rows = {{0, 0.5, 0.5, 0, 1}};
   for (int64_t number = 0; number < 250; ++number) writer->frame(number, rows);
   EXPECT_THAT(query(file, "SELECT count(*) FROM trajectory_data"), ElementsAre("200"))
-      << "read while it is being written";
+      << "readable while it is being written";
   writer->end();
   EXPECT_THAT(query(file, "SELECT count(*) FROM trajectory_data"), ElementsAre("250"));
 }
 
-TEST_F(Trajectory, RateIsTheNearestThatTheStepsAllow) {
-  TrajectorySink sink({folder_ / "t.sqlite", 25});  // 60 / 25 = 2.4 steps: every second
+TEST_F(Trajectory, UsesTheNearestRateThatTheStepAllows) {
+  TrajectorySink sink({folder_ / "t.sqlite", 25});  // 60 / 25 = 2.4 steps, rounded to 2
   record(sink, 10);
   EXPECT_THAT(query(folder_ / "t.sqlite", "SELECT value FROM metadata WHERE key = 'fps'"),
               ElementsAre("30"));
   EXPECT_EQ(sink.frames(), 5);
 }
 
-TEST_F(Trajectory, CsvHasTheSameRows) {
+TEST_F(Trajectory, WritesTheSameRowsToCsv) {
   TrajectorySink sink({folder_ / "t.csv", 10});
   record(sink, 12);
   const std::vector<std::string> lines = lines_of(folder_ / "t.csv");
@@ -272,7 +271,7 @@ TEST_F(Trajectory, ReplacesAnEarlierRecording) {
               ElementsAre("3"));
 }
 
-TEST_F(Trajectory, ThatIsBeingReadIsLeftAlone) {
+TEST_F(Trajectory, KeepsAFileThatIsBeingRead) {
   const fs::path file = folder_ / "t.sqlite";
   {
     TrajectorySink sink({file, 10});
@@ -282,15 +281,15 @@ TEST_F(Trajectory, ThatIsBeingReadIsLeftAlone) {
   int ready[2], over[2];
   ASSERT_EQ(pipe(ready), 0);
   ASSERT_EQ(pipe(over), 0);
-  const pid_t reader = fork();  // locks are between processes
+  const pid_t reader = fork();  // another process, because locks are per process
   if (reader == 0) {
     sqlite3* database = nullptr;
     sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
     sqlite3_exec(database, "BEGIN; SELECT count(*) FROM trajectory_data", nullptr, nullptr,
                  nullptr);
     char byte = 0;
-    const bool told = write(ready[1], &byte, 1) == 1 && read(over[0], &byte, 1) == 1;
-    std::_Exit(told ? 0 : 1);
+    const bool handshake = write(ready[1], &byte, 1) == 1 && read(over[0], &byte, 1) == 1;
+    std::_Exit(handshake ? 0 : 1);
   }
   char byte = 0;
   ASSERT_EQ(read(ready[0], &byte, 1), 1);
@@ -301,15 +300,15 @@ TEST_F(Trajectory, ThatIsBeingReadIsLeftAlone) {
   waitpid(reader, &status, 0);
   EXPECT_EQ(status, 0);
   EXPECT_NO_THROW(TrajectorySink({file, 10}));
-  EXPECT_EQ(fs::file_size(file), size) << "emptied before it begins";
+  EXPECT_EQ(fs::file_size(file), size) << "truncated before begin()";
   for (const int end : {ready[0], ready[1], over[0], over[1]}) close(end);
 }
 
-TEST_F(Trajectory, OtherNamesAreBadInput) {
+TEST_F(Trajectory, RejectsOtherExtensions) {
   EXPECT_THROW(TrajectorySink({folder_ / "t.txt", 10}), InputError);
 }
 
-/// Files grow no further than this while it lives: a full disk.
+/// Limits the size of files while it exists, like a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -329,7 +328,7 @@ class FullDisk {
   rlimit before_{};
 };
 
-TEST_F(Trajectory, WhatWasCommittedBeforeTheDiskWasFullStaysReadable) {
+TEST_F(Trajectory, KeepsCommittedFramesOnAFullDisk) {
   const fs::path file = folder_ / "t.sqlite";
   std::vector<TrajectoryRow> people(500, {0, 0.5, 0.5, 0, 1});
   for (uint32_t id = 0; id < people.size(); ++id) people[id].id = id;
@@ -349,7 +348,7 @@ TEST_F(Trajectory, WhatWasCommittedBeforeTheDiskWasFullStaysReadable) {
   EXPECT_THAT(query(file, "PRAGMA integrity_check"), ElementsAre("ok"));
 }
 
-TEST_F(Trajectory, AFolderThatIsNotThereIsTold) {
+TEST_F(Trajectory, ReportsAMissingFolder) {
   for (const char* name : {"no/t.sqlite", "no/t.csv"}) {
     try {
       TrajectorySink sink({folder_ / name, 10});

@@ -1,4 +1,4 @@
-// The quick ones of the standard tests, and the instruments that all of them measure with.
+// The fast standard tests, and the instruments that all standard tests use.
 #include "analysis/validation/validation.h"
 
 #include <fmt/format.h>
@@ -31,14 +31,13 @@ TEST_P(Standard, IsMet) {
   EXPECT_EQ(outcome.unplaced, 0);
 }
 
-// Alone in a corridor, on time, round a corner, at one's own speed, through a door: a second each.
-// The others take longer and are the business of `throng validate`.
+// Tests of about 1 s each; `throng validate` runs all others.
 INSTANTIATE_TEST_SUITE_P(Validation, Standard,
                          testing::Values("rimea_1", "imo_1", "rimea_5", "rimea_6", "rimea_7",
                                          "imo_4"),
                          [](const auto& each) { return std::string(each.param); });
 
-TEST(Validation, EveryTestIsNamedOnceAndSaysWhatItJudgesBy) {
+TEST(StandardTests, HaveUniqueIdsAndACriterion) {
   std::set<std::string> ids, figures;
   for (const validation::Test& test : all_tests()) {
     ASSERT_EQ(test.ids.size(), test.titles.size());
@@ -55,11 +54,11 @@ TEST(Validation, EveryTestIsNamedOnceAndSaysWhatItJudgesBy) {
   EXPECT_EQ(normal_id("RiMEA 12"), "rimea_12");
 }
 
-TEST(Validation, TheSameTestMeasuresTheSameAgain) {
+TEST(StandardTests, AreReproducible) {
   EXPECT_EQ(run_test(test_of("rimea_6"), {}).measured, run_test(test_of("rimea_6"), {}).measured);
 }
 
-TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
+TEST(Weidmann, MatchesTheLiterature) {
   EXPECT_NEAR(weidmann_mps(0.5), 1.298, 1e-3);
   EXPECT_NEAR(weidmann_mps(1), 1.058, 1e-3);
   EXPECT_NEAR(weidmann_mps(2), 0.606, 1e-3);
@@ -68,7 +67,7 @@ TEST(Validation, WeidmannAtTheDensitiesOfTheLiterature) {
   EXPECT_EQ(weidmann_mps(6), 0);
 }
 
-/// As RiMEA 12 has them, with a queue of 2.3 per m2 before the exit of the second room.
+/// The necks of RiMEA 12, with a queue of 2.3 per m2 before the exit of the second room.
 std::vector<NeckPassage> queue_before_the_exit() {
   const Crowding jam{6, 0.8, 0.6}, queue{2.3, 0.4, 0};
   return {{0.8, 1.4, true, jam, queue}, {1, 1.8, true, jam, queue}, {1.2, 2, true, jam, jam}};
@@ -78,7 +77,7 @@ Verdict verdict_of(const std::vector<NeckPassage>& necks) {
   return judged({}, judge_necks(necks, 1)).verdict();
 }
 
-TEST(Necks, DifferForAQueueBeforeTheExitOfTheSecondRoom) {
+TEST(NeckVerdict, DiffersForAQueueBeforeTheExit) {
   std::vector<NeckPassage> necks = queue_before_the_exit();
   EXPECT_EQ(verdict_of(necks), Verdict::kDiffers);
   EXPECT_THAT(judge_necks(necks, 1).summary,
@@ -86,12 +85,12 @@ TEST(Necks, DifferForAQueueBeforeTheExitOfTheSecondRoom) {
                                  "exit of the second room, where RiMEA expects no congestion: "
                                  "people queue (more than 1.75 per m2 for 40 % of the time"));
   necks[1].before_exit = {1.76, 0.01, 0};
-  EXPECT_EQ(verdict_of(necks), Verdict::kDiffers) << "however short it is";
+  EXPECT_EQ(verdict_of(necks), Verdict::kDiffers) << "regardless of its duration";
   necks[1].before_exit = {1.74, 0, 0};
   EXPECT_EQ(verdict_of(necks), Verdict::kPass);
 }
 
-TEST(Necks, FailForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
+TEST(NeckVerdict, FailsForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
   std::vector<NeckPassage> necks = queue_before_the_exit();
   necks[1].before_exit = {4.5, 0.5, 0.11};
   EXPECT_EQ(verdict_of(necks), Verdict::kFail);
@@ -100,7 +99,7 @@ TEST(Necks, FailForAJamBeforeTheExitAndForNoneBeforeTheNeck) {
   EXPECT_EQ(verdict_of(necks), Verdict::kFail);
 }
 
-TEST(Necks, FailForAFlowThatDoesNotGrowAndForPeopleLeftBehindWhateverTheQueue) {
+TEST(NeckVerdict, FailsForAFlowThatDoesNotGrowAndForPeopleLeftBehind) {
   std::vector<NeckPassage> necks = queue_before_the_exit();
   necks[2].flow_per_s = necks[1].flow_per_s;
   EXPECT_EQ(verdict_of(necks), Verdict::kFail);
@@ -110,16 +109,16 @@ TEST(Necks, FailForAFlowThatDoesNotGrowAndForPeopleLeftBehindWhateverTheQueue) {
   EXPECT_EQ(verdict_of({}), Verdict::kFail);
   necks = queue_before_the_exit();
   necks.erase(necks.begin() + 1);
-  EXPECT_EQ(verdict_of(necks), Verdict::kFail) << "no neck as wide as the exit";
+  EXPECT_EQ(verdict_of(necks), Verdict::kFail) << "no neck has the width of the exit";
 }
 
-TEST(Necks, PeopleQueueWhereDenserOnesCarryLess) {
+TEST(NeckVerdict, DefinesQueuesByTheDensityOfMaximumFlow) {
   const auto flow = [](double per_m2) { return per_m2 * weidmann_mps(per_m2); };
   EXPECT_GT(flow(kQueue_per_m2), flow(kQueue_per_m2 - 0.05));
   EXPECT_GT(flow(kQueue_per_m2), flow(kQueue_per_m2 + 0.05));
 }
 
-/// In the middle of what was recorded at each density.
+/// Speeds in the middle of the recorded range at each density.
 std::vector<UnidirectionalSpeed> recorded_speeds_of_one_way() {
   std::vector<UnidirectionalSpeed> points;
   for (const double per_m2 : {0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
@@ -129,7 +128,7 @@ std::vector<UnidirectionalSpeed> recorded_speeds_of_one_way() {
   return points;
 }
 
-TEST(SpeedsOfOneWay, NearABoundAreNamed) {
+TEST(UnidirectionalVerdict, NamesReadingsWithinTenPercentOfABound) {
   std::vector<UnidirectionalSpeed> points = recorded_speeds_of_one_way();
   EXPECT_THAT(judge_unidirectional(points).summary,
               testing::HasSubstr("6 of 6 as recorded; none within 10 % of a bound"));
@@ -150,7 +149,7 @@ TEST(SpeedsOfOneWay, NearABoundAreNamed) {
               testing::HasSubstr("at most"));
 }
 
-TEST(SpeedsOfOneWay, FailOutsideABoundAndAreNamedHoweverFarOff) {
+TEST(UnidirectionalVerdict, FailsOutsideABoundAndNamesTheReading) {
   std::vector<UnidirectionalSpeed> points = recorded_speeds_of_one_way();
   points[0].speed_mps = 9;
   points[5].speed_mps = 0.01;
@@ -160,39 +159,39 @@ TEST(SpeedsOfOneWay, FailOutsideABoundAndAreNamedHoweverFarOff) {
   EXPECT_THAT(judgement.summary, testing::HasSubstr(", outside), 0.01 m/s at 3 per m2 (at least "));
   points = recorded_speeds_of_one_way();
   points[6].speed_mps = 9;
-  EXPECT_TRUE(judge_unidirectional(points).passed) << "4 per m2 is shown, not judged";
+  EXPECT_TRUE(judge_unidirectional(points).passed) << "4 per m2 is reported only";
   EXPECT_EQ(marginal_readings(judge_unidirectional(points).readings), "");
   points[0].density_per_m2 = 0.1;
-  EXPECT_FALSE(judge_unidirectional(points).passed) << "nobody was recorded there";
+  EXPECT_FALSE(judge_unidirectional(points).passed) << "no recordings at this density";
   EXPECT_FALSE(judge_unidirectional({}).passed);
 }
 
-TEST(Validation, FlowIsPeopleAfterTheFirstOverTheirTime) {
+TEST(FlowPerSecond, DividesThePeopleAfterTheFirstByTheirTime) {
   EXPECT_DOUBLE_EQ(flow_per_s({10, 11, 12, 13}), 1);
   EXPECT_EQ(flow_per_s({5}), 0);
 }
 
-TEST(Validation, AGateCountsEverybodyOnceAtTheMomentOfPassing) {
+TEST(Gate, RecordsTheFirstPassageOfEachPerson) {
   Plan plan("gate", {{0, 0}, {20, 2}}, {}, 1);
   Group& walker = plan.people(1, {{1, 0.9}, {1.2, 1.1}}, {{{18, 0}, {20, 2}}});
   walker.speed_mps = fixed(1);
   Trial trial(plan);
-  Gate near(Gate::Along::kX, 5, 0, 2);
+  Gate front(Gate::Along::kX, 5, 0, 2);
   Gate far(Gate::Along::kX, 15, 0, 2);
-  Gate beside(Gate::Along::kX, 10, 1.8, 2);
+  Gate outside(Gate::Along::kX, 10, 1.8, 2);
   Gate backwards(Gate::Along::kX, 10, 0, 2, false);
   while (trial.step(60))
-    for (Gate* gate : {&near, &far, &beside, &backwards}) gate->watch(trial);
-  ASSERT_EQ(near.passages().size(), 1u);
+    for (Gate* gate : {&front, &far, &outside, &backwards}) gate->watch(trial);
+  ASSERT_EQ(front.passages().size(), 1u);
   ASSERT_EQ(far.passages().size(), 1u);
-  EXPECT_NEAR(far.times_s()[0] - near.times_s()[0], 10, 0.05);
-  EXPECT_TRUE(beside.passages().empty());
+  EXPECT_NEAR(far.times_s()[0] - front.times_s()[0], 10, 0.05);
+  EXPECT_TRUE(outside.passages().empty());
   EXPECT_TRUE(backwards.passages().empty());
-  EXPECT_EQ(trial.present(), 0u) << "who arrives leaves";
+  EXPECT_EQ(trial.present(), 0u) << "people leave on arrival";
 }
 
-TEST(Validation, WallsStopPeopleAndAreNotCountedAsCrossed) {
-  // A box without a door: nobody gets to the goal, nobody through the wall.
+TEST(Trial, CountsNoCrossingIfWallsStopPeople) {
+  // A box without a door: no person reaches the goal or passes a wall.
   Plan plan("cell", {{0, 0}, {10, 4}}, {}, 1);
   plan.wall_along_y(0, 4, 5, {}, 1);
   plan.people(4, {{0.5, 0.5}, {4.5, 3.5}}, {{{8, 0}, {10, 4}}});
@@ -202,7 +201,7 @@ TEST(Validation, WallsStopPeopleAndAreNotCountedAsCrossed) {
   for (size_t id = 0; id < trial.size(); ++id) EXPECT_LT(trial.position_m(id).x(), 5);
 }
 
-TEST(Validation, RowsPlaceAsManyPeopleAsAskedFor) {
+TEST(Plan, PlacesTheRequestedNumberOfPeopleInRows) {
   Plan plan("rows", {{0, 0}, {12, 5}}, {}, 1);
   plan.people_in_rows(10, 10, {{0, 0}, {8, 5}}, {{{10.5, 0}, {12, 5}}});
   const Trial trial(plan);

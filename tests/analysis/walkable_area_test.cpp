@@ -1,4 +1,4 @@
-// The walkable area as polygons says the same as the walls that steering obeys.
+// The walkable area agrees with the walls that steering obeys.
 #include "analysis/trajectories/walkable_area.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,6 @@ double signed_area_m2(const Ring& ring) {
   return 0.5 * doubled;
 }
 
-/// Even-odd rule over one ring.
 bool inside(const Ring& ring, const Eigen::Vector2d& p) {
   bool is_inside = false;
   for (size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
@@ -46,13 +45,13 @@ Scene ground_of(double half_m) {
   return scene;
 }
 
-TEST(WalkableArea, OfAnEmptyGroundIsTheGround) {
+TEST(WalkableArea, IsTheGroundWithoutObstacles) {
   EXPECT_EQ(trajectory_area(ground_of(2), {}).wkt,
             "POLYGON ((-2.0000 -2.0000, 2.0000 -2.0000, 2.0000 2.0000, -2.0000 2.0000, "
             "-2.0000 -2.0000))");
 }
 
-TEST(WalkableArea, HasAHoleForAnObstacleThatStandsFree) {
+TEST(WalkableArea, HasAHoleForAFreeStandingObstacle) {
   Scene scene = ground_of(5);
   scene.obstacles = {box(0, 0, 2, 1)};
   const auto area = walkable_area(scene);
@@ -62,7 +61,7 @@ TEST(WalkableArea, HasAHoleForAnObstacleThatStandsFree) {
   EXPECT_NEAR(signed_area_m2(area[0].holes[0]), -2, 1e-2) << "holes run clockwise";
 }
 
-TEST(WalkableArea, FallsApartWhereAWallCutsTheGround) {
+TEST(WalkableArea, IsSplitByAWall) {
   Scene scene = ground_of(5);
   scene.obstacles = {box(2, 0, 0.2, 10)};
   const auto area = walkable_area(scene);
@@ -70,15 +69,15 @@ TEST(WalkableArea, FallsApartWhereAWallCutsTheGround) {
   EXPECT_GT(signed_area_m2(area[0].outline), signed_area_m2(area[1].outline));
 }
 
-TEST(WalkableArea, InPiecesAsksWhichOneATrajectoryHas) {
+TEST(WalkableArea, RequiresAChoiceBetweenPieces) {
   Scene scene = ground_of(5);
   scene.name = "cut";
   scene.obstacles = {box(2, 0, 0.2, 10)};
   EXPECT_THAT([&] { trajectory_area(scene, {}); },
               testing::ThrowsMessage<InputError>(
-                  "--trajectory-area: expected to be told which piece of the walkable area a "
-                  "trajectory has, as SQLite holds one, found 2 pieces, the largest of 69.0 and "
-                  "29.0 m2; 'largest' or a number from 1 chooses one by its size"));
+                  "--trajectory-area: expected the piece of the walkable area for the "
+                  "trajectory, as SQLite holds only one, found 2 pieces, the largest of 69.0 and "
+                  "29.0 m2; choose 'largest', or a number from 1 in order of size"));
   EXPECT_THAT([&] { trajectory_area(scene, 3, "trajectory_area"); },
               testing::ThrowsMessage<InputError>(
                   "trajectory_area: expected a piece of the walkable area of 'cut', from 1 to 2, "
@@ -91,17 +90,17 @@ TEST(WalkableArea, InPiecesAsksWhichOneATrajectoryHas) {
     EXPECT_EQ(trajectory_piece(word), std::nullopt) << word;
 }
 
-TEST(WalkableArea, PiecesThatNobodyFitsInDoNotCount) {
+TEST(WalkableArea, IgnoresPiecesTooSmallForADisc) {
   Scene scene = ground_of(5);
-  // Between each two there are 5 cm by 5 cm.
+  // Squares of 5 cm remain between the boxes.
   scene.obstacles = {box(0, 0, 1, 0.05), box(0, 0.1, 1, 0.05), box(-0.025, 0.05, 0.05, 0.05),
                      box(0.075, 0.05, 0.05, 0.05)};
   EXPECT_EQ(walkable_area(scene).size(), 2u);
   EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
 }
 
-TEST(WalkableArea, StripsTooNarrowForTheThinnestDiscDoNotCount) {
-  // Between a wall and the ground's edge a strip of this width, 10 m long.
+TEST(WalkableArea, IgnoresStripsTooNarrowForADisc) {
+  // A strip of this width, 10 m long, between a wall and the edge of the ground.
   const auto pieces_beside = [](double width_m, double heading_rad) {
     Scene scene = ground_of(5);
     scene.obstacles = {box(0, 4.9 - width_m, 12, 0.2, heading_rad)};
@@ -109,11 +108,10 @@ TEST(WalkableArea, StripsTooNarrowForTheThinnestDiscDoNotCount) {
     return trajectory_area(scene, std::nullopt).pieces;
   };
   for (const double width_m : {0.001, 0.03, 0.08, 0.099}) EXPECT_EQ(pieces_beside(width_m, 0), 1u);
-  EXPECT_THROW(pieces_beside(0.11, 0), InputError) << "to be told which of two";
-  // A wedge, narrow at one end only.
+  EXPECT_THROW(pieces_beside(0.11, 0), InputError) << "two pieces";
   EXPECT_THROW(pieces_beside(0.11, 0.01), InputError);
 
-  // A strip that is larger than a piece where people can stand.
+  // A strip larger than the smallest usable piece.
   Scene scene = ground_of(5);
   scene.obstacles = {box(0, 4.87, 12, 0.2), box(0, 4, 12, 0.1), box(4.7, 4.4, 0.1, 0.8)};
   ASSERT_EQ(walkable_area(scene).size(), 4u);
@@ -121,14 +119,14 @@ TEST(WalkableArea, StripsTooNarrowForTheThinnestDiscDoNotCount) {
   EXPECT_THROW(trajectory_area(scene, 4), InputError);
   EXPECT_THAT(trajectory_area(scene, 3).wkt, testing::StartsWith("POLYGON ((4.7501 4.05"));
 
-  // A frame around a pillar, as narrow everywhere.
+  // A frame around a pillar, narrow everywhere.
   scene.obstacles = {box(0, 0, 2, 0.1), box(0, 2, 2, 0.1), box(-1, 1, 0.1, 2), box(1, 1, 0.1, 2),
                      box(0, 1, 1.8, 1.8)};
   ASSERT_EQ(walkable_area(scene).size(), 2u);
   EXPECT_EQ(trajectory_area(scene, {}).pieces, 1u);
 }
 
-TEST(WalkableArea, HoldsTheIslandInAHoleOfARecordingsArea) {
+TEST(WalkableArea, ContainsAnIslandInAHoleOfARecordedArea) {
   Scene scene = ground_of(5);
   scene.area = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},
                 {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, {}}};
@@ -138,14 +136,14 @@ TEST(WalkableArea, HoldsTheIslandInAHoleOfARecordingsArea) {
   EXPECT_NEAR(signed_area_m2(area[1].outline), 4, 1e-3);
 }
 
-TEST(WalkableArea, OfACoveredGroundIsEmpty) {
+TEST(WalkableArea, IsEmptyIfObstaclesCoverTheGround) {
   Scene scene = ground_of(1);
   scene.obstacles = {box(0, 0, 4, 4)};
   EXPECT_TRUE(walkable_area(scene).empty());
   EXPECT_THROW(trajectory_area(scene, 1), InputError);
 }
 
-TEST(WalkableArea, BoxesThatTouchInACornerJoin) {
+TEST(WalkableArea, JoinsBoxesThatTouchAtACorner) {
   Scene scene = ground_of(5);
   scene.obstacles = {box(-1, -1, 2, 2), box(1, 1, 2, 2)};
   const auto area = walkable_area(scene);
@@ -153,7 +151,7 @@ TEST(WalkableArea, BoxesThatTouchInACornerJoin) {
   EXPECT_EQ(area[0].holes.size(), 1u);
 }
 
-TEST(WalkableArea, HoldsThePointsThatPeopleMayStandOn) {
+TEST(WalkableArea, ContainsAllPointsWherePeopleMayStand) {
   const Scene scene = crossing(1, 0);
   const Walkable walkable(scene);
   const auto area = walkable_area(scene);
@@ -164,7 +162,7 @@ TEST(WalkableArea, HoldsThePointsThatPeopleMayStandOn) {
     const Eigen::Vector2d point(random_uniform({5, i}, -15, 15, 0),
                                 random_uniform({5, i}, -15, 15, 1));
     const double clearance_m = walkable.clearance_m(point);
-    if (std::abs(clearance_m) < 1e-3) continue;  // too near an edge to tell
+    if (std::abs(clearance_m) < 1e-3) continue;  // too close to an edge
     walkable_points += clearance_m > 0;
     EXPECT_EQ(inside(area[0], point), clearance_m > 0) << point.transpose();
   }

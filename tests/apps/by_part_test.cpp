@@ -1,5 +1,5 @@
-// Counts and volumes by part as a user meets them: `throng run --part-pairs`, `--part-volume` as a
-// map, `throng render --volumes`.
+// Counts and volumes by part: `throng run --part-pairs`, `--part-volume` as a map, `throng render
+// --volumes`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Sums {
   uint64_t tests = 0, passed = 0, touching = 0;
 };
 
-/// By stage, of a by_part.csv.
+/// Sums by stage of a part_pairs.csv.
 std::map<std::string, Sums> sums_of(const std::string& csv) {
   std::map<std::string, Sums> sums;
   std::istringstream lines(csv);
@@ -45,7 +45,7 @@ std::map<std::string, Sums> sums_of(const std::string& csv) {
   return sums;
 }
 
-TEST(ByPartCommand, SumsAreTheCountersOfTheRun) {
+TEST(PartPairs, AddUpToTheCountersOfTheRun) {
   const ScratchFolder folder;
   for (const char* run : {"bottleneck --avatars 60 --seconds 9 --log b.lcmlog",
                           "b.lcmlog --log off", "paper_50 --seconds 1 --log off"})
@@ -55,14 +55,14 @@ TEST(ByPartCommand, SumsAreTheCountersOfTheRun) {
           folder);
       ASSERT_EQ(outcome.exit_code, 0) << run << outcome.err;
       const auto stages = nlohmann::json::parse(read_file(folder / "r.json"))["stages"];
-      std::map<std::string, Sums> sums = sums_of(read_file(folder / "parts/by_part.csv"));
+      std::map<std::string, Sums> sums = sums_of(read_file(folder / "parts/part_pairs.csv"));
       EXPECT_GE(sums.size(), *exact == 0 ? 4u : 5u);  // a log may ask for triangles itself
       for (const auto& [stage, sum] : sums) {
         EXPECT_EQ(sum.tests, stages[stage]["tests"].get<uint64_t>()) << run << ", " << stage;
         EXPECT_EQ(sum.passed, stages[stage]["passed"].get<uint64_t>()) << run << ", " << stage;
       }
-      EXPECT_EQ(sums["part"].touching, sums["part_box"].touching) << run;
-      EXPECT_GT(sums["part"].touching, 0u) << run;
+      EXPECT_EQ(sums["part_volume"].touching, sums["part_box"].touching) << run;
+      EXPECT_GT(sums["part_volume"].touching, 0u) << run;
     }
   for (const char* refused : {"--budget-tests 5", "--budget-ms 5", "--strategy two-pass"}) {
     const Outcome outcome = shell(
@@ -72,7 +72,7 @@ TEST(ByPartCommand, SumsAreTheCountersOfTheRun) {
   }
 }
 
-TEST(PartVolumeMap, IsKeptInTheLogAndRunAgain) {
+TEST(PartVolumeMap, IsStoredInTheLogAndReused) {
   const ScratchFolder folder;
   const auto hash_of = [&](const std::string& command) {
     const Outcome outcome = shell(command + " --lcm off --json r.json", folder);
@@ -84,7 +84,8 @@ TEST(PartVolumeMap, IsKeptInTheLogAndRunAgain) {
       hash_of("throng run bottleneck --avatars 60 --seconds 9 --log m.lcmlog --part-volume " + map);
   EXPECT_THAT(shell("throng info m.lcmlog", folder).out,
               HasSubstr("hands: sphere, torso: ordop18, default: obb"));
-  // Poses of a log are rounded, but alike each time; its volumes are kept unless others are asked.
+  // Poses of a log are rounded, but alike each time. Its volumes are kept unless an option changes
+  // them.
   const std::string again = hash_of("throng run m.lcmlog --log off");
   EXPECT_EQ(again, hash_of("throng run m.lcmlog --log off --part-volume " + map));
   EXPECT_NE(again, hash_of("throng run m.lcmlog --log off --part-volume obb"));
@@ -107,7 +108,7 @@ TEST(PartVolumeMap, IsKeptInTheLogAndRunAgain) {
   EXPECT_EQ(line_count(strategy.err), 1) << strategy.err;
 }
 
-TEST(RenderVolumes, DrawsWhatIsAskedFor) {
+TEST(RenderVolumes, DrawsTheRequestedVolumes) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run paper_50 --seconds 1 --lcm off --log p.lcmlog", folder).exit_code, 0);
   const std::string line = "throng render p.lcmlog --frame 30 --width 160 --height 120 ";

@@ -13,8 +13,7 @@ namespace throng {
 namespace fs = std::filesystem;
 namespace {
 
-/// Where the command is that is tested: of an installed package where $THRONG_TESTED names its
-/// folder, and what is not there, as all else, of the build.
+/// Folder of the tested command: $THRONG_TESTED of an installed package, otherwise the build.
 std::string programs() {
   const char* installed = std::getenv("THRONG_TESTED");
   return installed == nullptr ? THRONG_BINARY_DIR

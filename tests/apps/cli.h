@@ -1,5 +1,5 @@
-// The built programs as a user meets them: a command, a folder, what comes out.
-// One rule: nothing is linked from the programs; what counts is what a terminal shows.
+// shell() runs the built programs as a user does: a command, a folder, its output.
+// Invariant: nothing is linked from the programs.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace throng {
 
-/// A folder of its own for each test, removed at the end.
+/// A temporary folder, removed at the end.
 class ScratchFolder {
  public:
   ScratchFolder();
@@ -29,18 +29,17 @@ struct Outcome {
   std::string err;
 };
 
-/// Runs a line of POSIX sh in a folder without a terminal or input; `throng` and `hello` are on its
-/// PATH.
+/// Runs a line of POSIX sh in a folder, without a terminal or input; PATH holds `throng` and
+/// `hello`.
 Outcome shell(const std::string& line, const ScratchFolder& folder);
 
-/// The whole file; throws if it cannot be read.
+/// Returns the whole file; throws if it cannot be read.
 std::string read_file(const std::filesystem::path& file);
 void write_file(const std::filesystem::path& file, const std::string& text);
 
 /// A path inside the repository, quoted for sh.
 std::string repository(const std::string& path);
 
-/// How many lines a text has.
 int line_count(const std::string& text);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// `throng compare` from outside: a table for people, JSON and figures, and what it refuses.
+// `throng compare`: table, JSON, figures and errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Compare, PutsTwoScenesSideBySide) {
+TEST(Compare, ComparesTwoScenes) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng compare corridor crossing --seconds 4 --json c.json --out report", folder);
@@ -39,23 +39,23 @@ TEST(Compare, PutsTwoScenesSideBySide) {
   EXPECT_THAT(read_file(folder / "report/speed_density.svg"), HasSubstr("</svg>"));
 }
 
-TEST(Compare, OfALogWithTheSceneThatItIsOfIsNoDifference) {
+TEST(Compare, FindsNoDifferenceBetweenALogAndItsScene) {
   const ScratchFolder folder;
   ASSERT_EQ(
       shell("throng run corridor --seconds 3 --exact --lcm off --log a.lcmlog", folder).exit_code,
       0);
   const Outcome outcome = shell("throng compare a.lcmlog corridor --seconds 3 --json -", folder);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);  // alone on stdout
+  const auto json = nlohmann::json::parse(outcome.out);  // only JSON on stdout
   int compared = 0, one_sided = 0;
   for (const char* measure :
        {"speed_density", "spacing", "flow", "width_use", "accelerations", "contacts", "depth"})
     for (const auto& row : json[measure]) {
-      // A bin may have just enough values on one side.
+      // A bin may have enough values on one side only.
       const bool is_one_sided = row["a"].is_null() || row["b"].is_null();
       ++(is_one_sided ? one_sided : compared);
       if (is_one_sided) continue;
-      // A log has positions to a fraction of a millimetre.
+      // A log rounds positions to a fraction of a millimetre.
       EXPECT_NEAR(row["a"].get<double>(), row["b"].get<double>(),
                   0.02 + 0.02 * std::abs(row["a"].get<double>()))
           << measure << ": " << row;
@@ -63,7 +63,7 @@ TEST(Compare, OfALogWithTheSceneThatItIsOfIsNoDifference) {
   EXPECT_GT(compared, 10 * one_sided);
 }
 
-TEST(Compare, ALineThatIsAskedForIsTheOneThatIsMeasured) {
+TEST(Compare, MeasuresFlowAtTheGivenLine) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng compare corridor corridor --seconds 2 --line 0,-3,0,3 --json -", folder);
@@ -73,7 +73,7 @@ TEST(Compare, ALineThatIsAskedForIsTheOneThatIsMeasured) {
   EXPECT_EQ(json["flow"][1]["a"], json["flow"][1]["b"]);
 }
 
-TEST(Compare, RefusesWhatItCannotReadBeforeAnythingChanges) {
+TEST(Compare, RejectsBadInputBeforeAnyOutput) {
   Workplace place;
   expect_refused(place, "throng compare my.yaml nowhere.yaml --json out.json", "nowhere");
   expect_refused(place, "throng compare my.yaml body.tri --json out.json", "body.tri");

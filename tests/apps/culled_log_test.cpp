@@ -1,4 +1,4 @@
-// `throng run` over a log: its poses with other options, and all outputs of any run.
+// `throng run` on a log: its poses with other options, and all outputs of any run.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 using Json = nlohmann::json;
 
-/// A folder with the log of a short run in which a robot is among people.
+/// A folder with the log of a short run of a robot among people.
 class CulledLog : public testing::Test {
  protected:
   void SetUp() override {
@@ -22,7 +22,7 @@ class CulledLog : public testing::Test {
   Json simulated_;
 };
 
-TEST_F(CulledLog, HasTheOptionsOfItsRunUnlessOthersAreAskedFor) {
+TEST_F(CulledLog, KeepsTheOptionsOfItsRunByDefault) {
   const Json again = run_json("a.lcmlog --log b.lcmlog", folder_);
   EXPECT_EQ(again["scene"], simulated_["scene"]);
   EXPECT_EQ(again["seed"], simulated_["seed"]);
@@ -30,29 +30,29 @@ TEST_F(CulledLog, HasTheOptionsOfItsRunUnlessOthersAreAskedFor) {
   EXPECT_EQ(again["frames"], simulated_["frames"]);
   EXPECT_EQ(again["step_s"], simulated_["step_s"]);
   EXPECT_NE(again["run_id"], simulated_["run_id"]);
-  EXPECT_EQ(again["stages"]["part"]["volume"], simulated_["stages"]["part"]["volume"]);
+  EXPECT_EQ(again["stages"]["part_volume"]["volume"],
+            simulated_["stages"]["part_volume"]["volume"]);
   const auto persist = [](const Json& run) { return run["events"]["persist"].get<double>(); };
   EXPECT_NEAR(persist(again), persist(simulated_), 0.02 * persist(simulated_));
   const Json other = run_json("a.lcmlog --exact --part-volume obb --log off", folder_);
-  EXPECT_EQ(other["stages"]["part"]["volume"], "obb");
+  EXPECT_EQ(other["stages"]["part_volume"]["volume"], "obb");
   EXPECT_LT(persist(other), persist(simulated_)) << "triangles decide";
   EXPECT_EQ(shell("throng check b.lcmlog", folder_).exit_code, 0);
 }
 
-/// The same points whether the option or the scene asks for them, in the summary, the log, its
-/// table.
-TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
+/// The option and the scene key give the same points in summary, log and table.
+TEST_F(CulledLog, HasContactPointsOnRequest) {
   const std::string exact = "robot_in_crowd --seconds 1 --exact ";
   const Json plain = run_json(exact + "--log plain.lcmlog", folder_);
   const Json with = run_json(exact + "--contact-points --log with.lcmlog", folder_);
   EXPECT_FALSE(plain.contains("contact_points"));
-  EXPECT_FALSE(with.contains("near"));
+  EXPECT_FALSE(with.contains("proximity"));
   EXPECT_EQ(with["hash"], plain["hash"]);
   const int64_t points = with["contact_points"]["points"];
   EXPECT_EQ(points,
             with["events"]["begin"].get<int64_t>() + with["events"]["persist"].get<int64_t>());
   EXPECT_GT(points, 0);
-  EXPECT_GT(with["contact_points"]["deepest_m"], 0);
+  EXPECT_GT(with["contact_points"]["max_depth_m"], 0);
   for (const char* log : {"with.lcmlog", "again.lcmlog"}) {
     if (std::string(log) == "again.lcmlog")
       run_json("with.lcmlog --contact-points --log again.lcmlog", folder_);
@@ -61,8 +61,9 @@ TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
     EXPECT_THAT(shell("throng info " + std::string(log), folder_).out,
                 HasSubstr("THRONG_CONTACT_POINTS           60"));
     const std::string table =
-        shell("throng export " + std::string(log) + " --csv contacts", folder_).out;
-    EXPECT_THAT(table, StartsWith("frame,time_s,a,b,name_a,name_b,part_a,part_b,x_m,y_m,z_m,"));
+        shell("throng export " + std::string(log) + " --csv contact_points", folder_).out;
+    EXPECT_THAT(table,
+                StartsWith("frame,time_s,body_a,body_b,name_a,name_b,part_a,part_b,x_m,y_m,z_m,"));
     EXPECT_NEAR(static_cast<double>(line_count(table) - 1), static_cast<double>(points),
                 0.05 * static_cast<double>(points) + 5);
   }
@@ -70,17 +71,17 @@ TEST_F(CulledLog, HasPointsOfContactWhereTheyAreAskedFor) {
               Not(HasSubstr("THRONG_CONTACT_POINTS")));
 }
 
-TEST_F(CulledLog, IsNamedInTheResults) {
+TEST_F(CulledLog, IsNamedInTheJson) {
   const Json recording = run_json("a.lcmlog --log off", folder_)["recording"];
   EXPECT_EQ(recording["kind"], "throng log");
   EXPECT_EQ(recording["people"], simulated_["avatars"]);
   EXPECT_EQ(recording["frames"], 60);
   EXPECT_DOUBLE_EQ(recording["fps"].get<double>(), 60);
-  EXPECT_EQ(recording["odd"], Json::array());
+  EXPECT_EQ(recording["anomalies"], Json::array());
   EXPECT_FALSE(simulated_.contains("recording"));
 }
 
-TEST_F(CulledLog, IsNeverWrittenOver) {
+TEST_F(CulledLog, IsNeverOverwritten) {
   ASSERT_EQ(shell("throng run robot_in_crowd --seconds 0.1 --lcm off", folder_).exit_code, 0);
   const std::string before = read_file(folder_ / "out/robot_in_crowd.lcmlog");
   EXPECT_EQ(shell("throng run out/robot_in_crowd.lcmlog --lcm off", folder_).exit_code, 0);
@@ -95,22 +96,22 @@ TEST_F(CulledLog, IsNeverWrittenOver) {
   EXPECT_EQ(read_file(folder_ / "out/robot_in_crowd.lcmlog"), before);
 }
 
-TEST_F(CulledLog, PeopleAreAsTheyWere) {
-  for (const char* option : {"--avatars 5", "--seed 2", "--steering speed"}) {
+TEST_F(CulledLog, RejectsOptionsThatChangePeople) {
+  for (const char* option : {"--avatars 5", "--seed 2", "--steering collision_free_speed"}) {
     const Outcome outcome =
         shell("throng run a.lcmlog --lcm off --log off " + std::string(option), folder_);
     EXPECT_EQ(outcome.exit_code, 2) << option;
     EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("whoever is in a log is as the log has it"));
+    EXPECT_THAT(outcome.err, HasSubstr("a log contains its people"));
   }
   const Outcome longer = shell("throng run a.lcmlog --lcm off --log off --seconds 9", folder_);
   EXPECT_EQ(longer.exit_code, 0);
-  EXPECT_THAT(longer.err, HasSubstr("note: a.lcmlog is over after 1 s"));
+  EXPECT_THAT(longer.err, HasSubstr("note: a.lcmlog ends after 1 s"));
   EXPECT_EQ(run_json("a.lcmlog --log off --seconds 0.5", folder_)["frames"], 30);
 }
 
-TEST_F(CulledLog, GoesOnFromACheckpoint) {
-  const Json whole = run_json("a.lcmlog --log off --checkpoint c --every 0.7", folder_);
+TEST_F(CulledLog, ResumesFromACheckpoint) {
+  const Json whole = run_json("a.lcmlog --log off --checkpoint c --checkpoint-every 0.7", folder_);
   const Json rest = run_json("a.lcmlog --resume c", folder_);
   EXPECT_EQ(rest["hash"], whole["hash"]);
   EXPECT_EQ(rest["frames"], 18);
@@ -124,7 +125,7 @@ TEST_F(CulledLog, GoesOnFromACheckpoint) {
   EXPECT_EQ(line_count(other.err), 1) << other.err;
 }
 
-TEST_F(CulledLog, IsATrajectoryAPageAndContactsAsAnyRun) {
+TEST_F(CulledLog, WritesTrajectoryPageAndContacts) {
   const Outcome outcome = shell(
       "throng run a.lcmlog --lcm off --log b.lcmlog --trajectory t.csv --html p.html --contacts c",
       folder_);
@@ -134,13 +135,13 @@ TEST_F(CulledLog, IsATrajectoryAPageAndContactsAsAnyRun) {
   EXPECT_GT(read_file(folder_ / "p.html").size(), 10'000u);
 }
 
-TEST_F(CulledLog, WhatIsWrongWithItIsSaidInALine) {
+TEST_F(CulledLog, ReportsDamageInOneLine) {
   const std::string whole = read_file(folder_ / "a.lcmlog");
   write_file(folder_ / "torn.lcmlog", whole.substr(0, whole.size() * 4 / 5));
   const Outcome torn = shell("throng run torn.lcmlog --lcm off --log off", folder_);
   EXPECT_EQ(torn.exit_code, 0) << torn.err;
   EXPECT_THAT(torn.err, HasSubstr("note: torn.lcmlog: it ends inside a message"));
-  // A log of something else, one with no poses, one that ends within its description.
+  // A foreign log, one without poses, one that ends within its description.
   std::string foreign("\xED\xA1\xDA\x01", 4);
   foreign += std::string(19, '\0') + "\x03" + std::string(3, '\0') + "\x02" + "ABCxy";
   write_file(folder_ / "foreign.lcmlog", foreign);

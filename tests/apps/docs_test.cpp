@@ -1,4 +1,4 @@
-// Every command that the documents mark as runnable works as shown.
+// Every command that the documents mark as runnable works.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A fenced block. "```sh run" is run, "```sh recordings" where THRONG_RECORDINGS names a folder of
-/// recordings; "```yaml NAME", "```python NAME" and "```xml NAME" are files that later commands of
-/// the document use.
+/// A fenced block of a document. "```sh run" is run; "```sh recordings" only if THRONG_RECORDINGS
+/// names a folder of recordings. "```yaml NAME", "```python NAME" and "```xml NAME" are files for
+/// later commands of the document.
 struct Block {
   int line = 0;
   std::string info;
@@ -50,7 +50,7 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-/// Runs the blocks of a kind in a folder that has the documents' own scenes; returns how many.
+/// Runs the blocks of a kind in a folder with the document's files; returns their number.
 int run_blocks(const std::string& kind) {
   int commands = 0;
   for (const fs::path& document : documents()) {
@@ -74,28 +74,28 @@ int run_blocks(const std::string& kind) {
   return commands;
 }
 
-TEST(Documents, CommandsWorkAsShown) {
-  if (!test::is_nightly()) GTEST_SKIP() << "a minute: with THRONG_NIGHTLY=1";
+TEST(Documents, ShowWorkingCommands) {
+  if (!test::is_nightly()) GTEST_SKIP() << "takes a minute: set THRONG_NIGHTLY=1";
   EXPECT_GE(run_blocks("sh run"), 3);
 }
 
-TEST(Documents, CommandsWithRecordingsWorkAsShown) {
+TEST(Documents, ShowWorkingCommandsForRecordings) {
   if (std::getenv("THRONG_RECORDINGS") == nullptr)
     GTEST_SKIP()
-        << "THRONG_RECORDINGS names no folder of recordings; docs/recordings.md says where "
-           "they come from";
+        << "THRONG_RECORDINGS names no folder of recordings; docs/recordings.md lists their "
+           "sources";
   EXPECT_GE(run_blocks("sh recordings"), 1);
 }
 
-TEST(Documents, TheSchemaOfScenesIsWhatTheCommandPrints) {
+TEST(Documents, ContainTheSchemaThatTheCommandPrints) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng scenes --schema", folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(outcome.out == read_file(fs::path(THRONG_SOURCE_DIR) / "scenes/scene.schema.json"))
-      << "scripts/docs.sh --update writes scenes/scene.schema.json anew";
+      << "scripts/docs.sh --update rewrites scenes/scene.schema.json";
 }
 
-TEST(Documents, LinksLeadToFiles) {
+TEST(Documents, LinkToExistingFiles) {
   const fs::path top(THRONG_SOURCE_DIR);
   for (const fs::path& document : documents()) {
     const std::string text = read_file(document);

@@ -1,4 +1,4 @@
-// What goes wrong is one line on stderr: expected, found, what was meant; and the right exit code.
+// Errors are one line on stderr with a suggestion, and set the right exit code.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using testing::IsEmpty;
 struct Mistake {
   std::string name;
   std::string line;
-  std::string said;  ///< what the message must contain
+  std::string said;  ///< text that the message must contain
   int exit_code = 2;
 };
 
@@ -24,7 +24,7 @@ void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.line; 
 
 class Mistakes : public testing::TestWithParam<Mistake> {};
 
-TEST_P(Mistakes, IsOneLineThatHelps) {
+TEST_P(Mistakes, PrintOneHelpfulLine) {
   const ScratchFolder folder;
   const Outcome outcome = shell(GetParam().line, folder);
   EXPECT_EQ(outcome.exit_code, GetParam().exit_code) << outcome.err;
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"RenderMissing", "throng render no.lcmlog --frame 1 --out x.png", "no.lcmlog"}),
     [](const auto& each) { return each.param.name; });
 
-// A path below a regular file fails for root, too.
+// A path below a regular file fails for root as well.
 INSTANTIATE_TEST_SUITE_P(
     Environment, Mistakes,
     testing::Values(
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"FullStandardOutput", "throng scenes >/dev/full", "standard output", 3}),
     [](const auto& each) { return each.param.name; });
 
-TEST(Help, IsPrintedOnRequestWithExamples) {
+TEST(Help, IsPrintedWithExamples) {
   const ScratchFolder folder;
   for (const char* line : {"throng --help", "throng run --help", "throng info --help",
                            "throng check --help", "throng render --help"}) {
@@ -113,7 +113,7 @@ TEST(Help, IsPrintedOnRequestWithExamples) {
   }
 }
 
-TEST(Help, WithoutCommandIsAMistake) {
+TEST(Help, ReportsAMissingCommand) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng", folder);
   EXPECT_EQ(outcome.exit_code, 2);
@@ -121,13 +121,13 @@ TEST(Help, WithoutCommandIsAMistake) {
   EXPECT_THAT(outcome.err, HasSubstr("run"));
 }
 
-TEST(Help, FullDiskEndsTheRunWithItsResults) {
+TEST(Errors, EndARunWithItsResultsOnAFullDisk) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng run plaza --seconds 3 --lcm off --log /dev/full --json r.json", folder);
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("/dev/full"));
-  EXPECT_THAT(outcome.out, HasSubstr("ordop26")) << "the table of what was computed is lost";
+  EXPECT_THAT(outcome.out, HasSubstr("ordop26")) << "the table of the results is lost";
   EXPECT_THAT(read_file(folder / "r.json"), HasSubstr("\"hash\""));
 }
 

@@ -1,4 +1,4 @@
-// `throng export` from outside; what it writes is read by others' reader in tests/viewer.
+// `throng export`; a foreign MCAP reader checks its output in tests/viewer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,12 +18,11 @@ using testing::StartsWith;
 constexpr const char* kRun =
     "throng run bottleneck --avatars 40 --seconds 1 --lcm off --log a.lcmlog > run.txt; ";
 
-/// An event of an LCM log: its head of 28 bytes, then the channel, then the data.
+/// An event of an LCM log: 28 bytes of header, then the channel, then the data.
 struct LogPiece {
   size_t begin = 0, end = 0;  ///< bytes
 };
 
-/// All events of a channel.
 std::vector<LogPiece> pieces_of_channel(const std::string& log, const std::string& channel) {
   constexpr size_t kHeadBytes = 28;
   const auto number_at = [&log](size_t at) {
@@ -58,18 +57,18 @@ TEST(Export, WritesTablesOfChannels) {
   EXPECT_THAT(events, StartsWith("frame,time_s,kind,a,b,"));
 }
 
-TEST(Export, ExportsATornLogAsFarAsItIsSound) {
+TEST(Export, ExportsTheSoundPartOfATornLog) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell(std::string(kRun) +
                 "head -c -3000 a.lcmlog > torn.lcmlog; throng export torn.lcmlog --mcap t.mcap",
             folder);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("What was recorded is exported."));
+  EXPECT_THAT(outcome.err, HasSubstr("The recorded part is exported."));
   EXPECT_THAT(read_file(folder / "t.mcap"), testing::EndsWith("\x89MCAP0\r\n"));
 }
 
-TEST(Export, RefusesALogWithoutAWholeDescriptionBeforeItWritesAnything) {
+TEST(Export, RejectsALogWithoutADescriptionBeforeWriting) {
   Workplace place;
   write_file(place / "h.lcmlog", read_file(place / "a.lcmlog").substr(0, 1000));
   write_file(place / "keep.mcap", "precious\n");
@@ -82,7 +81,7 @@ TEST(Export, RefusesALogWithoutAWholeDescriptionBeforeItWritesAnything) {
     expect_refused(place, line, "h.lcmlog: expected a run's description, found none");
 }
 
-TEST(Export, RefusesALogOfSeveralRunsBeforeItWritesAnything) {
+TEST(Export, RejectsALogOfSeveralRunsBeforeWriting) {
   Workplace place;
   const Outcome other = shell(
       "throng run corridor --avatars 3 --seconds 0.1 --seed 7 --lcm off --log b.lcmlog && "
@@ -94,7 +93,7 @@ TEST(Export, RefusesALogOfSeveralRunsBeforeItWritesAnything) {
                  "both.lcmlog: expected one run, found several");
 }
 
-TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
+TEST(Export, ReportsDamageAndContinuesBehindIt) {
   const ScratchFolder folder;
   ASSERT_EQ(shell(kRun, folder).exit_code, 0);
   const std::string whole = read_file(folder / "a.lcmlog");
@@ -113,10 +112,9 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
     const char* said;
     int rows;
   };
-  for (const Case& each :
-       {Case{"lacking.lcmlog", "The log lacks 1 message of its run.", 59},
-        Case{"unreadable.lcmlog", "The log is damaged: ", 59},
-        Case{"altered.lcmlog", "1 stretch of messages is not what was written", 60}}) {
+  for (const Case& each : {Case{"lacking.lcmlog", "The log lacks 1 message of its run.", 59},
+                           Case{"unreadable.lcmlog", "The log is damaged: ", 59},
+                           Case{"altered.lcmlog", "1 stretch of messages is altered", 60}}) {
     const std::string log = each.log;
     EXPECT_EQ(shell("throng check " + log, folder).exit_code, 1) << log;
     for (const char* options : {"--csv frame_stats --out t.csv", "--mcap t.mcap"}) {
@@ -125,7 +123,7 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
       EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
       EXPECT_THAT(outcome.err, StartsWith("note: " + log + ": ")) << options;
       EXPECT_THAT(outcome.err, HasSubstr(each.said)) << options;
-      EXPECT_THAT(outcome.err, testing::EndsWith(" What was recorded is exported.\n")) << options;
+      EXPECT_THAT(outcome.err, testing::EndsWith(" The recorded part is exported.\n")) << options;
     }
     EXPECT_EQ(line_count(read_file(folder / "t.csv")), 1 + each.rows) << log;
     EXPECT_THAT(read_file(folder / "t.mcap"), testing::EndsWith("\x89MCAP0\r\n")) << log;
@@ -135,7 +133,7 @@ TEST(Export, SaysWhatALogLacksAndGoesOnBehindIt) {
   EXPECT_EQ(fine.err, "");
 }
 
-TEST(Export, CallsALogCutOffWhereCheckDoes) {
+TEST(Export, CallsALogCutOffAsCheckDoes) {
   const ScratchFolder folder;
   ASSERT_EQ(shell(kRun, folder).exit_code, 0);
   const std::string whole = read_file(folder / "a.lcmlog");
@@ -159,7 +157,7 @@ TEST(Export, CallsALogCutOffWhereCheckDoes) {
     EXPECT_EQ(exported.exit_code, 1);
     EXPECT_THAT(exported.err, HasSubstr(sentence));
   }
-  // The end of the run is there, the checks behind it are not.
+  // The end of the run is present, the checksums after it are missing.
   write_file(folder / "cut.lcmlog",
              whole.substr(0, pieces_of_channel(whole, "THRONG_END").at(0).end));
   const Outcome check = shell("throng check cut.lcmlog", folder);
@@ -167,17 +165,17 @@ TEST(Export, CallsALogCutOffWhereCheckDoes) {
   EXPECT_THAT(check.out, HasSubstr("not covered: "));
 }
 
-TEST(Export, SaysWhatItDoesNotUnderstand) {
+TEST(Export, RejectsInvalidOptions) {
   const ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
       {"throng export a.lcmlog", "expected --mcap FILE or --csv CHANNEL, found neither"},
       {"throng export a.lcmlog --csv evnts",
-       "expected a channel: events, states, touching, near, contacts, separation or frame_stats"},
+       "expected a channel: events, states, touching, proximity, contact_points, separation or "
+       "frame_stats"},
       {"throng export run.txt --mcap t.mcap", "run.txt: expected a log of a run"},
       {"throng export none --mcap t.mcap", "none: expected a log of a run"},
       {"throng export a.lcmlog --mcap a.lcmlog", "a.lcmlog"},
-      {"throng export a.lcmlog --mcap t.mcap --out t.csv",
-       "--out: expected --csv CHANNEL beside it"},
+      {"throng export a.lcmlog --mcap t.mcap --out t.csv", "--out: expected --csv CHANNEL with it"},
   };
   shell(kRun, folder);
   for (const auto& [line, expected] : cases) {

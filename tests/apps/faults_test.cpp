@@ -1,5 +1,5 @@
-// What a run meets in the world: full disks, readers that leave, folders that vanish, kill -9. It
-// says so with exit code 3, and what was written before stays readable to its last whole event.
+// Faults of the environment: full disks, closed pipes, deleted folders, kill -9. A run reports them
+// with exit code 3, and what it has written stays readable to the last complete event.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,29 +19,29 @@ using testing::HasSubstr;
 
 constexpr const char* kRun = "throng run corridor --seconds 3600 --lcm off --threads 1";
 
-/// THRONG_KILLS lengthens the run, THRONG_KILL_SEED varies it.
+/// THRONG_KILLS sets the number of kills, THRONG_KILL_SEED the seed.
 uint64_t from_environment(const char* name, uint64_t fallback) {
   const char* value = std::getenv(name);
   return value != nullptr ? std::strtoull(value, nullptr, 10) : fallback;
 }
 
-/// Counts for scripts/reliability.sh.
-void tell(const char* what, uint64_t times) {
+/// Prints counts for scripts/reliability.sh.
+void print_survived(const char* what, uint64_t times) {
   std::printf("[ faults ] %s: %d survived\n", what, static_cast<int>(times));
 }
 
-/// Of `throng check`: the number that follows a word.
+/// The number after a word in the output of `throng check`.
 int64_t figure(const std::string& text, const std::string& word) {
   const size_t at = text.find(word);
   return at == text.npos ? -1 : std::atoll(text.c_str() + at + word.size());
 }
 
-/// A log that ended anyhow: it is judged, its sound part copied, and the copy is sound.
+/// Checks a log with any kind of end, copies its sound part, and checks that the copy is sound.
 void expect_readable(const std::string& log, const ScratchFolder& folder) {
   const Outcome check = shell("throng check " + log + " --repair mended.lcmlog", folder);
   EXPECT_LE(check.exit_code, 1) << check.err;
   const Outcome mended = shell("throng check mended.lcmlog", folder);
-  // Without the end of the run, which the fault took, it is cut off.
+  // The fault removed the end of the run, so the copy is cut off.
   const bool is_cut = mended.out.starts_with("mended.lcmlog: sound, but cut off\n");
   EXPECT_TRUE(is_cut || mended.out.starts_with("mended.lcmlog: sound\n")) << mended.out;
   EXPECT_EQ(mended.exit_code, is_cut ? 1 : 0) << mended.out << mended.err;
@@ -50,37 +50,37 @@ void expect_readable(const std::string& log, const ScratchFolder& folder) {
       << check.out << mended.out;
 }
 
-TEST(Faults, ADiskThatFillsUpIsToldAndTheLogReadable) {
+TEST(Faults, LeaveAReadableLogOnAFullDisk) {
   const ScratchFolder folder;
-  // A file may grow to 3 MB, in blocks of 512 bytes.
+  // Limits files to 3 MB, in blocks of 512 bytes.
   const Outcome run = shell(fmt::format("ulimit -f 6000\n{} --log run.lcmlog", kRun), folder);
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("run.lcmlog: cannot write the log"));
-  EXPECT_THAT(run.out, HasSubstr("hash")) << "the summary is worth keeping";
+  EXPECT_THAT(run.out, HasSubstr("hash")) << "the summary is missing";
   expect_readable("run.lcmlog", folder);
   EXPECT_GT(figure(shell("throng check mended.lcmlog", folder).out, "frames "), 10);
-  tell("full disk", 1);
+  print_survived("full disk", 1);
 }
 
-TEST(Faults, AFolderThatTakesNoFilesIsTold) {
+TEST(Faults, ReportAReadOnlyFolder) {
   const ScratchFolder folder;
   const Outcome run = shell(fmt::format("{} --log /sys/throng.lcmlog", kRun), folder);
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_EQ(line_count(run.err), 1) << run.err;
-  tell("read-only folder", 1);
+  print_survived("read-only folder", 1);
 }
 
-TEST(Faults, AReaderThatLeavesIsTold) {
+TEST(Faults, ReportAClosedPipe) {
   const ScratchFolder folder;
   const Outcome run = shell(
       fmt::format("mkfifo pipe\nhead -c 3000000 <pipe >run.lcmlog &\n{} --log pipe", kRun), folder);
   EXPECT_EQ(run.exit_code, 3) << run.err;
   EXPECT_THAT(run.err, HasSubstr("Broken pipe"));
   expect_readable("run.lcmlog", folder);
-  tell("closed pipe", 1);
+  print_survived("closed pipe", 1);
 }
 
-TEST(Faults, AFolderThatVanishesIsTold) {
+TEST(Faults, ReportADeletedFolder) {
   const ScratchFolder folder;
   const Outcome run =
       shell(fmt::format("mkdir logs\n"
@@ -90,10 +90,10 @@ TEST(Faults, AFolderThatVanishesIsTold) {
             folder);
   EXPECT_EQ(run.exit_code, 3) << run.err;
   EXPECT_THAT(run.err, HasSubstr("the file was deleted"));
-  tell("vanished folder", 1);
+  print_survived("vanished folder", 1);
 }
 
-TEST(Faults, KilledAtAnyMomentTheLogIsReadableToTheLastFlush) {
+TEST(Faults, LeaveAReadableLogWhenKilled) {
   const uint64_t kills = from_environment("THRONG_KILLS", 5);
   const uint64_t seed = from_environment("THRONG_KILL_SEED", 1);
   int64_t frames = 0, torn = 0;
@@ -113,27 +113,27 @@ TEST(Faults, KilledAtAnyMomentTheLogIsReadableToTheLastFlush) {
     frames += std::max<int64_t>(0, figure(report, "frames "));
     torn += report.find("not sound") != report.npos ? 1 : 0;
   }
-  EXPECT_GT(frames, static_cast<int64_t>(kills)) << "no run ever got anywhere";
-  tell("kill -9", kills);
+  EXPECT_GT(frames, static_cast<int64_t>(kills)) << "killed before the first frames";
+  print_survived("kill -9", kills);
   std::printf("[ figures ] %d kills, %d frames read back, %d torn tails mended\n",
               static_cast<int>(kills), static_cast<int>(frames), static_cast<int>(torn));
 }
 
-/// What a run says as JSON.
 nlohmann::json result(const std::string& options, const ScratchFolder& folder) {
   const Outcome run = shell("throng run " + options + " --lcm off --json run.json", folder);
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return nlohmann::json::parse(read_file(folder / "run.json"));
 }
 
-TEST(Faults, KilledAndResumedItIsTheSameRun) {
+TEST(Faults, AllowResumingAKilledRun) {
   for (const std::string scene : {"plaza --avatars 150", "paper_50"}) {
     SCOPED_TRACE(scene);
     const ScratchFolder folder;
     const std::string run = scene + " --seconds 8";
     const auto whole = result(run + " --log off", folder);
     shell("throng run " + run +
-              " --pace 4 --lcm off --log first.lcmlog --checkpoint c --every 0.5 >table &\nrun=$!\n"
+              " --pace 4 --lcm off --log first.lcmlog --checkpoint c --checkpoint-every 0.5 >table "
+              "&\nrun=$!\n"
               "while [ ! -s c ]; do sleep 0.01; done\nsleep 0.2\nkill -9 $run\nwait $run || true",
           folder);
     const auto rest = result(run + " --resume c --log rest.lcmlog --threads 3", folder);
@@ -146,10 +146,10 @@ TEST(Faults, KilledAndResumedItIsTheSameRun) {
     EXPECT_THAT(check.out, HasSubstr("rest.lcmlog: sound\n"));
     expect_readable("first.lcmlog", folder);
   }
-  tell("kill -9 and resume", 2);
+  print_survived("kill -9 and resume", 2);
 }
 
-TEST(Faults, StoppedItLeavesACheckpointToGoOnFrom) {
+TEST(Faults, LeaveACheckpointWhenStopped) {
   const ScratchFolder folder;
   const std::string run = "plaza --avatars 150 --seconds 20";
   const Outcome stopped =
@@ -163,7 +163,7 @@ TEST(Faults, StoppedItLeavesACheckpointToGoOnFrom) {
             result(run + " --log off", folder)["hash"]);
 }
 
-TEST(Faults, ACheckpointThatIsNoneIsRefusedInOneLine) {
+TEST(Faults, RejectAnInvalidCheckpointInOneLine) {
   const ScratchFolder folder;
   write_file(folder / "c", "THRONGCP and then nothing");
   const Outcome damaged = shell("throng run plaza --resume c --log off --lcm off", folder);
@@ -175,7 +175,7 @@ TEST(Faults, ACheckpointThatIsNoneIsRefusedInOneLine) {
   EXPECT_THAT(nowhere.err, HasSubstr("--checkpoint no/c: cannot create it"));
 }
 
-TEST(Trace, TellsTheFirstStageAndFrameInWhichRunsDiffer) {
+TEST(Trace, ShowsTheFirstStageAndFrameThatDiffer) {
   const ScratchFolder folder;
   const std::string run = "throng run corridor --seconds 0.5 --log off --lcm off --trace-hash ";
   ASSERT_EQ(shell(run + "a --threads 1", folder).exit_code, 0);
@@ -183,8 +183,8 @@ TEST(Trace, TellsTheFirstStageAndFrameInWhichRunsDiffer) {
   ASSERT_EQ(shell(run + "c --part-volume sphere", folder).exit_code, 0);
   const std::string a = read_file(folder / "a");
   EXPECT_EQ(a, read_file(folder / "b"));
-  EXPECT_EQ(line_count(a), 1 + 30 * 5 + 1) << "a line a run, stage and frame, end";
-  // Other volumes change the run's name and its pairs, and nothing before them.
+  EXPECT_EQ(line_count(a), 1 + 30 * 5 + 1) << "a line for the run, each stage and frame, the end";
+  // Other volumes change run_id and pairs; the stages before are equal.
   const Outcome diff = shell("diff a c | grep '^<' | sed -n 2p", folder);
   EXPECT_THAT(diff.out, testing::ContainsRegex("^< [0-9]+ pairs [0-9a-f]{16}\n$"));
   EXPECT_EQ(shell(run + "/dev/full", folder).exit_code, 3);

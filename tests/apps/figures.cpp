@@ -27,7 +27,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-/// The number at `at`: digits, and a fraction if there is one.
+/// End of the number at `at`: digits, and a fraction if there is one.
 size_t number_end(const std::string& line, size_t at) {
   while (at < line.size() && is_digit(line[at])) ++at;
   if (at + 1 < line.size() && line[at] == '.' && is_digit(line[at + 1]))
@@ -35,7 +35,7 @@ size_t number_end(const std::string& line, size_t at) {
   return at;
 }
 
-/// 12345 as it may be written: 12345 or 12 345.
+/// Pattern for a number with or without grouping: 12345 or 12 345.
 std::string grouped_pattern(const std::string& number) {
   const size_t whole = std::min(number.find('.'), number.size());
   std::string out = R"(\b)";
@@ -56,8 +56,8 @@ std::string grouped(const std::string& number) {
   return out;
 }
 
-/// What a printed line looks like in a document; with `any_numbers`, whatever its numbers are. Then
-/// each number is a group, and so is what "…" stands for. Digits of a name (ordop26) are its own.
+/// Pattern of a printed line in a document. With `any_numbers` it matches any numbers; each number
+/// and each "…" is a group. Digits of a name (ordop26) belong to the name.
 struct Pattern {
   std::regex regex;
   std::vector<std::string> groups;  ///< the number, or "…"
@@ -115,8 +115,8 @@ std::string difference_of_blocks(const std::string& text, const std::string& pri
   return out;
 }
 
-/// Where `line` stands in `text` but for its numbers: as many of them equal as possible, and not
-/// before `from` if there is a choice.
+/// Place of `line` in `text` apart from its numbers: as many equal numbers as possible, not before
+/// `from` if there is a choice.
 std::optional<std::smatch> place_of(const Pattern& line, const std::string& text, size_t from) {
   std::optional<std::smatch> best;
   int most = -1;
@@ -132,7 +132,7 @@ std::optional<std::smatch> place_of(const Pattern& line, const std::string& text
   return best;
 }
 
-/// A printed line with what "…" stood for in the old one.
+/// A printed line in which "…" is replaced by the old text.
 std::string unmasked(const std::string& line, const std::string& old) {
   std::smatch match;
   const Pattern pattern = pattern_of(trimmed(line), true);
@@ -249,7 +249,7 @@ std::string mended(const std::string& text, const std::string& printed, bool is_
   size_t from = 0;
   for (const std::string& line : lines_of(printed)) {
     const Pattern pattern = pattern_of(trimmed(line), true);
-    // The iterator's text has to outlive the match.
+    // The iterator's text must outlive the match.
     const std::string before = out;
     const auto place = trimmed(line).empty() ? std::nullopt : place_of(pattern, before, from);
     if (!place) continue;

@@ -28,7 +28,7 @@ std::vector<Figures> all_figures() {
   return read_figures(read_file(fs::path(THRONG_SOURCE_DIR) / kFile), kFile);
 }
 
-/// Pages that figures.yaml names. An unreadable file has none; Figures.HaveTheirPlaceOnAPage
+/// Pages that figures.yaml names. An unreadable file has none; Figures.HaveAPlaceOnTheirPage
 /// reports it.
 std::vector<std::string> pages() {
   std::vector<std::string> names;
@@ -47,7 +47,7 @@ bool is_updating() {
   return value != nullptr && std::string_view(value) == "1";
 }
 
-/// Runs the command of one entry and compares its output with the page, or mends the page.
+/// Runs the command of one entry and compares its output with the page, or updates the page.
 void check_figures(const Figures& figures) {
   const fs::path file = fs::path(THRONG_SOURCE_DIR) / figures.page;
   const std::string where = std::string(kFile) + ":" + std::to_string(figures.line);
@@ -73,7 +73,7 @@ void check_figures(const Figures& figures) {
 
 class Document : public testing::TestWithParam<std::string> {};
 
-TEST_P(Document, HoldsTheFiguresThatItsCommandsPrint) {
+TEST_P(Document, ContainsTheFiguresOfItsCommands) {
   for (const Figures& figures : all_figures())
     if (figures.page == GetParam() && (test::is_nightly() || !figures.is_nightly))
       check_figures(figures);
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(All, Document, testing::ValuesIn(pages()), [](const aut
   return name;
 });
 
-TEST(Figures, HaveTheirPlaceOnAPage) {
+TEST(Figures, HaveAPlaceOnTheirPage) {
   for (const Figures& figures : all_figures()) {
     SCOPED_TRACE(std::string(kFile) + ":" + std::to_string(figures.line) + ": " + figures.page);
     EXPECT_NO_THROW(find_block(read_file(fs::path(THRONG_SOURCE_DIR) / figures.page), figures.at));
@@ -108,7 +108,7 @@ TEST(Figures, AreReadFromAList) {
   EXPECT_TRUE(all[1].is_nightly);
 }
 
-TEST(Figures, WithAMissingOrUnknownKeyAreRejected) {
+TEST(Figures, AreRejectedWithMissingOrUnknownKeys) {
   for (const char* text : {"page: a.md\n", "- a\n", "- page: a.md\n  at: x\n",
                            "- page: a.md\n  at: x\n  command: b\n  nightly: 1\n",
                            "- page: a.md\n  at: x\n  command: b\n  daily: true\n",
@@ -116,7 +116,7 @@ TEST(Figures, WithAMissingOrUnknownKeyAreRejected) {
     EXPECT_THROW(read_figures(text, "f.yaml"), InputError) << text;
 }
 
-TEST(Figures, CheckTheBlockThatTheirLineIsIn) {
+TEST(Figures, AreCheckedInTheBlockOfTheirLine) {
   const std::string document =
       "# A\nFive\nsix.\n\nnot this\n\n```text\nx 1\ny 2\n```\nrest\n| head |\n| 7 |\n";
   const auto block_at = [&](const char* at) {
@@ -130,13 +130,13 @@ TEST(Figures, CheckTheBlockThatTheirLineIsIn) {
   EXPECT_EQ(block_at("| head"), "| head |\n| 7 |\n");
 }
 
-TEST(Figures, OfALineThatIsMissingOrThereTwiceAreAnError) {
+TEST(Figures, AreRejectedWithoutAUniqueLine) {
   EXPECT_THROW(find_block("a\nb\n", "c"), std::runtime_error);
   EXPECT_THROW(find_block("a 1\n\na 2\n", "a"), std::runtime_error);
   EXPECT_THROW(find_block("", "a"), std::runtime_error);
 }
 
-TEST(Figures, OfATextAreFoundWithAnySpacingAndGrouping) {
+TEST(Figures, AreFoundWithAnySpacingAndGrouping) {
   const std::string text = "| plaza | 12 345\n  pairs | 0.4 ms |";
   EXPECT_EQ(difference(text, "12345 pairs\n", false), "");
   EXPECT_EQ(difference(text, "plaza | 12345 pairs | … ms\n", false), "");
@@ -144,13 +144,13 @@ TEST(Figures, OfATextAreFoundWithAnySpacingAndGrouping) {
     EXPECT_NE(difference(text, wrong, false), "") << wrong;
 }
 
-TEST(Figures, OfATextAreNotFoundInLongerNumbers) {
+TEST(Figures, AreNotFoundInLongerNumbers) {
   EXPECT_NE(difference("of 45 pairs", "5 pairs", false), "");
   EXPECT_NE(difference("pairs: 45", "pairs: 4", false), "");
   EXPECT_NE(difference("pairs: 4.5", "pairs: 4", false), "");
 }
 
-TEST(Figures, OfABlockAreAllThatIsPrinted) {
+TEST(Figures, OfABlockAreTheWholeOutput) {
   EXPECT_EQ(difference("a  1\nb 2\n", "a 1\nb 2\n", true), "");
   EXPECT_EQ(difference("a 1 in 3.2 s\n", "a 1 in … s\n", true), "");
   EXPECT_NE(difference("a 1\n", "a 1\nb 2\n", true), "");
@@ -158,7 +158,7 @@ TEST(Figures, OfABlockAreAllThatIsPrinted) {
   EXPECT_THAT(difference("a 1\n", "a 2\n", true), HasSubstr("the command:  a 2"));
 }
 
-TEST(Figures, AreMendedWhereTheyStand) {
+TEST(Figures, AreUpdatedInPlace) {
   EXPECT_EQ(mended("| to 5 | 6 035 |\n| to 10 | 20 152 |", "to 5 | 7135\nto 10 | 999", false),
             "| to 5 | 7 135 |\n| to 10 | 999 |");
   EXPECT_EQ(mended("| 1: to 5 | 10 |\n| 4: to 5 | 20 |", "to 5 | 11\nto 5 | 21", false),

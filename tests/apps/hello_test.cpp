@@ -1,4 +1,4 @@
-// The smallest program on the library runs, and the README shows that very program.
+// The smallest program on the library runs, and the README contains it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,14 +9,14 @@ namespace {
 
 const std::string kTop = THRONG_SOURCE_DIR "/";
 
-TEST(Hello, TellsContacts) {
+TEST(Hello, PrintsContacts) {
   const ScratchFolder folder;
   const Outcome outcome = shell("hello", folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::HasSubstr(" touches part "));
 }
 
-TEST(Hello, StandsInTheReadmeWordForWord) {
+TEST(Hello, EqualsTheProgramInTheReadme) {
   EXPECT_THAT(read_file(kTop + "README.md"),
               testing::HasSubstr("```cpp\n" + read_file(kTop + "examples/hello.cpp") + "```\n"));
 }

@@ -1,4 +1,4 @@
-// `throng info` reads what is out there, says what it is, and refuses the rest in one line.
+// `throng info` describes valid files and rejects others in one line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ void PrintTo(const TriText& tri, std::ostream* out) { *out << tri.name; }
 
 class GoodTri : public testing::TestWithParam<TriText> {};
 
-TEST_P(GoodTri, IsATetrahedron) {
+TEST_P(GoodTri, IsReadAsATetrahedron) {
   const ScratchFolder folder;
   write_file(folder / "body.tri", GetParam().text);
   const Outcome outcome = shell("throng info body.tri", folder);
@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class BadTri : public testing::TestWithParam<TriText> {};
 
-TEST_P(BadTri, IsRefusedInOneLine) {
+TEST_P(BadTri, IsRejectedInOneLine) {
   const ScratchFolder folder;
   write_file(folder / "body.tri", GetParam().text);
   const Outcome outcome = shell("throng info body.tri", folder);
@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
                                                   8)}),
     [](const auto& each) { return each.param.name; });
 
-TEST(Info, EveryFixtureOfTheReaderIsDescribed) {
+TEST(Info, DescribesEveryFixtureOfTheReader) {
   const ScratchFolder folder;
   const std::filesystem::path fixtures = THRONG_SOURCE_DIR "/tests/avatars/fixtures/tri";
   int described = 0;
@@ -100,14 +100,14 @@ TEST(Info, EveryFixtureOfTheReaderIsDescribed) {
   EXPECT_GE(described, 8);
 }
 
-TEST(Info, FolderIsNoMesh) {
+TEST(Info, RejectsAFolder) {
   const ScratchFolder folder;
   const Outcome outcome = shell("mkdir folder.tri; throng info folder.tri", folder);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
 }
 
-TEST(Info, BundledAdultHasItsFifteenParts) {
+TEST(Info, ListsTheFifteenPartsOfTheBundledAdult) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng info " + repository("avatars/models/adult/adult.urdf"), folder);
@@ -120,7 +120,7 @@ TEST(Info, BundledAdultHasItsFifteenParts) {
     EXPECT_THAT(outcome.out, HasSubstr(part));
 }
 
-TEST(Info, BrokenRobotIsRefusedWithItsLine) {
+TEST(Info, RejectsABrokenRobotWithItsLine) {
   const ScratchFolder folder;
   write_file(
       folder / "loop.urdf",
@@ -133,7 +133,7 @@ TEST(Info, BrokenRobotIsRefusedWithItsLine) {
   EXPECT_THAT(outcome.err, HasSubstr("loop.urdf:"));
 }
 
-TEST(Info, BundledScenesAreListedAndDescribed) {
+TEST(Info, DescribesTheBundledScenes) {
   const ScratchFolder folder;
   const Outcome list = shell("throng scenes", folder);
   EXPECT_EQ(list.exit_code, 0) << list.err;
@@ -152,7 +152,7 @@ std::string scene_of(const std::string& model) {
          ", spawn: {min_m: [-8, -8], max_m: [8, 8]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}\n";
 }
 
-TEST(Info, AUrdfIsOneWhateverItIsCalled) {
+TEST(Info, RecognisesAUrdfByItsContent) {
   const ScratchFolder folder;
   const std::string urdf =
       "<robot name=\"crate\"><link name=\"base\"><collision><geometry><box size=\"1 1 1\"/>"
@@ -180,7 +180,7 @@ TEST(Info, AUrdfIsOneWhateverItIsCalled) {
   EXPECT_THAT(shell("throng info world.xml", folder).err, HasSubstr("found XML"));
 }
 
-TEST(Info, AnUnexpandedXacroFileSaysWhatToDo) {
+TEST(Info, SuggestsExpandingAXacroFile) {
   const ScratchFolder folder;
   write_file(
       folder / "robot.urdf.xacro",
@@ -197,7 +197,7 @@ TEST(Info, AnUnexpandedXacroFileSaysWhatToDo) {
   }
 }
 
-TEST(Info, WhatAUrdfLeavesOpenIsANote) {
+TEST(Info, NotesWhatAUrdfLeavesOpen) {
   const ScratchFolder folder;
   const auto part = [](const std::string& name, const std::string& shape) {
     return "<link name=\"" + name + "\"><collision><geometry>" + shape +
@@ -212,7 +212,7 @@ TEST(Info, WhatAUrdfLeavesOpenIsANote) {
                  "<joint name=\"elbow\" type=\"revolute\"><parent link=\"base\"/><child "
                  "link=\"hand\"/></joint></robot>");
   write_file(folder / "scene.yaml", scene_of("arm.urdf"));
-  const std::string joint = "revolute joints without <limit> turn as continuous ones do: 'elbow'";
+  const std::string joint = "revolute joints without <limit> are read as continuous ones: 'elbow'";
   const std::string mesh = "mesh 'y.dae' states Y_UP, which is ignored";
   const Outcome info = shell("throng info arm.urdf", folder);
   EXPECT_THAT(info.out, HasSubstr("\nnote: " + joint)) << info.err;
@@ -221,7 +221,7 @@ TEST(Info, WhatAUrdfLeavesOpenIsANote) {
       shell("throng run scene.yaml --seconds 0.1 --lcm off --log off --json run.json", folder);
   EXPECT_THAT(run.err, HasSubstr("note: model 'arm': " + joint));
   EXPECT_THAT(run.err, HasSubstr("note: model 'arm': " + mesh));
-  EXPECT_EQ(run.err.find(mesh), run.err.rfind(mesh)) << "said once";
+  EXPECT_EQ(run.err.find(mesh), run.err.rfind(mesh)) << "noted once";
   EXPECT_THAT(read_file(folder / "run.json"), HasSubstr(joint));
 }
 

@@ -1,5 +1,5 @@
-// A small validator for the words of JSON Schema that scenes/scene.schema.json uses.
-// One rule: a word it does not know is a fault of the schema, never passed over.
+// A validator for the keywords of JSON Schema that scenes/scene.schema.json uses.
+// Invariant: an unknown keyword is a fault of the schema.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,8 +8,7 @@
 
 namespace throng {
 
-/// What is wrong with a document, a line each: where, and which word it offends. Empty: it is
-/// valid.
+/// Faults of a document, one line each: the place and the violated keyword. Empty if valid.
 std::vector<std::string> faults_of(const nlohmann::json& document, const nlohmann::json& schema);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// Logs after the run: judged, mended, described and drawn, by the command alone.
+// Logs after a run: checked, repaired, described and drawn.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,6 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-/// A folder with the log of a short run.
 class Log : public testing::Test {
  protected:
   void SetUp() override {
@@ -24,13 +23,13 @@ class Log : public testing::Test {
   ScratchFolder folder_;
 };
 
-TEST_F(Log, WholeOneIsSound) {
+TEST_F(Log, IsSound) {
   const Outcome check = shell("throng check run.lcmlog", folder_);
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
   EXPECT_THAT(check.out, StartsWith("run.lcmlog: sound\n"));
 }
 
-TEST_F(Log, TornOneIsToldAndMended) {
+TEST_F(Log, IsRepairedIfTorn) {
   const std::string whole = read_file(folder_ / "run.lcmlog");
   write_file(folder_ / "torn.lcmlog", whole.substr(0, whole.size() * 2 / 3));
   const Outcome torn = shell("throng check torn.lcmlog --repair mended.lcmlog", folder_);
@@ -45,7 +44,7 @@ TEST_F(Log, TornOneIsToldAndMended) {
   EXPECT_THAT(check.out, Not(HasSubstr("problem")));
 }
 
-TEST_F(Log, RepairLeavesItsInputAlone) {
+TEST_F(Log, IsNotChangedByRepair) {
   const std::string whole = read_file(folder_ / "run.lcmlog");
   const Outcome onto_itself = shell("throng check run.lcmlog --repair run.lcmlog", folder_);
   EXPECT_EQ(onto_itself.exit_code, 2) << onto_itself.err;
@@ -59,7 +58,7 @@ TEST_F(Log, IsDescribed) {
   EXPECT_THAT(info.out, HasSubstr("THRONG_EVENTS"));
 }
 
-TEST_F(Log, FrameBecomesAPicture) {
+TEST_F(Log, IsDrawn) {
   const std::string line = "throng render run.lcmlog --frame 20 --width 320 --height 200 --out ";
   for (const char* name : {"a.png", "b.png"}) {
     const Outcome render = shell(line + name, folder_);
@@ -72,7 +71,7 @@ TEST_F(Log, FrameBecomesAPicture) {
   EXPECT_TRUE(png == read_file(folder_ / "b.png"));
 }
 
-TEST_F(Log, PictureFromAnotherPlaceIsAnother) {
+TEST_F(Log, IsDrawnFromAnotherPoint) {
   const std::string line = "throng render run.lcmlog --frame 20 --width 320 --height 200 --out ";
   ASSERT_EQ(shell(line + "a.png", folder_).exit_code, 0);
   const Outcome near = shell(line + "b.png --eye 0,-6,3 --target 0,0,1", folder_);
@@ -80,13 +79,13 @@ TEST_F(Log, PictureFromAnotherPlaceIsAnother) {
   EXPECT_FALSE(read_file(folder_ / "a.png") == read_file(folder_ / "b.png"));
 }
 
-TEST_F(Log, FrameBeyondTheEndIsAMistake) {
+TEST_F(Log, RejectsFramesBeyondTheEnd) {
   const Outcome render = shell("throng render run.lcmlog --frame 99 --out a.png", folder_);
   EXPECT_EQ(render.exit_code, 2);
   EXPECT_THAT(render.err, HasSubstr("expected frame 99, found frames 0 to 29"));
 }
 
-TEST_F(Log, PictureThatCannotBeWrittenIsTold) {
+TEST_F(Log, ReportsAPictureThatCannotBeWritten) {
   const Outcome render =
       shell("throng render run.lcmlog --frame 1 --out run.lcmlog/a.png", folder_);
   EXPECT_EQ(render.exit_code, 3);

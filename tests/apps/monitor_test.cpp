@@ -1,4 +1,4 @@
-// `throng monitor` from outside: the figures of a run, live and from its log.
+// `throng monitor`: the figures of a run, live and from its log.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,21 +33,21 @@ TEST(Monitor, ShowsALogAsTheRunReportedIt) {
   EXPECT_EQ(seen["lost"], 0);
   const auto frames = run["frames"].get<double>();
   EXPECT_DOUBLE_EQ(seen["stages"][0]["N_v"].get<double>() * frames,
-                   run["stages"]["avatar"]["tests"].get<double>());
+                   run["stages"]["body_sphere"]["tests"].get<double>());
   EXPECT_EQ(seen["stages"][1]["volume"], "body box");
   EXPECT_DOUBLE_EQ(seen["stages"][1]["N_v"].get<double>() * frames,
                    run["stages"]["body_box"]["tests"].get<double>());
   EXPECT_DOUBLE_EQ(seen["stages"][2]["passed"].get<double>() * frames,
                    run["stages"]["part_box"]["passed"].get<double>());
   EXPECT_DOUBLE_EQ(seen["N_p"].get<double>() * frames,
-                   run["stages"]["exact"]["tests"].get<double>());
+                   run["stages"]["triangles"]["tests"].get<double>());
   for (const auto& [name, channel] : seen["channels"].items()) {
     if (name == "THRONG_END") continue;
     EXPECT_EQ(channel["messages"], channel["sent"]) << name;
   }
 }
 
-TEST(Monitor, SpeaksOfPartsAndPeopleByName) {
+TEST(Monitor, NamesPartsAndPeople) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run plaza --seconds 1 --lcm off --log a.lcmlog", folder).exit_code, 0);
   const Outcome outcome = shell("throng monitor a.lcmlog", folder);
@@ -58,15 +58,15 @@ TEST(Monitor, SpeaksOfPartsAndPeopleByName) {
     EXPECT_THAT(outcome.out, HasSubstr(word));
 }
 
-TEST(Monitor, SaysWhenNothingIsHeard) {
+TEST(Monitor, ReportsThatNothingWasReceived) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng monitor --lcm memq:// --once --seconds 0.2", folder);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("memq://: expected a run, heard none"));
+  EXPECT_THAT(outcome.err, HasSubstr("memq://: expected a run, found none"));
   EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
 }
 
-TEST(Monitor, RefusesALogOfAnotherVersion) {
+TEST(Monitor, RejectsALogOfAnotherVersion) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run corridor --seconds 0.2 --lcm off --log a.lcmlog", folder).exit_code,
             0);
@@ -76,7 +76,7 @@ TEST(Monitor, RefusesALogOfAnotherVersion) {
     for (size_t i = at; i < at + 4; ++i) size = size << 8 | static_cast<unsigned char>(bytes[i]);
     return size;
   };
-  constexpr size_t kHead = 28, kSchemaEnd = 59;  // of an event and of a message
+  constexpr size_t kHead = 28, kSchemaEnd = 59;  // bytes of an event and of a message
   for (size_t at = 0; at < bytes.size();) {
     const size_t channel = size_at(at + 20), message = size_at(at + 24);
     bytes[at + kHead + channel + kSchemaEnd] = 2;
@@ -90,7 +90,7 @@ TEST(Monitor, RefusesALogOfAnotherVersion) {
     EXPECT_EQ(
         outcome.err,
         "old.lcmlog: expected messages of this version of Throng, found THRONG_RUN: schema 2, "
-        "this program reads 3; record the run again with this version\n");
+        "this program reads 1; record the run again with this version\n");
   }
 }
 
@@ -109,7 +109,7 @@ TEST(Monitor, SurvivesTornAndDamagedLogs) {
   }
 }
 
-/// sh around a line so that multicast works in it on any machine, or "" where that is not allowed.
+/// Wraps a line of sh to make multicast work on any machine; "" if that is not allowed.
 std::string network() {
   const ScratchFolder folder;
   for (const char* flags : {"-n", "-rn"})
@@ -119,12 +119,12 @@ std::string network() {
   return shell("ip route get 239.255.76.67", folder).exit_code == 0 ? ". ./script" : "";
 }
 
-/// For half a minute at most.
+/// Waits half a minute at most.
 const std::string kUntilItListens =
     "tries=0; until ss -lun | grep -q ':7684 ' || [ $tries = 300 ]; do "
     "sleep 0.1; tries=$((tries+1)); done\nsleep 0.3\n";
 
-/// What the monitor says of a short live run that it hears with this receive buffer.
+/// JSON of a monitor that receives a short live run with this receive buffer.
 Json watched(const std::string& buffer, const std::string& run) {
   const std::string in_network = network();
   if (in_network.empty()) return nullptr;
@@ -143,7 +143,7 @@ Json watched(const std::string& buffer, const std::string& run) {
 
 TEST(Monitor, LosesNothingOfALiveRunWithTheDefaultUrl) {
   const Json seen = watched("2097152", "plaza --seconds 3 --pace 1");
-  if (seen.is_null()) GTEST_SKIP() << "no network namespaces here and no multicast route";
+  if (seen.is_null()) GTEST_SKIP() << "neither network namespaces nor a multicast route";
   EXPECT_EQ(seen["run"]["ended"], true);
   EXPECT_EQ(seen["run"]["from_start"], true);
   EXPECT_EQ(seen["lost"], 0) << seen.dump(1);
@@ -151,10 +151,10 @@ TEST(Monitor, LosesNothingOfALiveRunWithTheDefaultUrl) {
   EXPECT_EQ(seen["events"]["begin"], seen["run_json"]["events"]["begin"]);
 }
 
-TEST(Monitor, LossesThatItReportsAreSentMinusReceived) {
-  // A buffer that holds one datagram: of a burst most are lost.
+TEST(Monitor, ReportsSentMinusReceivedAsLost) {
+  // The buffer holds one datagram, so most of a burst is lost.
   const Json seen = watched("4096", "plaza --avatars 2000 --seconds 3 --pace 1");
-  if (seen.is_null()) GTEST_SKIP() << "no network namespaces here and no multicast route";
+  if (seen.is_null()) GTEST_SKIP() << "neither network namespaces nor a multicast route";
   ASSERT_EQ(seen["run"]["ended"], true);
   int64_t lost = 0;
   for (const auto& [name, channel] : seen["channels"].items()) {

@@ -1,4 +1,4 @@
-// Names and paths with odd bytes: refused while loading, or written so that everything can be read.
+// Names and paths with unusual bytes are rejected while loading, or written in readable form.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST(Names, OfFilesMayBeAnyBytes) {
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
 }
 
-TEST(Names, ThatNothingCanHoldAreRefusedWithTheirLine) {
+TEST(Names, AreRejectedWithTheirLineIfUnprintable) {
   const ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
       {"\"a\\0b\"", "s.yaml:1: expected text without control characters, found 'a\\x00b'"},

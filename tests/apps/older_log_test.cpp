@@ -1,4 +1,4 @@
-// Files that are there already: an older log under the same name, a run that is writing it.
+// Existing outputs: an older log of the same name, and a run that is writing it.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(OlderLog, OfANameThatNobodyChoseIsKept) {
+TEST(OutputPlan, KeepsThePreviousDefaultLog) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --seed ";
   const Outcome first = shell(run + "1", place.folder());
@@ -28,13 +28,13 @@ TEST(OlderLog, OfANameThatNobodyChoseIsKept) {
   EXPECT_EQ(read_file(place / "out/my.previous.lcmlog"), one);
   const std::string two = read_file(place / "out/my.lcmlog");
   EXPECT_NE(two, one);
-  EXPECT_THAT(shell(run + "3", place.folder()).err, HasSubstr("in place of that of"));
+  EXPECT_THAT(shell(run + "3", place.folder()).err, HasSubstr("in place of the one of"));
   EXPECT_EQ(read_file(place / "out/my.previous.lcmlog"), two);
   expect_refused(place, run + "4 --json out/my.previous.lcmlog", kTwice);
   expect_refused(place, run + "4 --json out/my.lcmlog", kTwice);
 }
 
-TEST(OlderLog, OfANamedFileIsReplacedInSoManyWords) {
+TEST(OutputPlan, NotesAReplacedLog) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log x.lcmlog";
   const Outcome first = shell(run, place.folder());
@@ -45,7 +45,7 @@ TEST(OlderLog, OfANamedFileIsReplacedInSoManyWords) {
                               "note: x.lcmlog of [-0-9]+ [:0-9]+, [.0-9]+ [kM]B, is replaced\n"));
 }
 
-TEST(TwoRuns, OnOneOutputAreOneAndTheSecondIsRefused) {
+TEST(OutputPlan, RejectsAnOutputOfARunningProgram) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "out/my.lcmlog"},
       {"--log x.lcmlog", "x.lcmlog"},
@@ -56,12 +56,12 @@ TEST(TwoRuns, OnOneOutputAreOneAndTheSecondIsRefused) {
   for (const auto& [outputs, output] : cases) {
     SCOPED_TRACE(outputs);
     Workplace place;
-    // The first run is paced, so that it writes for seconds after its output has appeared.
+    // The first run is paced: it writes for seconds after its output appears.
     const Outcome outcome = shell(
         fmt::format("throng run my.yaml --seconds 6 --pace 1 --lcm off {0} >first.txt 2>&1 &\n"
                     "first=$!\nuntil [ -e {1} ]; do sleep 0.05; done\nsleep 0.3\n"
                     "throng run my.yaml --seconds 6 --lcm off {0} && second=0 || second=$?\n"
-                    "kill -0 $first || echo the first one was over >&2\n"
+                    "kill -0 $first || echo the first one has ended >&2\n"
                     "wait $first\nexit $second",
                     outputs, output),
         place.folder());

@@ -1,5 +1,5 @@
-// Nothing that is there is lost: no command writes over what it reads, over another of its outputs,
-// or over anything at all before it is certain that it can do its work.
+// No command overwrites an input or another of its outputs, and none overwrites any file before it
+// has checked everything.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,12 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A command, its options that name files, and which of them are read.
 struct CommandLine {
   std::string command;
-  std::string line;  ///< its arguments, but for outputs
+  std::string line;  ///< arguments apart from outputs
   std::vector<std::string> outputs;
-  std::vector<std::string> inputs;  ///< options; arguments are in `line`
+  std::vector<std::string> inputs;  ///< options of inputs; positional inputs are in `line`
   std::vector<std::string> read{};  ///< files of `line` that an output must not be
 };
 
@@ -39,7 +38,7 @@ const std::vector<CommandLine>& commands() {
       {"render", "a.lcmlog --frame 0 --width 64 --height 64", {"--out"}, {}, {"a.lcmlog"}},
       {"view", "a.lcmlog", {"--html"}, {}, {"a.lcmlog"}},
       {"paper", "--frames 10", {"--json", "--out"}, {}},
-      // Frames for others, and their pairs judged, are instead of a measurement.
+      // --export and --check replace the measurement.
       {"bench",
        "--avatars 20 --engines none --frames 1",
        {"--json", "--csv"},
@@ -47,7 +46,7 @@ const std::vector<CommandLine>& commands() {
       {"validate", "--only rimea_1", {"--json", "--out"}, {"--recordings"}},
       {"compare", "my.yaml my.yaml --seconds 0.1", {"--json", "--out"}, {}, {"my.yaml"}},
       {"export", "a.lcmlog", {"--mcap"}, {"--out"}, {"a.lcmlog"}},
-      {"study", "", {}, {"--out", "--merge"}},  // its table has an ending of its own
+      {"study", "", {}, {"--out", "--merge"}},  // its table needs a certain ending
       {"monitor", "a.lcmlog", {}, {}},
       {"info", "a.lcmlog", {}, {}},
       {"scenes", "", {}, {}},
@@ -56,7 +55,6 @@ const std::vector<CommandLine>& commands() {
   return all;
 }
 
-/// What a file's name has to end in.
 std::string ending_of(const CommandLine& command, const std::string& option) {
   if (command.command == "render") return ".png";
   return option == "--trajectory" ? ".csv" : "";
@@ -66,19 +64,19 @@ bool is_always_folder(const std::string& option) {
   return option == "--contacts" || option == "--part-pairs" || option == "--separation";
 }
 
-TEST(OutputPlan, KnowsEveryOptionOfEveryCommandThatNamesAFile) {
+TEST(OutputPlan, CoversEveryOptionThatNamesAFile) {
   const ScratchFolder folder;
   std::vector<std::string> known;
   for (const CommandLine& command : commands()) {
     const std::string help = shell("throng " + command.command + " --help", folder).out;
-    std::vector<std::string> told, expected = command.outputs;
+    std::vector<std::string> listed, expected = command.outputs;
     const std::regex option("^ +(?:-\\w,)?(--[a-z-]+) (?:FILE|DIR)\\b");
     std::istringstream lines(help);
     std::smatch match;
     for (std::string line; std::getline(lines, line);)
-      if (std::regex_search(line, match, option)) told.push_back(match[1]);
+      if (std::regex_search(line, match, option)) listed.push_back(match[1]);
     expected.insert(expected.end(), command.inputs.begin(), command.inputs.end());
-    EXPECT_THAT(told, testing::UnorderedElementsAreArray(expected)) << command.command;
+    EXPECT_THAT(listed, testing::UnorderedElementsAreArray(expected)) << command.command;
     known.push_back(command.command);
   }
   const std::string help = shell("throng --help", folder).out;
@@ -89,32 +87,32 @@ TEST(OutputPlan, KnowsEveryOptionOfEveryCommandThatNamesAFile) {
     EXPECT_THAT(known, testing::Contains(line.substr(2, line.find(' ', 2) - 2)));
 }
 
-/// What the second of two names may look like while it means the same file.
+/// Alternatives to name one file twice.
 struct Alias {
   const char* how;
-  const char* second;  ///< the first one is "x.csv", which --trajectory takes, too
+  const char* second;  ///< the first name is "x.csv", which --trajectory accepts
   const char* prepare;
 };
 constexpr Alias kAliases[] = {
     {"the same name", "x.csv", "true"},
-    {"the same name of a file that is there", "x.csv", "echo old >x.csv"},
+    {"the same name of an existing file", "x.csv", "echo old >x.csv"},
     {"a dot", "./x.csv", "true"},
-    {"a way round", "sub/../x.csv", "mkdir sub"},
+    {"a detour", "sub/../x.csv", "mkdir sub"},
     {"an absolute path", "$PWD/x.csv", "echo old >x.csv"},
     {"a symbolic link", "y.csv", "echo old >x.csv; ln -s x.csv y.csv"},
-    {"a symbolic link to what is not there yet", "y.csv", "ln -s x.csv y.csv"},
+    {"a symbolic link to a missing file", "y.csv", "ln -s x.csv y.csv"},
     {"a linked folder", "sub/x.csv", "ln -s . sub"},
     {"a hard link", "y.csv", "echo old >x.csv; ln x.csv y.csv"},
     {"a pipe", "x.csv", "mkfifo x.csv"},
 };
 
-TEST(OutputPlan, NoTwoOutputsAreOneFile) {
+TEST(OutputPlan, RejectsTwoOutputsInOneFile) {
   int tried = 0;
   for (const CommandLine& command : commands())
     for (size_t i = 0; i < command.outputs.size(); ++i)
       for (size_t j = i; j < command.outputs.size(); ++j) {
         const std::string &first = command.outputs[i], &second = command.outputs[j];
-        if (i == j && first != "--trajectory") continue;  // which alone may come more than once
+        if (i == j && first != "--trajectory") continue;  // the only repeatable one
         for (const Alias& alias : kAliases) {
           SCOPED_TRACE(alias.how);
           Workplace place;
@@ -131,7 +129,7 @@ TEST(OutputPlan, NoTwoOutputsAreOneFile) {
   EXPECT_GE(tried, 250);
 }
 
-TEST(OutputPlan, NoOutputIsWhatIsRead) {
+TEST(OutputPlan, RejectsOutputsThatAreInputs) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs)
       for (const std::string& file : command.read) {
@@ -149,27 +147,30 @@ TEST(OutputPlan, NoOutputIsWhatIsRead) {
               place, fmt::format("throng {} {} {} {}", command.command, command.line, option, file),
               said);
       }
-  // A folder's files are outputs, too.
+  // The files of a folder are outputs as well.
   Workplace place;
-  shell("mkdir c; ln my.yaml c/pairs.csv", place.folder());
+  shell("mkdir c; ln my.yaml c/part_contacts.csv", place.folder());
   expect_refused(place, "throng run my.yaml --lcm off --log off --contacts c", "my.yaml");
 }
 
-TEST(OutputPlan, TheCheckpointThatIsReadIsWrittenByItsOwnRunOnly) {
+TEST(OutputPlan, LetsOnlyTheSameRunOverwriteItsCheckpoint) {
   Workplace place;
-  shell("throng run my.yaml --seconds 0.1 --lcm off --log off --checkpoint c.csv --every 0.05",
-        place.folder());
+  shell(
+      "throng run my.yaml --seconds 0.1 --lcm off --log off --checkpoint c.csv "
+      "--checkpoint-every 0.05",
+      place.folder());
   const std::string resumed = "throng run my.yaml --seconds 0.2 --lcm off --resume c.csv ";
   for (const std::string& option : commands()[0].outputs) {
     if (option == "--checkpoint") continue;
     expect_refused(place, fmt::format("{}{} c.csv", resumed, option), kTwice);
     expect_refused(place, fmt::format("{}--checkpoint c.csv {} c.csv", resumed, option), kTwice);
   }
-  EXPECT_EQ(shell(resumed + "--log off --checkpoint c.csv --every 0.05", place.folder()).exit_code,
+  EXPECT_EQ(shell(resumed + "--log off --checkpoint c.csv --checkpoint-every 0.05", place.folder())
+                .exit_code,
             0);
 }
 
-TEST(OutputPlan, AFolderIsNoFileAndAFileNoFolder) {
+TEST(OutputPlan, DistinguishesFilesAndFolders) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs) {
       Workplace place;
@@ -185,7 +186,7 @@ TEST(OutputPlan, AFolderIsNoFileAndAFileNoFolder) {
     }
 }
 
-TEST(OutputPlan, AFolderThatIsMissingIsToldBeforeTheWork) {
+TEST(OutputPlan, ReportsAMissingFolderBeforeTheWork) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs) {
       if (is_always_folder(option) || (option == "--out" && command.command != "render")) continue;
@@ -197,19 +198,20 @@ TEST(OutputPlan, AFolderThatIsMissingIsToldBeforeTheWork) {
     }
 }
 
-TEST(OutputPlan, WhatAFolderIsFilledWithIsNoOtherOutput) {
+TEST(OutputPlan, RejectsOutputsAmongTheFilesOfAFolder) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off --contacts c ";
-  for (const char* name : {"contacts.csv", "pairs.csv", "contact_parts.svg", "../c/people.csv"})
+  for (const char* name :
+       {"contacts.csv", "part_contacts.csv", "contact_parts.svg", "../c/people.csv"})
     expect_refused(place, run + "--json c/" + name, kTwice);
   expect_refused(place, "throng paper --out c --json c/figure_1.svg", kTwice);
-  const Outcome beside = shell(run + "--json c/run.json", place.folder());
-  EXPECT_EQ(beside.exit_code, 0) << beside.err;
+  const Outcome separate = shell(run + "--json c/run.json", place.folder());
+  EXPECT_EQ(separate.exit_code, 0) << separate.err;
   EXPECT_THAT(read_file(place / "c/run.json"), HasSubstr("\"hash\""));
   expect_refused(place, run + "--trajectory t.sqlite --json t.sqlite-journal", kTwice);
 }
 
-TEST(OutputPlan, TheFileOfTheStandardOutputIsNoOtherOutput) {
+TEST(OutputPlan, RejectsTheFileOfTheStandardOutput) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off --json ";
   const Outcome same = shell(run + "x.json >x.json", place.folder());
@@ -218,7 +220,7 @@ TEST(OutputPlan, TheFileOfTheStandardOutputIsNoOtherOutput) {
   EXPECT_EQ(shell(run + "x.json >y.txt", place.folder()).exit_code, 0);
 }
 
-TEST(OutputPlan, ManyMayBeThrownAway) {
+TEST(OutputPlan, AllowsSeveralOutputsToTheNullDevice) {
   Workplace place;
   const Outcome outcome = shell(
       "throng run my.yaml --seconds 0.1 --lcm off --log /dev/null --json /dev/null "
@@ -228,16 +230,17 @@ TEST(OutputPlan, ManyMayBeThrownAway) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-/// All outputs of a run, in a folder where all of them are there already.
+/// All outputs of a run, in a folder that has all of them.
 constexpr const char* kAllOutputs =
     " --log x.lcmlog --json x.json --trajectory x.csv --trajectory x.sqlite --html "
     "x.html "
     "--contacts c --trace-hash x.txt --checkpoint x.checkpoint";
 
-TEST(OutputPlan, ARefusedRunLeavesEverythingAsItWas) {
+TEST(OutputPlan, LeavesAllFilesUnchangedIfARunIsRejected) {
   Workplace place;
   ASSERT_EQ(
-      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --every 0.05") + kAllOutputs,
+      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --checkpoint-every 0.05") +
+                kAllOutputs,
             place.folder())
           .exit_code,
       0);
@@ -255,7 +258,7 @@ TEST(OutputPlan, ARefusedRunLeavesEverythingAsItWas) {
       {"my.yaml --resume damaged", "damaged: expected"},
       {"my.yaml --resume my.yaml", "a checkpoint of Throng"},
       {"my.yaml --seed 5 --resume x.checkpoint", "a checkpoint of this run"},
-      {"my.yaml --resume x.checkpoint --seconds 0.001", "more --seconds"},
+      {"my.yaml --resume x.checkpoint --seconds 0.001", "increase --seconds"},
       {"my.yaml --avatars 0", "--avatars"},
       {"my.yaml --nonsense", "--nonsense"}};
   for (const auto& [line, said] : refused) {
@@ -268,14 +271,15 @@ TEST(OutputPlan, ARefusedRunLeavesEverythingAsItWas) {
   expect_refused(place, "throng check bad.yaml --repair x.lcmlog", "bad.yaml");
 }
 
-TEST(OutputPlan, OneOutputThatCannotBeLeavesTheOthersAsTheyWere) {
+TEST(OutputPlan, LeavesOtherOutputsUnchangedIfOneFails) {
   Workplace place;
   ASSERT_EQ(
-      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --every 0.05") + kAllOutputs,
+      shell(std::string("throng run my.yaml --lcm off --seconds 0.1 --checkpoint-every 0.05") +
+                kAllOutputs,
             place.folder())
           .exit_code,
       0);
-  // Found out by trying only: there is no name as long.
+  // Only opening shows that the name is too long.
   const std::string long_name = std::string(300, 'x');
   for (const std::string& option : commands()[0].outputs) {
     const std::string last = option == "--trajectory" ? long_name + ".csv" : long_name;
@@ -286,13 +290,13 @@ TEST(OutputPlan, OneOutputThatCannotBeLeavesTheOthersAsTheyWere) {
   }
 }
 
-TEST(OutputPlan, AWriterThatCannotOpenItsFileLeavesTheOlderLog) {
+TEST(OutputPlan, KeepsTheOlderLogIfAWriterFails) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --trajectory x.sqlite";
   for (int round = 0; round < 2; ++round)
     ASSERT_EQ(shell(run + " --seed " + std::to_string(round), place.folder()).exit_code, 0);
   place.look();
-  // Another program reads the trajectory, and has it locked.
+  // Another program holds a lock on the trajectory.
   const Outcome outcome = shell(
       "python3 -c 'import fcntl, sys, time; f = open(\"x.sqlite\", \"r+b\"); fcntl.lockf(f, "
       "fcntl.LOCK_EX); print(\"locked\", flush=True); time.sleep(60)' >locked & holder=$!\n"
@@ -304,20 +308,20 @@ TEST(OutputPlan, AWriterThatCannotOpenItsFileLeavesTheOlderLog) {
   place.expect_untouched();
 }
 
-TEST(OutputPlan, AFolderThatIsMadeOnTheWayHidesNothing) {
+TEST(OutputPlan, SeesThroughFoldersCreatedOnTheWay) {
   Workplace place;
   shell("mkdir c; cp my.yaml body.urdf body.tri rock.tri c; mv c/my.yaml c/contacts.csv",
         place.folder());
   expect_refused(place, "throng run c/contacts.csv --lcm off --log off --contacts c/new/..",
-                 "would be written over");
+                 "would overwrite");
   expect_refused(place,
-                 "throng run my.yaml --lcm off --log off --contacts c --json c/new/../pairs.csv",
+                 "throng run my.yaml --lcm off --log off --contacts c --json "
+                 "c/new/../part_contacts.csv",
                  kTwice);
-  // Nobody makes that one.
   expect_refused(place, "throng run my.yaml --lcm off --log no/../my.yaml", "cannot write it", 3);
 }
 
-TEST(OutputPlan, AResultPipedAwayIsNoOtherOutput) {
+TEST(OutputPlan, AllowsAPipedStandardOutput) {
   Workplace place;
   place.look();
   const Outcome outcome =
@@ -326,7 +330,7 @@ TEST(OutputPlan, AResultPipedAwayIsNoOtherOutput) {
   place.expect_untouched();
 }
 
-TEST(OutputPlan, NothingSoundIsNothingToRepair) {
+TEST(OutputPlan, RejectsARepairWithoutSoundMessages) {
   Workplace place;
   write_file(place / "short", "hi\n");
   write_file(place / "nothing_whole", std::string("\xed\xa1\xda\x01", 4));
@@ -339,7 +343,7 @@ TEST(OutputPlan, NothingSoundIsNothingToRepair) {
   }
 }
 
-TEST(OutputPlan, AnOptionThatNamesNothingIsRefused) {
+TEST(OutputPlan, RejectsEmptyFileNames) {
   Workplace place;
   for (const CommandLine& command : commands())
     for (const std::vector<std::string>& options : {command.outputs, command.inputs})
@@ -348,11 +352,11 @@ TEST(OutputPlan, AnOptionThatNamesNothingIsRefused) {
             fmt::format("throng {} {} {} ", command.command, command.line, option);
         if (ending_of(command, option).empty()) expect_refused(place, line + "''", "found none");
         if (option != "--json" && ending_of(command, option).empty())
-          expect_refused(place, line + "-", "only --json writes to the standard output");
+          expect_refused(place, line + "-", "only --json writes to stdout");
       }
 }
 
-TEST(OutputPlan, TheNetworkIsNoFile) {
+TEST(OutputPlan, RejectsFilesAsLcmUrls) {
   Workplace place;
   expect_refused(place, "throng run my.yaml --log off --lcm 'file://my.yaml?mode=w'",
                  "--log FILE writes a log");
@@ -361,7 +365,7 @@ TEST(OutputPlan, TheNetworkIsNoFile) {
                  "found ");
 }
 
-TEST(OutputPlan, ANewResultThatIsNotWholeLeavesTheOldOne) {
+TEST(OutputPlan, KeepsTheOldResultUntilTheNewOneIsComplete) {
   Workplace place;
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off ";
   ASSERT_EQ(shell(run + "--json x.json --html x.html", place.folder()).exit_code, 0);
@@ -373,7 +377,7 @@ TEST(OutputPlan, ANewResultThatIsNotWholeLeavesTheOldOne) {
   }
 }
 
-TEST(OutputPlan, AnOutputKeepsItsModeAndItsLink) {
+TEST(OutputPlan, KeepsModeAndLinkOfAnOutput) {
   Workplace place;
   shell("mkdir far; echo old >far/x.json; chmod 640 far/x.json; ln -s far/x.json x.json",
         place.folder());

@@ -1,5 +1,4 @@
-// What `throng` says of the plan of a scene: grounds that are none, gaps, and who cannot reach a
-// goal.
+// Messages about the ground of a scene: too narrow grounds, gaps, and unreachable goals.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +28,7 @@ std::string gap_scene(double gap_m) {
       -6 + 0.5 * wall_m, wall_m, 6 - 0.5 * wall_m, wall_m);
 }
 
-TEST(Plan, AGroundNarrowerThanAVoxelIsRefusedByRunAndInfo) {
+TEST(Ground, IsRejectedIfNarrowerThanAVoxel) {
   const ScratchFolder folder;
   write_file(
       folder / "narrow.yaml",
@@ -45,7 +44,7 @@ TEST(Plan, AGroundNarrowerThanAVoxelIsRefusedByRunAndInfo) {
   }
 }
 
-TEST(Plan, AGapOfHalfAMetreIsAWayAndOneOf40CentimetresIsNone) {
+TEST(Gap, IsPassableAtHalfAMetreAndNotAt40Centimetres) {
   const ScratchFolder folder;
   write_file(folder / "half.yaml", gap_scene(0.5));
   const Json half = run_json("half.yaml --seconds 60 --log off", folder);
@@ -59,7 +58,7 @@ TEST(Plan, AGapOfHalfAMetreIsAWayAndOneOf40CentimetresIsNone) {
             Json::parse(R"([{"group": "visitors", "goal": 1, "people": 20}])"));
 }
 
-TEST(Plan, EverySummaryTellsHowManyCannotReachAGoal) {
+TEST(Summary, CountsPeopleThatCannotReachAGoal) {
   const ScratchFolder folder;
   write_file(folder / "narrow.yaml", gap_scene(0.3));
   EXPECT_THAT(shell("throng run narrow.yaml --seconds 0.1 --lcm off --log off", folder).out,
@@ -70,17 +69,18 @@ TEST(Plan, EverySummaryTellsHowManyCannotReachAGoal) {
         HasSubstr("stranded  0 people cannot reach a goal\n"));
 }
 
-TEST(Plan, APlanThatGrewIsInTheJson) {
+TEST(Scaling, IsInTheJson) {
   const ScratchFolder folder;
   const Json own = run_json("corridor --seconds 0.05 --log off", folder);
-  EXPECT_EQ(own["plan"]["grew"], 1);
+  EXPECT_EQ(own["scaling"]["factor"], 1);
   EXPECT_EQ(own["notes"], Json::array());
   const Json grown = run_json("corridor --seconds 0.05 --log off --avatars 1000", folder);
-  EXPECT_GT(grown["plan"]["grew"], 1);
+  EXPECT_GT(grown["scaling"]["factor"], 1);
   for (const int axis : {0, 1})
-    EXPECT_NEAR(grown["plan"]["ground_m"][axis].get<double>(),
-                grown["plan"]["grew"].get<double>() * own["plan"]["ground_m"][axis].get<double>(),
-                1e-9);
+    EXPECT_NEAR(
+        grown["scaling"]["ground_m"][axis].get<double>(),
+        grown["scaling"]["factor"].get<double>() * own["scaling"]["ground_m"][axis].get<double>(),
+        1e-9);
   EXPECT_THAT(grown["notes"].dump(), HasSubstr("the plan of 'corridor' grew"));
 }
 

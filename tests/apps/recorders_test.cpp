@@ -1,5 +1,5 @@
-// `throng run --trajectory` and `--contacts` from outside: files that other programs open, and
-// disks that are full.
+// `throng run --trajectory`, `--contacts` and `--separation`: files for other programs, and full
+// disks.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(TrajectoryFiles, AreWrittenSideBySide) {
+TEST(TrajectoryFiles, AreWrittenInBothFormats) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "throng run corridor --avatars 20 --seconds 1 --lcm off --log off --trajectory t.csv "
@@ -27,7 +27,7 @@ TEST(TrajectoryFiles, AreWrittenSideBySide) {
   EXPECT_THAT(read_file(folder / "t.sqlite"), StartsWith("SQLite format 3"));
 }
 
-TEST(TrajectoryFiles, ChangeNoEvent) {
+TEST(TrajectoryFiles, DoNotChangeEvents) {
   const ScratchFolder folder;
   const std::string run = "throng run corridor --seconds 1 --lcm off --log off";
   const auto hash = [&](const std::string& options) {
@@ -38,14 +38,14 @@ TEST(TrajectoryFiles, ChangeNoEvent) {
   EXPECT_EQ(hash(""), hash(" --trajectory t.sqlite"));
 }
 
-TEST(TrajectoryFiles, OtherNamesAreBadInput) {
+TEST(TrajectoryFiles, RejectOtherEndings) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng run corridor --trajectory t.txt", folder);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr(".sqlite or .csv, found 't.txt'"));
 }
 
-TEST(TrajectoryFiles, OfAnAreaInPiecesAskWhichOneBeforeTheRun) {
+TEST(TrajectoryFiles, RequireAChoiceForADividedArea) {
   const ScratchFolder folder;
   const std::string run = "throng run ring --seconds 0.1 --lcm off --log off --trajectory ";
   const Outcome outcome = shell(run + "t.sqlite", folder);
@@ -63,7 +63,7 @@ TEST(TrajectoryFiles, OfAnAreaInPiecesAskWhichOneBeforeTheRun) {
   }
 }
 
-TEST(ContactFiles, SayTheSameAsTheRun) {
+TEST(ContactFiles, AgreeWithTheRun) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "throng run corridor --seconds 10 --lcm off --log off --contacts c --json r.json", folder);
@@ -74,24 +74,25 @@ TEST(ContactFiles, SayTheSameAsTheRun) {
   EXPECT_EQ(line_count(read_file(folder / "c/people.csv")), 1 + 120);
   EXPECT_EQ(line_count(read_file(folder / "c/parts.csv")), 1 + 15);
   EXPECT_EQ(line_count(read_file(folder / "c/density.csv")), 1 + 6);
-  // Every pair of parts that began to touch has a row of its own.
+  // Every pair of parts that began to touch has a row.
   const Outcome parts = shell("awk -F, 'NR>1 {n+=$10} END {print n}' c/contacts.csv", folder);
-  EXPECT_EQ(line_count(read_file(folder / "c/pairs.csv")), 1 + std::stoi(parts.out));
-  EXPECT_EQ(shell("tail -n +2 c/pairs.csv | LC_ALL=C sort -s -c -t, -k1,1n -k3,3n -k5,5n", folder)
-                .exit_code,
-            0);
+  EXPECT_EQ(line_count(read_file(folder / "c/part_contacts.csv")), 1 + std::stoi(parts.out));
+  EXPECT_EQ(
+      shell("tail -n +2 c/part_contacts.csv | LC_ALL=C sort -s -c -t, -k1,1n -k3,3n -k5,5n", folder)
+          .exit_code,
+      0);
   for (const char* figure :
        {"contact_rates", "contact_durations", "contact_parts", "contact_density"})
     EXPECT_THAT(read_file(folder / ("c/" + std::string(figure) + ".svg")), HasSubstr("</svg>"));
 }
 
-/// By networkx where it is installed, by an XML parser elsewhere.
-TEST(ContactFiles, AreGraphsThatOthersRead) {
+/// Read by networkx if it is installed, otherwise by an XML parser.
+TEST(ContactFiles, AreReadableGraphs) {
   const ScratchFolder folder;
   const Outcome run = shell(
       "throng run corridor --seconds 4 --closest-parts 1 --lcm off --log off --contacts c", folder);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("no seconds below 2 m: closest_parts_m is 1\n"));
+  EXPECT_THAT(run.err, HasSubstr("no seconds below 2 m because closest_parts_m is 1 m\n"));
   write_file(folder / "read.py", R"(
 import sys
 def edges(file):
@@ -119,15 +120,15 @@ for a, b, d in graph:
     assert len(spells) == d["contacts"] and abs(sum(e - f for f, e in spells) - d["seconds"]) < 1e-3
 tij = {tuple(map(int, line.split())) for line in open("c/touching.tij")}
 assert {(i, j) for t, i, j in tij} == {tuple(sorted((int(a), int(b)))) for a, b, d in graph}
-nodes, near = edges("c/near.graphml")
-assert len(near) == sum(1 for line in open("c/exposure.csv")) - 1 > 0
-assert {"below_0.5_m_s", "below_1_m_s"} == set(near[0][2])
+nodes, close = edges("c/proximity.graphml")
+assert len(close) == sum(1 for line in open("c/exposure.csv")) - 1 > 0
+assert {"below_0.5_m_s", "below_1_m_s"} == set(close[0][2])
 )");
   const Outcome read = shell("python3 read.py", folder);
   EXPECT_EQ(read.exit_code, 0) << read.err;
 }
 
-TEST(ContactFiles, OfASceneWithNobodyInItHaveNoRows) {
+TEST(ContactFiles, HaveNoRowsForAnEmptyScene) {
   const ScratchFolder folder;
   write_file(folder / "later.yaml", R"(
 name: later
@@ -144,12 +145,12 @@ groups:
   EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("note: no "));
   EXPECT_THAT(outcome.err, testing::Not(HasSubstr("gnuplot>")));
-  EXPECT_EQ(line_count(read_file(folder / "c/pairs.csv")), 1);
+  EXPECT_EQ(line_count(read_file(folder / "c/part_contacts.csv")), 1);
   EXPECT_EQ(line_count(read_file(folder / "c/contacts.csv")), 1);
   EXPECT_EQ(line_count(read_file(folder / "c/people.csv")), 1 + 5);
 }
 
-TEST(ContactFiles, AFolderThatCannotBeIsTold) {
+TEST(ContactFiles, ReportAFolderThatCannotBeCreated) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("echo >f; throng run corridor --lcm off --log off --contacts f/c", folder);
@@ -170,7 +171,7 @@ groups:
 separation: {human_speed_mps: 1.2, reaction_s: 0.1, stopping_s: 0.2, intrusion_m: 0.1}
 )";
 
-TEST(SeparationFiles, SayTheSameAsTheRun) {
+TEST(SeparationFiles, AgreeWithTheRun) {
   const ScratchFolder folder;
   std::string scene = kCell;
   scene.replace(scene.find("ROBOT"), 5,
@@ -198,7 +199,7 @@ TEST(SeparationFiles, SayTheSameAsTheRun) {
   EXPECT_EQ(without["hash"], with["hash"]);
 }
 
-TEST(SeparationFiles, NeedASceneThatAsksForThem) {
+TEST(SeparationFiles, RequireASceneWithSeparation) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng run corridor --lcm off --separation s", folder);
   EXPECT_EQ(outcome.exit_code, 2);
@@ -206,10 +207,10 @@ TEST(SeparationFiles, NeedASceneThatAsksForThem) {
   EXPECT_FALSE(std::filesystem::exists(folder / "s"));
 }
 
-/// A limit on file sizes stands in for a full disk.
+/// A limit on file sizes simulates a full disk.
 class FullDisk : public testing::TestWithParam<const char*> {};
 
-TEST_P(FullDisk, EndsTheRunAndLeavesWhatWasWritten) {
+TEST_P(FullDisk, EndsTheRunAndKeepsWrittenData) {
   const ScratchFolder folder;
   const std::string file = GetParam();
   const Outcome outcome = shell(
@@ -219,14 +220,14 @@ TEST_P(FullDisk, EndsTheRunAndLeavesWhatWasWritten) {
       folder);
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr(file + ": cannot write the trajectory"));
-  EXPECT_THAT(outcome.out, HasSubstr("ordop26")) << "the table of what was computed is lost";
+  EXPECT_THAT(outcome.out, HasSubstr("ordop26")) << "the table of the results is lost";
   EXPECT_GT(std::filesystem::file_size(folder / file), 1'000'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Trajectory, FullDisk, testing::Values("t.sqlite", "t.csv"),
                          [](const auto& each) { return std::string(each.param).substr(2); });
 
-TEST(TrajectoryFiles, OfAFullDiskEndWithAWholeFrame) {
+TEST(TrajectoryFiles, EndWithACompleteFrameOnAFullDisk) {
   const ScratchFolder folder;
   shell(
       "trap '' XFSZ; ulimit -f 200; throng run corridor --seconds 60 --lcm off --log off "

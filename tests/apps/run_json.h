@@ -1,5 +1,4 @@
-// What `throng run` says for machines.
-// One rule: a run that fails fails the test.
+// run_json() returns the JSON of a run; a failing run fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +10,7 @@
 
 namespace throng {
 
-/// `throng run` with the options; its JSON, null if the run failed.
+/// Runs `throng run` with the options; returns its JSON, null if the run failed.
 inline nlohmann::json run_json(const std::string& options, const ScratchFolder& folder) {
   const Outcome outcome = shell("throng run " + options + " --lcm off --json run.json", folder);
   EXPECT_EQ(outcome.exit_code, 0) << options << ": " << outcome.err;

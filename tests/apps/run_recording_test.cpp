@@ -1,4 +1,4 @@
-// `throng run` over recordings, from outside: known by content, by options, or by name.
+// `throng run` on recordings, found by content, by options, or by name.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Two people who pass each other, in a table whose columns have names of their own.
+/// Two people that pass each other, in a table with custom column names.
 std::string table(const std::string& header) {
   std::string text = header + "\n";
   for (int i = 0; i < 50; ++i) {
@@ -23,7 +23,7 @@ std::string table(const std::string& header) {
   return text;
 }
 
-TEST(RunRecording, OfATableWithColumnsOfItsOwnNeedsTheirNames) {
+TEST(RunRecording, NeedsTheColumnNamesOfACustomTable) {
   const ScratchFolder folder;
   write_file(folder / "walk.csv", table("who;when;east;north"));
   const Outcome refused = shell("throng run walk.csv --lcm off --log off", folder);
@@ -40,14 +40,14 @@ TEST(RunRecording, OfATableWithColumnsOfItsOwnNeedsTheirNames) {
   EXPECT_EQ(json["recording"]["frames"], 50);
   EXPECT_EQ(json["recording"]["fps"], 10.0);
   EXPECT_EQ(json["frames"], 49 * 6 + 1) << "six steps from one to the next, up to the last";
-  EXPECT_GT(json["events"]["begin"], 0) << "nobody is so narrow";
+  EXPECT_GT(json["events"]["begin"], 0) << "the two must touch";
   EXPECT_EQ(shell("throng check walk.lcmlog", folder).exit_code, 0);
-  // What was written is a recording again, and so is the log.
+  // The trajectory is a recording again, and so is the log.
   for (const char* again : {"walk.sqlite", "walk.lcmlog"})
     EXPECT_EQ(shell(fmt::format("throng run {} --lcm off --log off", again), folder).exit_code, 0);
 }
 
-TEST(RunRecording, ItsOptionsBelongToNothingElse) {
+TEST(RunRecording, RejectsItsOptionsForOtherInput) {
   const ScratchFolder folder;
   const Outcome scene = shell("throng run plaza --fps 25 --lcm off --log off", folder);
   EXPECT_EQ(scene.exit_code, 2);
@@ -58,7 +58,7 @@ TEST(RunRecording, ItsOptionsBelongToNothingElse) {
   EXPECT_THAT(scaled.err, HasSubstr("--avatars: expected a scene"));
 }
 
-TEST(RunRecording, ASceneAroundItNamesItsFile) {
+TEST(RunRecording, IsNamedByAScene) {
   const ScratchFolder folder;
   write_file(folder / "walk.csv", table("id;t;x;y"));
   write_file(

@@ -1,4 +1,4 @@
-// `throng run` from outside: the same events however it is run, and every figure that is promised.
+// `throng run`: the same events in every configuration, and complete JSON.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(Run, SameEventsAndSameLogBytesWithOneAndTwoThreads) {
+TEST(Run, GivesTheSameEventsAndLogWithOneAndTwoThreads) {
   const ScratchFolder folder;
   const Json one = run_json("plaza --seconds 1 --threads 1 --log one.lcmlog", folder);
   const Json two = run_json("plaza --seconds 1 --threads 2 --log two.lcmlog", folder);
@@ -26,7 +26,7 @@ TEST(Run, SameEventsAndSameLogBytesWithOneAndTwoThreads) {
   EXPECT_TRUE(read_file(folder / "one.lcmlog") == read_file(folder / "two.lcmlog"));
 }
 
-TEST(Run, PaceTiesARunToTheClockAndChangesNothing) {
+TEST(Run, FollowsTheClockWithPaceAndKeepsItsEvents) {
   const ScratchFolder folder;
   const Json free = run_json("corridor --seconds 0.5 --log free.lcmlog", folder);
   const Json paced = run_json("corridor --seconds 0.5 --log paced.lcmlog --pace 0.5", folder);
@@ -37,7 +37,7 @@ TEST(Run, PaceTiesARunToTheClockAndChangesNothing) {
   EXPECT_TRUE(read_file(folder / "free.lcmlog") == read_file(folder / "paced.lcmlog"));
 }
 
-TEST(Run, AFrameThatIsLateIsTold) {
+TEST(Run, CountsLateFrames) {
   const ScratchFolder folder;
   const Json paced = run_json("plaza --seconds 2 --log off --pace 100000", folder);
   EXPECT_GT(paced["pace"]["late_frames"], 0);
@@ -45,7 +45,7 @@ TEST(Run, AFrameThatIsLateIsTold) {
   EXPECT_GE(paced["pace"]["worst_ms"], paced["pace"]["behind_ms"]);
 }
 
-TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
+TEST(Run, GivesTheSameEventsForAnySimdAndPairSearch) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.5 --log off";
   const Json best = run_json(base, folder);
@@ -56,7 +56,7 @@ TEST(Run, SameEventsWithoutSimdAndWithAnyPairSearch) {
   }
 }
 
-TEST(Run, SeedVolumeAndExactChangeTheRunAndItsName) {
+TEST(Run, ChangesWithSeedVolumeAndTriangles) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 2 --avatars 200 --log off";
   const Json first = run_json(base, folder);
@@ -67,7 +67,7 @@ TEST(Run, SeedVolumeAndExactChangeTheRunAndItsName) {
   }
 }
 
-TEST(Run, TighterVolumesReportNoMorePairs) {
+TEST(Run, ReportsNoMorePairsWithTighterVolumes) {
   const ScratchFolder folder;
   const std::string base = "plaza --seconds 0.2 --log off ";
   const Json sphere = run_json(base + "--part-volume sphere", folder);
@@ -75,12 +75,12 @@ TEST(Run, TighterVolumesReportNoMorePairs) {
   const Json exact = run_json(base + "--part-volume ordop26 --exact", folder);
   EXPECT_LT(ordop["pairs_peak"], sphere["pairs_peak"]);
   EXPECT_LE(exact["pairs_peak"], ordop["pairs_peak"]);
-  EXPECT_EQ(ordop["stages"]["part"]["volume"], "ordop26");
-  EXPECT_EQ(ordop["stages"]["exact"]["tests"], 0);
-  EXPECT_GT(exact["stages"]["exact"]["tests"], 0);
+  EXPECT_EQ(ordop["stages"]["part_volume"]["volume"], "ordop26");
+  EXPECT_EQ(ordop["stages"]["triangles"]["tests"], 0);
+  EXPECT_GT(exact["stages"]["triangles"]["tests"], 0);
 }
 
-TEST(Run, JsonHasEveryPromisedKey) {
+TEST(Run, WritesEveryDocumentedJsonKey) {
   const ScratchFolder folder;
   const Json json = run_json("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
   for (const char* key : {"/scene",
@@ -101,7 +101,7 @@ TEST(Run, JsonHasEveryPromisedKey) {
                           "/stage_ms/kinematics",
                           "/stage_ms/broad_phase",
                           "/stage_ms/mid_phase",
-                          "/stage_ms/exact",
+                          "/stage_ms/narrow_phase",
                           "/stage_ms/events",
                           "/stage_ms/publish",
                           "/events/begin",
@@ -117,12 +117,12 @@ TEST(Run, JsonHasEveryPromisedKey) {
                           "/machine/cpu",
                           "/machine/simd"})
     EXPECT_TRUE(json.contains(Json::json_pointer(key))) << key;
-  for (const char* stage : {"avatar", "part", "exact"})
+  for (const char* stage : {"body_sphere", "part_volume", "triangles"})
     for (const char* key : {"volume", "updates", "tests", "passed", "update_ns", "test_ns"})
       EXPECT_TRUE(json["stages"][stage].contains(key)) << stage << " " << key;
 }
 
-TEST(Run, FiguresAgreeWithEachOther) {
+TEST(Run, WritesConsistentFigures) {
   const ScratchFolder folder;
   const Json json = run_json("plaza --seconds 0.5 --threads 1 --seed 3 --log run.lcmlog", folder);
   EXPECT_EQ(json["scene"], "plaza");
@@ -140,12 +140,12 @@ TEST(Run, FiguresAgreeWithEachOther) {
               0.01 * json["realtime_factor"].get<double>());
   EXPECT_LE(json["frame_ms"]["median"], json["frame_ms"]["p95"]);
   EXPECT_LE(json["frame_ms"]["p95"], json["frame_ms"]["max"]);
-  for (const char* stage : {"avatar", "part", "exact"})
+  for (const char* stage : {"body_sphere", "part_volume", "triangles"})
     EXPECT_LE(json["stages"][stage]["passed"], json["stages"][stage]["tests"]) << stage;
   EXPECT_GT(json["peak_rss_bytes"], 1'000'000);
 }
 
-TEST(Run, TakesAsManyPeopleAsAsked) {
+TEST(Run, TakesTheRequestedNumberOfPeople) {
   const ScratchFolder folder;
   for (const int people : {1, 7, 1000})
     EXPECT_EQ(run_json("plaza --seconds 0.05 --log off --avatars " + std::to_string(people),
@@ -153,7 +153,7 @@ TEST(Run, TakesAsManyPeopleAsAsked) {
               people);
 }
 
-TEST(Run, WithoutTerminalResultsAreOnStdoutAndNothingElseIsSaid) {
+TEST(Run, PrintsOnlyResultsWithoutATerminal) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng run plaza --seconds 0.1 --lcm off", folder);
   EXPECT_EQ(outcome.exit_code, 0);
@@ -162,7 +162,7 @@ TEST(Run, WithoutTerminalResultsAreOnStdoutAndNothingElseIsSaid) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(word));
 }
 
-TEST(Run, LogIsSoundAndTellsAsManyEvents) {
+TEST(Run, WritesASoundLogWithAllEvents) {
   const ScratchFolder folder;
   const Json json = run_json("corridor --seconds 1 --log run.lcmlog", folder);
   const Outcome check = shell("throng check run.lcmlog", folder);

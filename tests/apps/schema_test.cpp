@@ -1,4 +1,4 @@
-// scenes/scene.schema.json, which editors read, says what the reader of scene files does.
+// scenes/scene.schema.json, which editors read, agrees with the reader of scene files.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ const Json& schema() {
   return parsed;
 }
 
-/// As an editor sees the file: plain words that are numbers or truth values are such.
+/// The YAML as an editor reads it: plain numbers and Booleans have their type.
 Json json_of(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::kNull:
@@ -67,7 +67,6 @@ Json json_of(const YamlNode& node) {
 
 Json json_of(const std::string& text) { return json_of(parse_yaml(text, "scene")); }
 
-/// The table of a map's keys, in Markdown.
 std::string table_of(const MapText& map) {
   std::string table = "| key | meaning | default |\n|---|---|---|\n";
   for (const KeyText& key : map.keys)
@@ -75,7 +74,7 @@ std::string table_of(const MapText& map) {
   return table;
 }
 
-/// Where the lines of a table begin and end, after the comment that says which it is.
+/// Range of a table, after the comment with its name.
 std::pair<size_t, size_t> find_table(const std::string& text, const std::string& map) {
   const std::string mark = fmt::format("<!-- keys: {} -->\n", map);
   const size_t at = text.find(mark);
@@ -86,11 +85,11 @@ std::pair<size_t, size_t> find_table(const std::string& text, const std::string&
   return {begin, end};
 }
 
-TEST(SceneKeys, AreDocumentedAsTheReaderKnowsThem) {
+TEST(SceneKeys, AreDocumented) {
   const fs::path file = fs::path(THRONG_SOURCE_DIR) / "docs" / "scenes.md";
   std::string text = text_of(file);
   for (const MapText& map : scene_maps()) {
-    // Shares have tables of their own, with more columns; areas and distributions a sentence.
+    // Shares have separate tables with more columns; areas and distributions have a sentence.
     if (!map.or_words.empty() || map.name == "area" || map.name == "distribution") continue;
     const auto [begin, end] = find_table(text, map.name);
     ASSERT_NE(begin, 0u) << "docs/scenes.md has no table after <!-- keys: " << map.name << " -->";
@@ -103,7 +102,7 @@ TEST(SceneKeys, AreDocumentedAsTheReaderKnowsThem) {
   if (std::getenv("THRONG_DOCS_UPDATE") != nullptr) std::ofstream(file) << text;
 }
 
-TEST(SceneKeys, OfAgesStylesAreasAndDistributionsAreNamedInTheDocument) {
+TEST(SceneKeys, OfAgesStylesAreasAndDistributionsAreDocumented) {
   const std::string text = text_of(fs::path(THRONG_SOURCE_DIR) / "docs" / "scenes.md");
   for (const MapText& map : scene_maps())
     for (const KeyText& key : map.keys)
@@ -111,7 +110,7 @@ TEST(SceneKeys, OfAgesStylesAreasAndDistributionsAreNamedInTheDocument) {
           << "docs/scenes.md does not name `" << key.name << "` of a " << map.name;
 }
 
-TEST(SceneKeys, WhatStandsAtAKeyIsAMapThatThereIs) {
+TEST(SceneKeys, ReferToExistingMaps) {
   std::set<std::string> names;
   for (const MapText& map : scene_maps()) EXPECT_TRUE(names.insert(map.name).second) << map.name;
   for (const MapText& map : scene_maps()) {
@@ -127,7 +126,7 @@ TEST(SceneKeys, WhatStandsAtAKeyIsAMapThatThereIs) {
   }
 }
 
-TEST(SceneSchema, BundledScenesAreValid) {
+TEST(SceneSchema, AcceptsTheBundledScenes) {
   int files = 0;
   for (const auto& item :
        fs::directory_iterator(fs::path(THRONG_SOURCE_DIR) / "scenes" / "bundled")) {
@@ -150,8 +149,8 @@ struct Case {
   std::string text;
 };
 
-/// Mistakes that the reader reports must be reported by an editor, too.
-TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
+/// An editor must report the mistakes that the reader reports.
+TEST(SceneSchema, RejectsWhatTheReaderRejects) {
   const auto with_group = [](const std::string& keys) {
     return kGround + "groups:\n  - {count: 1, spawn: {min_m: [1, 1], max_m: [4, 9]}, " + keys +
            "}\n";
@@ -163,15 +162,15 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a step out of range", kGround + kGroup + "step_s: 2\n"},
       {"no goals", with_group("desired_speed_mps: 1")},
       {"no goals at all", with_group("goals: []")},
-      {"an arrival that is none", with_group(goals + ", on_arrival: go")},
+      {"an invalid arrival", with_group(goals + ", on_arrival: go")},
       {"a goal without a corner", with_group("goals: [{min_m: [15, 1]}]")},
-      {"a goal that waits for nothing", with_group("goals: [{wait_s: 3}]")},
+      {"a wait without an area", with_group("goals: [{wait_s: 3}]")},
       {"a negative wait", with_group("goals: [{min_m: [15, 1], max_m: [19, 9], wait_s: -1}]")},
-      {"a goal that holds nobody",
+      {"a goal without capacity",
        with_group("goals: [{min_m: [15, 1], max_m: [19, 9], capacity: 0}]")},
       {"a queue along one corner",
        with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {line: [[9, 5]]}}]")},
-      {"a corner that is none",
+      {"an invalid corner",
        with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {line: [[9, 5], [8]]}}]")},
       {"people on top of each other",
        with_group("goals: [{min_m: [15, 1], max_m: [19, 9], queue: {spacing_m: 0.1}}]")},
@@ -180,16 +179,16 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
       {"a source at rate 0",
        with_group(goals +
                   ", sources: [{area: {min_m: [1, 1], max_m: [4, 9]}, count: 3, rate_per_s: 0}]")},
-      {"an age that is none", with_group(goals + ", ages: old")},
-      {"a share of an age that is none", with_group(goals + ", ages: {old: 1}")},
+      {"an unknown age", with_group(goals + ", ages: old")},
+      {"a share of an unknown age", with_group(goals + ", ages: {old: 1}")},
       {"a negative share", with_group(goals + ", ages: {young: -1}")},
-      {"ages of nobody", with_group(goals + ", ages: {}")},
-      {"a style that is none", with_group(goals + ", gait_styles: silly")},
-      {"a share of a style that is none", with_group(goals + ", gait_styles: {silly: 1}")},
+      {"no ages", with_group(goals + ", ages: {}")},
+      {"an unknown style", with_group(goals + ", gait_styles: silly")},
+      {"a share of an unknown style", with_group(goals + ", gait_styles: {silly: 1}")},
       {"a radius too wide", with_group(goals + ", radius_m: 2.5")},
       {"a corner of one number", with_group("goals: [{min_m: [15], max_m: [19, 9]}]")},
-      {"an obstacle of no kind", kGround + kGroup + "obstacles: [{position_m: [5, 5]}]\n"},
-      {"a volume that is none", kGround + kGroup + "culling: {part_volume: blob}\n"},
+      {"an obstacle without a kind", kGround + kGroup + "obstacles: [{position_m: [5, 5]}]\n"},
+      {"an unknown volume", kGround + kGroup + "culling: {part_volume: blob}\n"},
   };
   const fs::path folder = fs::temp_directory_path() / fmt::format("throng_schema_{}", ::getpid());
   fs::create_directories(folder);
@@ -202,7 +201,7 @@ TEST(SceneSchema, RefusesWhatTheReaderRefuses) {
   fs::remove_all(folder);
 }
 
-TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
+TEST(SceneSchema, AcceptsASceneWithEveryKey) {
   const std::string text =
       "name: all\ndescription: every key\nseed: 3\nstep_s: 1/50\nduration_s: 2\nkind: crowd\n" +
       kGround +
@@ -212,8 +211,7 @@ TEST(SceneSchema, AcceptsASceneWithEveryKeyAsTheReaderDoes) {
       "    spawn: {min_m: [1, 1], max_m: [4, 9]}\n"
       "    sources:\n"
       "      - {area: {min_m: [1, 1], max_m: [4, 9]}, count: 2, rate_per_s: 1/2, start_s: 1, "
-      "random: "
-      "true}\n"
+      "arrivals: poisson}\n"
       "    goals:\n"
       "      - {min_m: [9, 1], max_m: [10, 9], waypoint: true}\n"
       "      - {any_of: [{min_m: [15, 1], max_m: [19, 4]}, {min_m: [15, 6], max_m: [19, 9]}], "

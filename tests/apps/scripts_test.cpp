@@ -1,4 +1,4 @@
-// The scripts of the first hour, with stand-ins for what they call: nothing is installed or built.
+// The setup scripts with stand-ins for the programs that they call: nothing is installed or built.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A checkout with nothing but the scripts, and a folder of stand-ins before everything else.
+/// A checkout with only the scripts, and a folder of stand-ins first in PATH.
 class Scripts : public testing::Test {
  protected:
   void SetUp() override {
@@ -32,8 +32,8 @@ class Scripts : public testing::Test {
   ScratchFolder folder_;
 };
 
-/// apt-get as it prints with its status on standard output: a line of dpkg's a package and the two
-/// kinds of status.
+/// Output of apt-get with status lines on stdout: a line of dpkg per package and the two kinds of
+/// status.
 constexpr const char* kAptGet = R"sh(case "$*" in
   *print-uris*)
     echo "4 upgraded, 594 newly installed, 0 to remove and 22 not upgraded."
@@ -50,7 +50,7 @@ constexpr const char* kAptGet = R"sh(case "$*" in
     ;;
 esac)sh";
 
-TEST_F(Scripts, SetupSaysTheCostAndHowFarItIsAndKeepsTheRest) {
+TEST_F(Scripts, SetupReportsCostAndProgress) {
   stand_in("dpkg-query", "exit 1");
   stand_in("apt-get", kAptGet);
   const Outcome setup = run("bash scripts/setup.sh");
@@ -63,7 +63,7 @@ TEST_F(Scripts, SetupSaysTheCostAndHowFarItIsAndKeepsTheRest) {
   EXPECT_LE(line_count(setup.err), 10) << setup.err;
 }
 
-TEST_F(Scripts, SetupThatFailsShowsWhatWasPrinted) {
+TEST_F(Scripts, SetupShowsTheOutputOnFailure) {
   stand_in("dpkg-query", "exit 1");
   stand_in("apt-get", kAptGet);
   const Outcome setup = run("touch fails; bash scripts/setup.sh");
@@ -73,7 +73,7 @@ TEST_F(Scripts, SetupThatFailsShowsWhatWasPrinted) {
   EXPECT_THAT(setup.err, HasSubstr("scripts/setup.sh: apt-get could not install: "));
 }
 
-TEST_F(Scripts, TheDemoReplaysItsLogWhereThrongListens) {
+TEST_F(Scripts, DemoReplaysItsLogOnTheDefaultUrl) {
   const std::string header = read_file(THRONG_SOURCE_DIR "/lcm_io/codec/channels.h");
   const size_t constant = header.find("kDefaultLcmUrl");
   ASSERT_NE(constant, std::string::npos);
@@ -83,7 +83,7 @@ TEST_F(Scripts, TheDemoReplaysItsLogWhereThrongListens) {
                         header.substr(url, header.find('"', url) - url) + "'"));
 }
 
-TEST_F(Scripts, BuildConfiguresAnewWhenAJdkHasComeSince) {
+TEST_F(Scripts, BuildConfiguresAgainAfterAJdkIsInstalled) {
   stand_in("cmake", "echo \"$*\" >>calls");
   stand_in("javac", "");
   write_file(folder_ / "CMakePresets.json", "");

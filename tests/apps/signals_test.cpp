@@ -1,5 +1,5 @@
-// Signals at any moment: while a scene loads, tables are made and outputs open, between frames,
-// twice in one breath. What was begun is whole, and the exit code says who stopped it.
+// Signals at any moment: while loading, opening outputs, between frames, twice in quick succession.
+// Outputs stay complete, and the exit code names the signal.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// Until the first frame a program under sanitizers takes 23 times as long: it makes tables.
+/// Sanitizers make the time until the first frame 23 times as long.
 constexpr double kSlowness = THRONG_SLOWNESS > 1 ? 30 : 1;
 constexpr int kRounds = THRONG_SLOWNESS > 1 ? 8 : 24;
 
@@ -25,12 +25,12 @@ std::string signalled(const std::string& command, double after_s, const std::str
          "\nwait $run";
 }
 
-/// For two minutes at most.
+/// Waits two minutes at most.
 const std::string kUntilItWrites =
     "tries=0; until [ -s run.lcmlog ] || [ $tries = 1200 ]; do sleep 0.1; tries=$((tries+1)); "
     "done; ";
 
-TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
+TEST(Signals, LeaveACompleteLogOrNone) {
   const unsigned seed = 20261122;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -41,8 +41,8 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   int logs = 0;
   for (int round = 0; round < kRounds; ++round) {
     const ScratchFolder folder;
-    // Half of them while it loads and opens, half while it writes: how long loading takes depends
-    // on how busy the machine is.
+    // Half of them while it loads, half while it writes. The loading time depends on the load of
+    // the machine.
     const bool has_begun = round % 2 == 1;
     const double after_s = 0.5 * static_cast<double>(random() % 1000) / 1000;
     const auto& signal = signals[round % 3];
@@ -62,7 +62,7 @@ TEST(Signals, AtAnyMomentLeaveAWholeLogOrNone) {
   EXPECT_GE(logs, kRounds / 2) << "runs were not stopped while they ran";
 }
 
-TEST(Signals, TwiceInOneBreathIsOneWish) {
+TEST(Signals, InQuickSuccessionCountAsOne) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell(signalled("throng run plaza --avatars 300 --seconds 3600 --lcm off --log run.lcmlog", 0,
@@ -73,10 +73,9 @@ TEST(Signals, TwiceInOneBreathIsOneWish) {
   EXPECT_EQ(shell("throng check run.lcmlog", folder).exit_code, 0);
 }
 
-TEST(Signals, ASecondOneAWhileLaterForces) {
+TEST(Signals, ForceTheEndIfRepeatedLater) {
   const ScratchFolder folder;
-  // Nobody reads this pipe, so the run cannot end as it would like to: once it is full, which takes
-  // 64 kB, the run waits.
+  // The reader of this pipe never reads, so the run blocks after 64 kB and cannot end normally.
   write_file(folder / "until_full.py",
              "import fcntl, os, struct, termios, time\n"
              "pipe = os.open('pipe', os.O_RDONLY | os.O_NONBLOCK)\n"
@@ -97,7 +96,7 @@ TEST(Signals, ASecondOneAWhileLaterForces) {
   EXPECT_THAT(outcome.err, HasSubstr("throng: stopped by SIGINT"));
 }
 
-TEST(Signals, NohupStaysNohup) {
+TEST(Signals, LeaveHangupIgnoredUnderNohup) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "trap '' HUP\n" +
@@ -108,18 +107,18 @@ TEST(Signals, NohupStaysNohup) {
   EXPECT_THAT(outcome.out, HasSubstr("180 frames"));
 }
 
-TEST(Signals, PaperTellsWhatIsFinished) {
+TEST(Signals, LetPaperPrintFinishedTables) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       signalled("throng paper --frames 10000 --seeds 10000 --json paper.json", 1, "kill -INT $run"),
       folder);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGINT: what was finished follows"));
+  EXPECT_THAT(outcome.err, HasSubstr("stopped by SIGINT: finished tables follow"));
   EXPECT_THAT(outcome.out, HasSubstr("The formula on the paper's own numbers"));
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "paper.json"))["stopped_early"], true);
 }
 
-TEST(Signals, ValidateTellsItsVerdictsSoFar) {
+TEST(Signals, LetValidatePrintFinishedVerdicts) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell(signalled("throng validate --threads 1 --json v.json", 0.5, "kill -TERM $run"), folder);
@@ -130,29 +129,29 @@ TEST(Signals, ValidateTellsItsVerdictsSoFar) {
   EXPECT_EQ(nlohmann::json::parse(read_file(folder / "v.json"))["stopped_early"], true);
 }
 
-TEST(Signals, BenchTellsTheFramesSoFar) {
+TEST(Signals, LetBenchPrintMeasuredFrames) {
   const ScratchFolder folder;
-  // Four seconds of its own processor time, however busy the machine is: the scene is made then.
+  // After four seconds of processor time the scene is built, on a busy machine as well.
   const Outcome outcome = shell(
       signalled("throng bench --avatars 2000 --engines none --frames 100000 --json b.json", 0,
                 "until [ \"$(cut -d' ' -f14 /proc/$run/stat)\" -gt 400 ]; do sleep 0.1; done; "
                 "kill -INT $run"),
       folder);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("what was measured follows"));
+  EXPECT_THAT(outcome.err, HasSubstr("finished measurements follow"));
   const auto json = nlohmann::json::parse(read_file(folder / "b.json"));
   EXPECT_GT(json["frames"], 0);
   EXPECT_LT(json["frames"], 100000);
 }
 
-TEST(Signals, MonitorAndViewEndFine) {
+TEST(Signals, EndMonitorAndView) {
   for (const char* command :
        {"throng monitor --lcm memq://", "throng view --lcm memq:// --port 0"}) {
     const ScratchFolder folder;
     const Outcome outcome = shell(signalled(command, 1, "kill -INT $run"), folder);
     const bool is_monitor = std::string(command).find("monitor") != std::string::npos;
     EXPECT_EQ(outcome.exit_code, is_monitor ? 1 : 0)
-        << command << outcome.err;  // nothing was heard
+        << command << outcome.err;  // no run was received
   }
 }
 

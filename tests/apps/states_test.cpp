@@ -1,4 +1,4 @@
-// Logs with fewer states than frames, and with part poses: whatever reads a log copes with both.
+// Logs with fewer states than frames, and with part poses, work with every reader.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,8 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A folder with the log of 61 frames of a run at 60 frames a second, with states ten times a
-/// second.
+/// A folder with the log of 61 frames at 60 frames per second, with states ten times per second.
 class ThinLog : public testing::Test {
  protected:
   void SetUp() override { record("--states-hz 10 --log thin.lcmlog"); }
@@ -27,7 +26,7 @@ class ThinLog : public testing::Test {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out;
   }
-  /// Messages that `throng info` counts on a channel; 0 if it has none.
+  /// Number of messages on a channel according to `throng info`; 0 if it has none.
   int messages(const std::string& log, const std::string& channel) {
     const std::string text = info(log);
     const size_t at = text.find("\n" + channel);
@@ -44,7 +43,7 @@ TEST_F(ThinLog, HasFewerStatesAndEveryContact) {
     EXPECT_EQ(messages("thin.lcmlog", channel), messages("full.lcmlog", channel)) << channel;
 }
 
-TEST_F(ThinLog, IsSoundAndMonitoredAsAWholeOneIs) {
+TEST_F(ThinLog, IsSoundAndMonitored) {
   const Outcome check = shell("throng check thin.lcmlog", folder_);
   EXPECT_EQ(check.exit_code, 0) << check.out;
   const Outcome monitor = shell("throng monitor thin.lcmlog --json", folder_);
@@ -54,7 +53,7 @@ TEST_F(ThinLog, IsSoundAndMonitoredAsAWholeOneIs) {
   EXPECT_EQ(json["lost"], 0);
 }
 
-TEST_F(ThinLog, AFrameWithoutStatesIsDrawnAndToldWhichHaveSome) {
+TEST_F(ThinLog, DrawsPreviousStatesWithANote) {
   const std::string line = "throng render thin.lcmlog --width 160 --height 90 --out ";
   const Outcome with = shell(line + "a.png --frame 6", folder_);
   EXPECT_EQ(with.exit_code, 0);
@@ -62,21 +61,21 @@ TEST_F(ThinLog, AFrameWithoutStatesIsDrawnAndToldWhichHaveSome) {
   const Outcome without = shell(line + "b.png --frame 9", folder_);
   EXPECT_EQ(without.exit_code, 0) << without.err;
   EXPECT_EQ(without.err,
-            "note: frame 9 has no states: people stand as at frame 6; the next states are those of "
-            "frame 12\n");
+            "note: frame 9 has no states; the picture shows those of frame 6; the next states are "
+            "of frame 12\n");
   const Outcome moving = shell(line + "c.webp --frames 0:24 --every 4", folder_);
   EXPECT_EQ(moving.exit_code, 0) << moving.err;
   EXPECT_THAT(moving.err, HasSubstr("3 of 7 frames have states"));
 }
 
-TEST_F(ThinLog, BecomesThePageAsAWholeOneDoes) {
+TEST_F(ThinLog, BecomesAPage) {
   const Outcome view = shell("throng view thin.lcmlog --html thin.html", folder_);
   ASSERT_EQ(view.exit_code, 0) << view.err;
   EXPECT_THAT(view.out, HasSubstr("60 people, 1.0 s"));
   EXPECT_THAT(read_file(folder_ / "thin.html"), HasSubstr("id=\"recording\""));
 }
 
-TEST_F(ThinLog, PartPosesComeWithTheStatesWhereAskedFor) {
+TEST_F(ThinLog, HasPartPosesWithStatesOnRequest) {
   record("--states-hz 10 --publish-part-poses --log parts.lcmlog");
   EXPECT_EQ(messages("thin.lcmlog", "THRONG_PART_POSES"), 0);
   EXPECT_EQ(messages("parts.lcmlog", "THRONG_PART_POSES"),
@@ -87,8 +86,8 @@ TEST_F(ThinLog, PartPosesComeWithTheStatesWhereAskedFor) {
     EXPECT_EQ(shell(line, folder_).exit_code, 0) << line;
 }
 
-TEST_F(ThinLog, OfARunThatGoesOnBeginsWithStates) {
-  record("--log off --checkpoint run.checkpoint --every 0.5");
+TEST_F(ThinLog, BeginsWithStatesWhenResumed) {
+  record("--log off --checkpoint run.checkpoint --checkpoint-every 0.5");
   record("--states-hz 1 --log whole.lcmlog");
   record("--states-hz 1 --log rest.lcmlog --resume run.checkpoint");
   EXPECT_EQ(messages("whole.lcmlog", "THRONG_STATES"), 2) << "frames 0 and 60";
@@ -101,11 +100,12 @@ TEST_F(ThinLog, OfARunThatGoesOnBeginsWithStates) {
   EXPECT_EQ(render.err, "");
 }
 
-TEST_F(ThinLog, MoreStatesThanFramesAreRefusedBeforeAnythingIsWritten) {
+TEST_F(ThinLog, RejectsMoreStatesThanFrames) {
   const Outcome run =
       shell("throng run plaza --seconds 1 --lcm off --states-hz 61 --log no.lcmlog", folder_);
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(run.err, "--states-hz: expected at most 60, the frames a second of plaza, found 61\n");
+  EXPECT_EQ(run.err,
+            "--states-hz: expected at most 60, the frames per second of plaza, found 61\n");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "no.lcmlog"));
   EXPECT_EQ(shell("throng run plaza --seconds 0.0167 --lcm off --log off --states-hz 60", folder_)
                 .exit_code,

@@ -1,5 +1,4 @@
-// A signal ends a run like its last frame does: with a summary, and with a log whose events pair
-// up.
+// A signal ends a run after a frame, with a summary and a log of paired events.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,9 +17,9 @@ struct Signal {
 
 class Stop : public testing::TestWithParam<Signal> {};
 
-TEST_P(Stop, EndsCleanly) {
+TEST_P(Stop, EndsTheRunCleanly) {
   const ScratchFolder folder;
-  // Starts a run of an hour, waits until its log has grown past the description, and signals it.
+  // Starts a run of an hour, waits until the log is longer than the description, and signals it.
   const Outcome outcome = shell(
       "throng run plaza --seconds 3600 --lcm off --log run.lcmlog --json run.json >table &\n"
       "run=$!\n"

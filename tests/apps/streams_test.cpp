@@ -1,5 +1,5 @@
-// Standard streams that are closed, full or left by their reader: messages may be lost, work may
-// not, and results that nobody could read are an error.
+// Standard streams that are closed, full or abandoned by their reader: messages may be lost, files
+// may not, and results that cannot be written are an error.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,9 +17,9 @@ using testing::Not;
 
 const std::string kRun = "throng run plaza --avatars 50 --seconds 0.5 --lcm off --log run.lcmlog ";
 
-class Deaf : public testing::TestWithParam<const char*> {};
+class UnwritableStderr : public testing::TestWithParam<const char*> {};
 
-TEST_P(Deaf, StandardErrorLosesMessagesOnly) {
+TEST_P(UnwritableStderr, LosesOnlyMessages) {
   const ScratchFolder folder;
   const Outcome plain = shell(kRun + GetParam(), folder);
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
@@ -30,9 +30,9 @@ TEST_P(Deaf, StandardErrorLosesMessagesOnly) {
   EXPECT_EQ(refused.exit_code, 2) << refused.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(Stderr, Deaf, testing::Values("2>/dev/full", "2>&-"));
+INSTANTIATE_TEST_SUITE_P(Stderr, UnwritableStderr, testing::Values("2>/dev/full", "2>&-"));
 
-TEST(Streams, AReaderOfMessagesMayLeave) {
+TEST(Streams, AllowAReaderOfMessagesToLeave) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "{ { throng run plaza --avatars 30000 --seconds 0.02 --lcm off --log run.lcmlog "
@@ -67,16 +67,16 @@ const std::vector<std::string> kPrinting = {
     "throng compare a.lcmlog a.lcmlog",
     "throng bench --avatars 50 --engines none --frames 2",
     "throng bench --avatars 50 --engines none --frames 2 --json -",
-    "throng bench --avatars 50 --frames 1 --parts ordop26",
+    "throng bench --avatars 50 --frames 1 --false-positives ordop26",
     "throng render a.lcmlog --frame 1 --width 64 --height 64 --out a.png",
     "throng view a.lcmlog --html a.html"};
 
-TEST(Streams, AReaderOfResultsMayLeave) {
+TEST(Streams, AllowAReaderOfResultsToLeave) {
   Workplace place;
   write_file(place / "walk.csv", "id,t,x,y\n1,0,0,0\n1,0.1,0.1,0\n1,0.2,0.2,0\n1,0.3,0.3,0\n");
   for (const std::string& command : kPrinting) {
     SCOPED_TRACE(command);
-    // A pipe that was never read: the first write finds that nobody is there.
+    // A pipe without a reader: the first write fails.
     const Outcome left = shell(
         "rm -f pipe; mkfifo pipe; exec 3<>pipe 4>pipe 3>&-; " + command + " >&4", place.folder());
     EXPECT_EQ(left.exit_code, 0) << left.err;
@@ -88,14 +88,14 @@ TEST(Streams, AReaderOfResultsMayLeave) {
   }
 }
 
-TEST(Streams, WhatIsWrittenBesideIsWholeWhenTheReaderLeaves) {
+TEST(Streams, KeepFilesCompleteWhenTheReaderLeaves) {
   const ScratchFolder folder;
   const Outcome left =
       shell("mkfifo pipe; exec 3<>pipe 4>pipe 3>&-; " + kRun + "--json run.json >&4", folder);
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_THAT(read_file(folder / "run.json"), HasSubstr("\"hash\""));
   EXPECT_EQ(shell("throng check run.lcmlog", folder).exit_code, 0);
-  // What a check found is still said by its code.
+  // The exit code still reports the result of a check.
   const Outcome torn = shell(
       "exec 3<>pipe 4>pipe 3>&-; head -c 3000 run.lcmlog >torn.lcmlog; throng check torn.lcmlog "
       ">&4",
@@ -103,7 +103,7 @@ TEST(Streams, WhatIsWrittenBesideIsWholeWhenTheReaderLeaves) {
   EXPECT_EQ(torn.exit_code, 1) << torn.err;
 }
 
-TEST(Streams, ResultsThatNobodyGetsAreAnError) {
+TEST(Streams, ReportResultsThatCannotBeWritten) {
   const ScratchFolder folder;
   for (const char* where : {">&-", ">/dev/full"}) {
     const Outcome outcome = shell(kRun + "--json run.json " + where, folder);
@@ -116,7 +116,7 @@ TEST(Streams, ResultsThatNobodyGetsAreAnError) {
   EXPECT_EQ(shell("throng --version >&-", folder).exit_code, 3);
 }
 
-TEST(Streams, AllClosedAtTheStartLeaveTheLogAlone) {
+TEST(Streams, LeaveTheLogIntactIfClosedAtTheStart) {
   const ScratchFolder folder;
   shell(kRun + "<&- >&- 2>&- || true", folder);
   const Outcome check = shell("throng check run.lcmlog", folder);
@@ -125,13 +125,13 @@ TEST(Streams, AllClosedAtTheStartLeaveTheLogAlone) {
   EXPECT_THAT(check.out, Not(HasSubstr("problem")));
 }
 
-TEST(Streams, JsonOnStandardOutputStandsAlone) {
+TEST(Streams, HoldNothingButJsonOnRequest) {
   const ScratchFolder folder;
   for (const std::string command :
        {"throng run plaza --avatars 20 --seconds 0.2 --lcm off --log off --json -",
         "throng validate --only rimea_1 --json -",
         "throng bench --avatars 50 --engines none --frames 2 --json -",
-        "throng bench --avatars 50 --frames 1 --parts ordop26 --json -",
+        "throng bench --avatars 50 --frames 1 --false-positives ordop26 --json -",
         "throng monitor --lcm memq:// --seconds 0.1 --json - || true"}) {
     const Outcome outcome = shell(command, folder);
     EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;

@@ -1,4 +1,4 @@
-// `throng study` from outside: one table, whoever makes it and however often it is killed.
+// `throng study`: the same table for any number of processes and interruptions.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ class Study : public testing::Test {
   Study() { write_file(folder_ / "study.yaml", kStudy); }
 
   Outcome run(const std::string& line) const { return shell(line, folder_); }
-  /// As one worker makes it in one go.
+  /// The table of one worker without interruption.
   std::string whole(const std::string& ending) const {
     const Outcome outcome = run("throng study study.yaml --threads 1 --out whole" + ending);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -44,7 +44,7 @@ class Study : public testing::Test {
   ScratchFolder folder_;
 };
 
-TEST_F(Study, KnowsEveryOptionOfARunThatIsNoKeyOfAScene) {
+TEST_F(Study, KnowsEveryRunOptionThatIsNoSceneKey) {
   const std::string help = run("throng run --help").out;
   const std::regex option("\n +(?:-\\w,)?--([a-z-]+)");
   std::vector<std::string> unknown;
@@ -56,13 +56,13 @@ TEST_F(Study, KnowsEveryOptionOfARunThatIsNoKeyOfAScene) {
     EXPECT_EQ(outcome.exit_code, 2) << name;
     if (outcome.err.find("expected a key of a study") != std::string::npos) unknown.push_back(name);
   }
-  EXPECT_THAT(unknown,
-              testing::ElementsAre("help", "near", "person_near", "contact_points", "between",
-                                   "parts", "fps", "unit", "heading_unit", "columns", "separator",
-                                   "tracks", "strict", "step", "separation"));
+  EXPECT_THAT(unknown, testing::ElementsAre("help", "proximity", "closest_parts", "contact_points",
+                                            "filter_groups", "filter_parts", "fps", "unit",
+                                            "heading_unit", "columns", "separator", "tracked_point",
+                                            "strict", "sampling", "separation"));
 }
 
-TEST_F(Study, ATableHasARowForEachRunAndNoClock) {
+TEST_F(Study, WritesARowPerRunWithoutTimes) {
   const std::string table = whole(".csv");
   EXPECT_EQ(line_count(table), 1 + 2 * 2 * 3);
   EXPECT_THAT(table, StartsWith("run,runs,study,scene,seed,seconds,avatars,simulated_s,people,"));
@@ -74,7 +74,7 @@ TEST_F(Study, ATableHasARowForEachRunAndNoClock) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "whole.csv.journal"));
 }
 
-TEST_F(Study, ARunOfItIsTheRunOfItsOptions) {
+TEST_F(Study, RunsWithTheGivenOptions) {
   const std::string table = whole(".csv");
   const Outcome alone =
       run("throng run bottleneck --seed 2 --seconds 0.3 --avatars 40 --log off --lcm off");
@@ -84,7 +84,7 @@ TEST_F(Study, ARunOfItIsTheRunOfItsOptions) {
   EXPECT_THAT(table, HasSubstr("," + hash + "\n"));
 }
 
-TEST_F(Study, TwoWorkersAndSevenPartsMakeTheSameBytes) {
+TEST_F(Study, WritesTheSameBytesWithTwoWorkersAndSevenShards) {
   for (const std::string ending : {".csv", ".sqlite"}) {
     const std::string expected = whole(ending);
     EXPECT_EQ(run("throng study study.yaml --threads 2 --out two" + ending).exit_code, 0);
@@ -98,12 +98,12 @@ TEST_F(Study, TwoWorkersAndSevenPartsMakeTheSameBytes) {
   }
 }
 
-/// Starts the study until it is done; each time a run more is done, `signal` ends it. Prints how
-/// often.
-std::string ended_after_each_run(const std::string& signal, const std::string& most) {
+/// Starts the study until it is done; `signal` ends it after each finished run. Prints the number
+/// of interruptions.
+std::string ended_after_each_run(const std::string& signal, const std::string& max_count) {
   return "set +e; lines() { wc -l < t.csv.journal 2>/dev/null || echo 0; }; n=0; "
          "while [ $n -lt " +
-         most +
+         max_count +
          " ]; do "
          "  before=$(lines); [ $before -gt 1 ] || before=1; "
          "  throng study study.yaml --threads 2 --out t.csv & p=$!; "
@@ -114,33 +114,32 @@ std::string ended_after_each_run(const std::string& signal, const std::string& m
          "  [ $code = 0 ] && break; n=$((n+1)); done 2>>err; echo $n $code";
 }
 
-TEST_F(Study, KilledAgainAndAgainItGoesOn) {
-  // A run takes ten times as long as the shell takes to see that one more is done, on a busy
-  // machine as on an idle one.
+TEST_F(Study, ResumesAfterRepeatedKills) {
+  // A run takes ten times as long as the shell needs to see that another one is done.
   run("sed -i 's/seconds: 0.3/seconds: 4/' study.yaml");
   const std::string expected = whole(".csv");
   const Outcome outcome = run(ended_after_each_run("KILL", "30"));
   EXPECT_THAT(outcome.out, testing::EndsWith(" 0\n")) << read_file(folder_ / "err");
-  EXPECT_GT(std::atoi(outcome.out.c_str()), 2) << "killed too seldom to tell";
+  EXPECT_GT(std::atoi(outcome.out.c_str()), 2) << "too few kills";
   EXPECT_EQ(read_file(folder_ / "t.csv"), expected);
 }
 
-TEST_F(Study, StoppedItSaysHowToGoOn) {
+TEST_F(Study, PrintsHowToResumeWhenStopped) {
   run("sed -i 's/seconds: 0.3/seconds: 120/' study.yaml");
   const Outcome stopped = run(ended_after_each_run("INT", "1"));
   EXPECT_EQ(stopped.out, "1 130\n");
   EXPECT_THAT(read_file(folder_ / "err"), HasSubstr("stopped by SIGINT: "));
   EXPECT_THAT(read_file(folder_ / "err"),
-              HasSubstr(" of 12 runs are done; the same command goes on"));
+              HasSubstr(" of 12 runs are done; repeat the command to resume"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "t.csv.journal"));
   const Outcome other =
       run("sed -i 's/seconds: 120/seconds: 1/' study.yaml; throng study study.yaml --out t.csv");
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.err, HasSubstr("t.csv.journal: expected a journal of this study"));
-  EXPECT_THAT(other.err, HasSubstr("remove it to begin anew"));
+  EXPECT_THAT(other.err, HasSubstr("remove it to start again"));
 }
 
-TEST_F(Study, WhatIsWrongIsSaidBeforeAnythingIsWritten) {
+TEST_F(Study, RejectsBadInputBeforeWriting) {
   const std::pair<const char*, const char*> cases[] = {
       {"throng study none.yaml --out t.csv", "none.yaml: expected a file, found nothing there"},
       {"throng study study.yaml --out t.txt",
@@ -171,12 +170,12 @@ TEST_F(Study, PlotsEachMeasureAgainstEachParameter) {
               HasSubstr("</svg>"));
 }
 
-/// What MPI itself does not free before it ends is nobody's leak.
+/// Suppresses leak reports for memory that MPI does not free.
 const std::string kMpi =
     "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
     "ASAN_OPTIONS=\"${ASAN_OPTIONS-}:detect_leaks=0\"; ";
 
-TEST_F(Study, RanksOfMpiMakeTheSameBytes) {
+TEST_F(Study, WritesTheSameBytesWithMpi) {
   if (!has("mpirun")) GTEST_SKIP() << "no mpirun";
   const Outcome outcome =
       run(kMpi + "mpirun --oversubscribe -n 3 throng study study.yaml --out ranks.csv");
@@ -186,7 +185,7 @@ TEST_F(Study, RanksOfMpiMakeTheSameBytes) {
   EXPECT_EQ(read_file(folder_ / "ranks.csv"), whole(".csv"));
 }
 
-TEST_F(Study, WhatIsWrongEndsAllRanksAndIsSaidOnce) {
+TEST_F(Study, ReportsAnErrorOnceWithMpi) {
   if (!has("mpirun")) GTEST_SKIP() << "no mpirun";
   const Outcome outcome =
       run(kMpi +
@@ -200,7 +199,7 @@ TEST_F(Study, WhatIsWrongEndsAllRanksAndIsSaidOnce) {
   EXPECT_EQ(outcome.err.find("study.yaml:6: expected", first + 1), std::string::npos);
 }
 
-TEST_F(Study, GnuParallelSharesItWithShards) {
+TEST_F(Study, RunsInShardsOfGnuParallel) {
   if (!has("parallel")) GTEST_SKIP() << "no GNU parallel";
   const Outcome outcome =
       run("parallel -j 2 throng study study.yaml --threads 1 --shard {}/3 --out part{}.csv ::: 1 2 "
@@ -210,8 +209,8 @@ TEST_F(Study, GnuParallelSharesItWithShards) {
   EXPECT_EQ(read_file(folder_ / "joined.csv"), whole(".csv"));
 }
 
-TEST_F(Study, TheScriptForSlurmSharesItWithAnArray) {
-  // As Slurm calls it; sbatch itself needs a cluster.
+TEST_F(Study, RunsInASlurmArray) {
+  // Runs the script as Slurm does; sbatch itself needs a cluster.
   const Outcome outcome =
       run("for i in 1 2 3; do STUDY=study.yaml SLURM_ARRAY_TASK_ID=$i SLURM_ARRAY_TASK_COUNT=3 "
           "SLURM_CPUS_PER_TASK=1 sh " +
@@ -222,7 +221,7 @@ TEST_F(Study, TheScriptForSlurmSharesItWithAnArray) {
   EXPECT_EQ(read_file(folder_ / "joined.csv"), whole(".csv"));
 }
 
-TEST_F(Study, TheExamplesAskForWhatTheySay) {
+TEST_F(Study, ReadsTheExamples) {
   for (const std::string name : {"speeds", "doors"}) {
     const Outcome outcome = run("throng study " + repository("examples/studies/" + name + ".yaml") +
                                 " --shard 1000/1000 --out t.csv");

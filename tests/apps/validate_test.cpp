@@ -1,4 +1,4 @@
-// `throng validate` from outside: verdicts for people and for machines, a report, an exit code.
+// `throng validate`: verdicts, JSON, report and exit code.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Validate, GivesAVerdictForEveryStandardThatSharesATest) {
+TEST(Validate, GivesAVerdictForEveryStandardOfATest) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng validate --only rimea_1 --only 'IMO 6' --json v.json --out report", folder);
@@ -32,22 +32,22 @@ TEST(Validate, GivesAVerdictForEveryStandardThatSharesATest) {
   EXPECT_THAT(read_file(folder / "report/rimea_6.svg"), HasSubstr("</svg>"));
 }
 
-TEST(Validate, WhatIsHeldAgainstRecordedPeopleComesWithEveryNumber) {
+TEST(Validate, ReportsEveryReadingOfEmpiricalTests) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng validate --empirical --only corner --json v.json --out report", folder);
   const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
-  ASSERT_EQ(json["tests"].size(), 2u) << "and the walls";
+  ASSERT_EQ(json["tests"].size(), 2u) << "the test and the walls";
   const auto& test = json["tests"][0];
   EXPECT_EQ(outcome.exit_code, test["verdict"] == "pass" ? 0 : 1) << outcome.err;
-  ASSERT_EQ(test["readings"].size(), 9u) << "eight lanes, and how many are used";
+  ASSERT_EQ(test["readings"].size(), 9u) << "eight lanes, and the number of used ones";
   for (const char* key : {"at", "what", "unit", "simulated", "recorded", "from", "to", "met"})
     EXPECT_TRUE(test["readings"][0].contains(key)) << key;
   EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("| 0.0 to 0.5 m |"));
   EXPECT_THAT(read_file(folder / "report/corner.svg"), HasSubstr("</svg>"));
 }
 
-TEST(Validate, SeveralSeedsGiveOneVerdictAndEachTheirFigures) {
+TEST(Validate, CombinesSeedsIntoOneVerdict) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "throng validate --only overtaking --seed 3 --seeds 2 --json v.json --out report", folder);
@@ -66,10 +66,10 @@ TEST(Validate, SeveralSeedsGiveOneVerdictAndEachTheirFigures) {
   EXPECT_NEAR(test["readings"][0]["simulated"].get<double>(), sum / 2, 1e-12);
   EXPECT_TRUE(test["readings"][0].contains("worst"));
   EXPECT_THAT(outcome.out, HasSubstr("of 2 seeds pass"));
-  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("Of seeds 3 to 4."));
+  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("Measured with seeds 3 to 4."));
 }
 
-TEST(Validate, WhatDiffersIsNamedBesideWhatPassesAndFails) {
+TEST(Validate, NamesTestsThatDiffer) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng validate --only imo_4 --only rimea_1 --json v.json --out report", folder);
@@ -79,10 +79,9 @@ TEST(Validate, WhatDiffersIsNamedBesideWhatPassesAndFails) {
   EXPECT_THAT(
       read_file(folder / "report/report.md"),
       HasSubstr("2 of 4 tests pass; 0 fail; 2 differ (imo_4, iso_11), which is measured and "
-                "neither passed nor failed. Of seed 1."));
+                "neither passed nor failed. Measured with seed 1."));
 }
 
-/// The ids of those that failed.
 std::string failed_of(const nlohmann::json& json) {
   std::string ids;
   for (const auto& test : json["tests"])
@@ -90,9 +89,9 @@ std::string failed_of(const nlohmann::json& json) {
   return ids;
 }
 
-TEST(Validate, WhatFailsIsNamedBesideTheCounts) {
+TEST(Validate, NamesFailedTests) {
   const ScratchFolder folder;
-  // With ORCA 117 of 200 overtake, where 190 are asked.
+  // With ORCA 117 of 200 overtake; the criterion is 190.
   const Outcome outcome = shell(
       "throng validate --only overtaking --only rimea_1 --steering orca --json v.json --out report",
       folder);
@@ -100,10 +99,11 @@ TEST(Validate, WhatFailsIsNamedBesideTheCounts) {
   const auto json = nlohmann::json::parse(read_file(folder / "v.json"));
   EXPECT_EQ(failed_of(json), "overtaking");
   EXPECT_THAT(outcome.out, HasSubstr("1 failed (overtaking)\n"));
-  EXPECT_THAT(read_file(folder / "report/report.md"), HasSubstr("1 fail (overtaking). Of seed 1."));
+  EXPECT_THAT(read_file(folder / "report/report.md"),
+              HasSubstr("1 fail (overtaking). Measured with seed 1."));
 }
 
-TEST(Validate, WhatNeedsRecordingsIsSkippedWithoutThem) {
+TEST(Validate, SkipsTestsWithoutRecordings) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only spacing_door --json v.json", folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -113,7 +113,7 @@ TEST(Validate, WhatNeedsRecordingsIsSkippedWithoutThem) {
   EXPECT_THAT(outcome.out, HasSubstr("1 skipped"));
 }
 
-TEST(Validate, AFolderWithoutTheRecordingsIsBadInput) {
+TEST(Validate, RejectsAFolderWithoutTheRecordings) {
   const ScratchFolder folder;
   const Outcome outcome =
       shell("throng validate --only spacing_door --recordings . --json v.json", folder);
@@ -121,14 +121,14 @@ TEST(Validate, AFolderWithoutTheRecordingsIsBadInput) {
   EXPECT_THAT(outcome.err, HasSubstr("--recordings: expected a folder with uo-180-180-120.txt"));
 }
 
-TEST(Validate, UnknownTestsAreBadInput) {
+TEST(Validate, RejectsUnknownTests) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng validate --only rimea_13", folder);
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("rimea_1"));
 }
 
-TEST(Validate, AFolderThatCannotBeIsToldBeforeAnythingRuns) {
+TEST(Validate, ReportsAnUnusableFolderBeforeRunning) {
   const ScratchFolder folder;
   const Outcome outcome = shell("echo >f; throng validate --out f/report", folder);
   EXPECT_EQ(outcome.exit_code, 3);

@@ -1,4 +1,4 @@
-// `throng view`, `run --html` and pictures that move, from outside.
+// `throng view`, `run --html` and animations.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ class View : public testing::Test {
   ScratchFolder folder_;
 };
 
-TEST_F(View, ARunAndItsLogMakeAFileThatNamesNoOutsideAddress) {
+TEST_F(View, WritesAPageWithoutOutsideAddresses) {
   record();
   const Outcome view = shell("throng view run.lcmlog --html log.html", folder_);
   ASSERT_EQ(view.exit_code, 0) << view.err;
@@ -35,7 +35,7 @@ TEST_F(View, ARunAndItsLogMakeAFileThatNamesNoOutsideAddress) {
   }
 }
 
-TEST_F(View, AFileOverTheLimitIsBadInputAndTellsTheWayOut) {
+TEST_F(View, RejectsAPageOverTheLimitWithARemedy) {
   record();
   const Outcome view = shell("throng view run.lcmlog --html log.html --html-limit-mb 0.1", folder_);
   EXPECT_EQ(view.exit_code, 2);
@@ -43,7 +43,7 @@ TEST_F(View, AFileOverTheLimitIsBadInputAndTellsTheWayOut) {
   EXPECT_THAT(view.err, HasSubstr("--html-limit-mb"));
 }
 
-TEST_F(View, ALogIsServedUntilTheSignal) {
+TEST_F(View, ServesALogUntilASignal) {
   record();
   const Outcome view = shell(
       "throng view run.lcmlog --port 0 >out & pid=$!\n"
@@ -54,7 +54,7 @@ TEST_F(View, ALogIsServedUntilTheSignal) {
   EXPECT_THAT(view.out, HasSubstr("http://127.0.0.1:"));
 }
 
-TEST_F(View, WhatCannotBeShownIsBadInput) {
+TEST_F(View, RejectsBadInput) {
   write_file(folder_ / "empty.lcmlog", "");
   for (const char* line :
        {"throng view no.lcmlog", "throng view empty.lcmlog", "throng view --html a.html",
@@ -65,7 +65,7 @@ TEST_F(View, WhatCannotBeShownIsBadInput) {
   }
 }
 
-TEST_F(View, FramesBecomeAnAnimation) {
+TEST_F(View, DrawsAnAnimation) {
   record();
   const std::string line =
       "throng render run.lcmlog --frames 0:20 --every 10 --width 160 --height 90 --out ";
@@ -80,7 +80,7 @@ TEST_F(View, FramesBecomeAnAnimation) {
   EXPECT_EQ(webp, read_file(folder_ / "b.webp")) << "the same frames, other bytes";
 }
 
-TEST_F(View, ATornLogIsShownWithWhatItLacksAndExitCode1) {
+TEST_F(View, ShowsATornLogWithANoteAndExitCode1) {
   record();
   const std::string whole = read_file(folder_ / "run.lcmlog");
   for (const size_t size : {whole.size() - 1, whole.size() - 3000, whole.size() * 9 / 10}) {
@@ -106,7 +106,7 @@ TEST_F(View, ATornLogIsShownWithWhatItLacksAndExitCode1) {
               HasSubstr("torn.lcmlog: The log is torn: it ends inside a message after"));
 }
 
-TEST_F(View, ARunOfNobodyIsRefusedBeforeItRunsAndItsLogIsNotShown) {
+TEST_F(View, RejectsARunWithoutAvatars) {
   write_file(folder_ / "nobody.yaml",
              "name: nobody\nground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\n"
              "groups: [{name: none, count: 0, spawn: {min_m: [-1, -1], max_m: [1, 1]},\n"
@@ -115,7 +115,7 @@ TEST_F(View, ARunOfNobodyIsRefusedBeforeItRunsAndItsLogIsNotShown) {
       shell("throng run nobody.yaml --lcm off --log n.lcmlog --html n.html", folder_);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(line_count(refused.err), 1) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("--html: expected a run with people or robots in it"));
+  EXPECT_THAT(refused.err, HasSubstr("--html: expected a run with people or robots"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "n.lcmlog"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "n.html"));
   ASSERT_EQ(shell("throng run nobody.yaml --lcm off --log n.lcmlog", folder_).exit_code, 0);
@@ -124,18 +124,18 @@ TEST_F(View, ARunOfNobodyIsRefusedBeforeItRunsAndItsLogIsNotShown) {
     const Outcome outcome = shell(line, folder_);
     EXPECT_EQ(outcome.exit_code, 2) << line;
     EXPECT_EQ(line_count(outcome.err), 1) << line << ": " << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("n.lcmlog: expected a run with people or robots in it to "
-                                       "show, found a run of 'nobody' with nobody in it"))
+    EXPECT_THAT(outcome.err, HasSubstr("n.lcmlog: expected a run with people or robots, "
+                                       "found scene 'nobody' without avatars"))
         << line;
   }
 }
 
-TEST_F(View, RenderTakesWhatItsHelpOffersAndNothingElse) {
+TEST_F(View, AcceptsTheDocumentedRenderOptionsOnly) {
   record();
   const std::string help = shell("throng render --help", folder_).out;
-  EXPECT_EQ(help.find(" x "), std::string::npos) << "offers several of what is one word";
+  EXPECT_EQ(help.find(" x "), std::string::npos) << "the help offers several values for one word";
   const std::string line = "throng render run.lcmlog --width 64 --height 64 ";
-  const size_t list = help.find("some of ") + 8;
+  const size_t list = help.find("a list of ") + 10;
   const std::string volumes = help.substr(list, help.find_first_of(" \n", list) - list - 1);
   for (const std::string fine :
        {"--frame 3 --out a.png --eye 4,-9,3 --target 0,-5,1", "--frame 3 --out a.png --eye=-4,-9,3",
@@ -161,7 +161,7 @@ TEST_F(View, RenderTakesWhatItsHelpOffersAndNothingElse) {
   }
 }
 
-TEST_F(View, OneOfAThingIsOne) {
+TEST_F(View, PrintsSingularForms) {
   ASSERT_EQ(shell("throng run plaza --avatars 1 --seconds 0.2 --lcm off --log one.lcmlog", folder_)
                 .exit_code,
             0);
@@ -172,9 +172,9 @@ TEST_F(View, OneOfAThingIsOne) {
   EXPECT_THAT(shell("throng view one.lcmlog --html a.html", folder_).out, HasSubstr(" 1 person, "));
 }
 
-TEST_F(View, ACheckpointThatCannotBeWrittenIsTheOnlyWordOfIt) {
+TEST_F(View, ReportsAnUnwritableCheckpointOnce) {
   const Outcome outcome = shell(
-      "throng run plaza --avatars 5 --seconds 2 --every 0.5 --lcm off --log off "
+      "throng run plaza --avatars 5 --seconds 2 --checkpoint-every 0.5 --lcm off --log off "
       "--checkpoint /dev/full",
       folder_);
   EXPECT_EQ(outcome.exit_code, 3);

@@ -1,4 +1,4 @@
-// A folder with everything that commands read, to see what a refused one leaves of it.
+// Workplace is a folder with all inputs of the commands; it shows what a rejected command changes.
 #pragma once
 
 #include <fmt/format.h>
@@ -29,13 +29,11 @@ obstacles:
   - {name: rock, kind: mesh, file: rock.tri, position_m: [0, 8]}
 )";
 
-/// A tetrahedron.
 inline constexpr const char* kTri = "4 4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 2 1\n0 1 3\n0 3 2\n1 2 3\n";
 
 inline constexpr const char* kUrdf = R"(<robot name="body"><link name="base"><collision><geometry>
 <mesh filename="body.tri"/></geometry></collision></link></robot>)";
 
-/// A folder with everything that the commands read, and how all of it was.
 class Workplace {
  public:
   Workplace() {
@@ -54,7 +52,7 @@ class Workplace {
   const ScratchFolder& folder() const { return folder_; }
   std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
 
-  /// Remembers names, contents and times of all that is there.
+  /// Records names, contents and times of all files.
   void look() { seen_ = state(); }
   void expect_untouched() const { EXPECT_EQ(state(), seen_); }
 
@@ -66,7 +64,7 @@ class Workplace {
       struct stat status {};
       ::lstat(entry.path().c_str(), &status);
       std::string text = fmt::format("inode {} mode {:o}", status.st_ino, status.st_mode);
-      // Reading changes neither; a folder's time may change when a file is tried out in it.
+      // Reading changes neither; trying out a file may change the time of its folder.
       if (entry.is_regular_file())
         text += fmt::format(" {}.{:09} {}", status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
                             std::hash<std::string>()(read_file(entry.path())));
@@ -79,15 +77,15 @@ class Workplace {
   std::map<std::string, std::string> seen_;
 };
 
-/// What is said of two outputs that are one.
-inline constexpr const char* kTwice = "of its own, found ";
+/// Text of an error about two outputs that are one file.
+inline constexpr const char* kTwice = "expected a separate ";
 
-/// What was said of the scene before the run was refused is no error.
+/// Removes notes about the scene, which may precede an error.
 inline std::string without_notes(const std::string& text) {
   return std::regex_replace(text, std::regex("note: [^\\n]*\\n"), "");
 }
 
-/// Refused in one line with these words, before anything has changed.
+/// Expects one line with `said`, the exit code, and an unchanged folder.
 inline void expect_refused(Workplace& place, const std::string& line, const std::string& said,
                            int exit_code = 2) {
   SCOPED_TRACE(line);

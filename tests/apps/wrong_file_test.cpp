@@ -1,4 +1,4 @@
-// Asking for help, and asking for what cannot be: both are answered before any work.
+// Requests for help, and inputs of the wrong kind, are answered before any work.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Help, IsACommandToo) {
+TEST(Help, IsACommand) {
   const ScratchFolder folder;
   EXPECT_EQ(shell("throng help", folder).out, shell("throng --help", folder).out);
   for (const std::string command : {"run", "paper", "validate", "monitor"})
@@ -23,7 +23,7 @@ TEST(Help, IsACommandToo) {
   EXPECT_THAT(wrong.err, HasSubstr("(did you mean 'run'?)"));
 }
 
-TEST(Help, VersionNamesTheCommit) {
+TEST(Help, PrintsVersionAndCommit) {
   const ScratchFolder folder;
   const Outcome outcome = shell("throng -V", folder);
   EXPECT_EQ(outcome.exit_code, 0);
@@ -32,10 +32,11 @@ TEST(Help, VersionNamesTheCommit) {
   EXPECT_EQ(outcome.out, shell("throng --version", folder).out);
 }
 
-TEST(WrongFile, IsNamedForWhatItIs) {
+TEST(WrongFile, IsReportedWithItsKind) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run plaza --avatars 5 --seconds 0.1 --lcm off --log a.lcmlog "
-                  "--trajectory a.sqlite --trajectory a.csv --checkpoint a.checkpoint --every 0.05 "
+                  "--trajectory a.sqlite --trajectory a.csv --checkpoint a.checkpoint "
+                  "--checkpoint-every 0.05 "
                   "--json a.json",
                   folder)
                 .exit_code,
@@ -44,8 +45,8 @@ TEST(WrongFile, IsNamedForWhatItIs) {
   const struct {
     std::string file, words;
   } cases[] = {
-      {"a.checkpoint", "found a checkpoint; `throng run SCENE --resume FILE` goes on from it"},
-      {"a.json", "found results that --json wrote"},
+      {"a.checkpoint", "found a checkpoint; `throng run SCENE --resume FILE` continues from it"},
+      {"a.json", "found results written by --json"},
       {repository(adult + "head.tri"), "found a .tri mesh; `throng info` reads it"},
       {repository(adult + "adult.urdf"), "found a URDF; `throng info` reads it"},
   };
@@ -55,13 +56,13 @@ TEST(WrongFile, IsNamedForWhatItIs) {
     EXPECT_THAT(outcome.err, HasSubstr(words));
     EXPECT_EQ(line_count(outcome.err), 1) << outcome.err;
   }
-  // By content, whatever the name: a log is culled again.
+  // Recognised by content under any name: a log is culled again.
   const Outcome renamed =
       shell("mv a.lcmlog a.yaml; throng run a.yaml --lcm off --log off", folder);
   EXPECT_EQ(renamed.exit_code, 0) << renamed.err;
 }
 
-TEST(WrongFile, RenderRefusesBeforeItWorks) {
+TEST(WrongFile, IsRejectedByRenderBeforeTheWork) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run plaza --avatars 5 --seconds 0.2 --lcm off --log a.lcmlog", folder)
                 .exit_code,
@@ -73,7 +74,7 @@ TEST(WrongFile, RenderRefusesBeforeItWorks) {
       {"--frame 3 --out a", "--out: expected a name that ends in .png"},
       {"--frames 1:3 --out a.png", "--out: expected a name that ends in .webp"},
       {"--frames 3:1 --out a.webp",
-       "--frames: expected FIRST:LAST, the first not after the last, found 3:1"},
+       "--frames: expected FIRST:LAST with FIRST up to LAST, found 3:1"},
       {"--frames 0:12 --out a.webp", "a.lcmlog: expected frame 12, found frames 0 to 11"},
       {"--frame 12 --out a.png", "a.lcmlog: expected frame 12, found frames 0 to 11"},
   };
@@ -86,7 +87,7 @@ TEST(WrongFile, RenderRefusesBeforeItWorks) {
     EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
 }
 
-TEST(Info, TellsWhoIsDrivenAndByWhat) {
+TEST(Info, NamesTheControlChannelOfAGroup) {
   const ScratchFolder folder;
   write_file(folder / "robot.yaml",
              "ground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\ngroups:\n"
@@ -94,10 +95,10 @@ TEST(Info, TellsWhoIsDrivenAndByWhat) {
              "    control_channel: ROBOT_DRIVE\n");
   const Outcome outcome = shell("throng info robot.yaml", folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("driven   by messages on the LCM channel ROBOT_DRIVE"));
+  EXPECT_THAT(outcome.out, HasSubstr("control  by messages on the LCM channel ROBOT_DRIVE only"));
 }
 
-TEST(Info, FindsItsWayAlongALongThinGround) {
+TEST(Info, FindsAPathAlongALongThinGround) {
   for (const double length_m : {1000.0, 5000.0, 20000.0, 99000.0}) {
     const ScratchFolder folder;
     const std::string length = std::to_string(length_m), near = std::to_string(length_m - 4);
@@ -112,11 +113,11 @@ TEST(Info, FindsItsWayAlongALongThinGround) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(
         outcome.out,
-        HasSubstr("way      " + std::to_string(static_cast<int>(length_m) - 4) + ".0 m to goal 1"));
+        HasSubstr("path     " + std::to_string(static_cast<int>(length_m) - 4) + ".0 m to goal 1"));
   }
 }
 
-TEST(Lcm, AServerThatIsMissingIsToldOnce) {
+TEST(Lcm, ReportsAMissingServerOnce) {
   const ScratchFolder folder;
   const Outcome outcome = shell(
       "throng run plaza --avatars 20 --seconds 1 --lcm tcpq://127.0.0.1:9 --log off --json r.json",

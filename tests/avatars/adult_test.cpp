@@ -1,5 +1,4 @@
-// The bundled adult's files: what Table 1 of Suaib et al. 2013 and the anthropometric tables
-// promise.
+// The bundled adult's files match Table 1 of Suaib et al. 2013 and the anthropometric tables.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -48,7 +47,7 @@ Eigen::Vector3f size_of(const Mesh& mesh) {
   return high - low;
 }
 
-/// Length of the polygon in which the plane z = height cuts a mesh.
+/// Returns the length of the polygon in which the plane z = height cuts a mesh.
 double girth_m(const Mesh& mesh, float height) {
   double girth = 0;
   for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -78,7 +77,7 @@ void expect_within(const char* what, double found, double expected, double toler
       << 100 * (found / expected - 1) << " %, allowed " << 100 * tolerance << " %";
 }
 
-/// How far a part reaches from the axis of the twist: a row per height, a column per degree.
+/// Reach of a part from the twist's axis: one row per height, one column per degree.
 constexpr int kDegrees = 360;
 constexpr double kLowest_m = 0.95;
 constexpr double kHeightStep_m = 0.001;
@@ -89,7 +88,7 @@ Reach reach_of(const AdultPart& part) {
   Reach reach(kHeights);
   for (int h = 0; h < kHeights; ++h) {
     reach[static_cast<size_t>(h)].fill(0);
-    // Between the steps, so that no vertex lies on the plane.
+    // Between the steps, because no vertex may lie on the plane.
     const double height = kLowest_m + kHeightStep_m * (h + 0.37);
     for (const Eigen::Vector3i& t : part.mesh.triangles) {
       std::vector<Eigen::Vector2d> cut;
@@ -116,8 +115,7 @@ Reach reach_of(const AdultPart& part) {
   return reach;
 }
 
-/// The last vertices of the hand: five digits from the index finger to the thumb, each of them
-/// nine rings of eight vertices and a tip.
+/// The hand's last vertices: five digits from the index finger on, nine rings of eight and a tip.
 constexpr int kDigits = 5;
 constexpr int kThumb = 4;
 constexpr int kDigitRings = 9;
@@ -130,7 +128,7 @@ std::span<const Eigen::Vector3f> digit_of(const Mesh& hand, int digit) {
       .subspan(static_cast<size_t>(digit) * kDigitVertices, kDigitVertices);
 }
 
-/// The line through the middle of a digit: its rings' centres and its tip.
+/// Returns the centre line of a digit: its rings' centres and its tip.
 std::vector<Eigen::Vector3f> line_of(const Mesh& hand, int digit) {
   const auto vertices = digit_of(hand, digit);
   std::vector<Eigen::Vector3f> line;
@@ -145,7 +143,7 @@ std::vector<Eigen::Vector3f> line_of(const Mesh& hand, int digit) {
   return line;
 }
 
-/// From the upper end of the hand to the base of the middle finger and along the finger.
+/// Returns the length from the upper end of the hand along the stretched middle finger.
 double stretched_hand_m() {
   const Mesh hand = committed("leftHand.tri");
   const std::vector<Eigen::Vector3f> line = line_of(hand, 1);
@@ -175,7 +173,7 @@ TEST(Adult, HasTheFilesAndVertexCountsOfTable1) {
   EXPECT_EQ(found, expected);
 }
 
-TEST(Adult, CommittedFilesAreWhatTheGeneratorWrites) {
+TEST(Adult, MatchesTheOutputOfTheGenerator) {
   const std::vector<AdultPart> parts = adult_parts();
   ASSERT_EQ(parts.size(), kTable1.size());
   for (const AdultPart& part : parts)
@@ -183,17 +181,17 @@ TEST(Adult, CommittedFilesAreWhatTheGeneratorWrites) {
   EXPECT_TRUE(bytes_of(kFolder / "adult.urdf") == adult_urdf_text());
 }
 
-TEST(Adult, EveryPartIsOneClosedSurfaceOrientedOutwards) {
+TEST(Adult, HasClosedPartsOrientedOutwards) {
   for (const auto& [name, count] : kTable1) {
     const Mesh mesh = committed(name);
     EXPECT_TRUE(is_closed(mesh)) << name;
     EXPECT_GT(signed_volume_m3(mesh), 0) << name;
-    // One sphere without handles, every vertex used: V - E + F = 2 with E = 3F/2.
+    // A sphere without handles, every vertex used: V - E + F = 2 with E = 3F/2.
     EXPECT_EQ(mesh.vertices.size() - mesh.triangles.size() / 2, 2u) << name;
   }
 }
 
-TEST(Adult, NoTriangleIsDegenerateAndNoVertexStandsTwice) {
+TEST(Adult, HasNoDegenerateTrianglesOrDuplicateVertices) {
   for (const auto& [name, count] : kTable1) {
     const Mesh mesh = committed(name);
     for (const Eigen::Vector3i& t : mesh.triangles) {
@@ -209,7 +207,7 @@ TEST(Adult, NoTriangleIsDegenerateAndNoVertexStandsTwice) {
   }
 }
 
-TEST(Adult, LeftPartsMirrorRightParts) {
+TEST(Adult, MirrorsLeftPartsToRightParts) {
   const std::map<std::string, std::string> pairs = {
       {"upperLeftLeg.tri", "upperRightLeg.tri"}, {"lowerLeftLeg.tri", "lowerRightLeg.tri"},
       {"leftFoot.tri", "rightFoot.tri"},         {"upperLeftArm.tri", "upperRightArm.tri"},
@@ -229,7 +227,7 @@ TEST(Adult, LeftPartsMirrorRightParts) {
   }
 }
 
-TEST(Adult, PartsOnTheMidlineAreSymmetric) {
+TEST(Adult, HasSymmetricPartsOnTheMidline) {
   for (const char* name : {"head.tri", "torso.tri", "pelvis.tri"}) {
     const Mesh mesh = committed(name);
     std::set<std::array<float, 3>> places;
@@ -240,7 +238,7 @@ TEST(Adult, PartsOnTheMidlineAreSymmetric) {
   }
 }
 
-TEST(Adult, StandsOnTheGroundAsTallAsItSays) {
+TEST(Adult, StandsOnTheGroundAtItsStatedHeight) {
   float low = 1;
   float high = 0;
   float widest = 0;
@@ -258,7 +256,7 @@ TEST(Adult, StandsOnTheGroundAsTallAsItSays) {
   EXPECT_LT(2 * widest, 0.567F);
 }
 
-TEST(Adult, GirthsAndSizesAreThoseOfTheSurvey) {
+TEST(Adult, HasTheGirthsAndSizesOfTheSurvey) {
   const Mesh head = committed("head.tri");
   expect_within("thigh circumference",
                 widest_girth_m(committed("upperLeftLeg.tri"), -0.15F, -0.03F), 0.625, 0.05);
@@ -281,10 +279,10 @@ TEST(Adult, GirthsAndSizesAreThoseOfTheSurvey) {
                 0.05);
 }
 
-TEST(Adult, WaistStaysClosedInEveryTwist) {
-  // The ends that overlap at the waist stay inside the other part, whatever the twist, and the
-  // outline of both together has no ledge. The trunk turns about the vertical axis of the joint, so
-  // a twist shifts its columns.
+TEST(Adult, KeepsTheWaistClosedInEveryTwist) {
+  // At any twist the overlapping ends at the waist stay inside the other part, and the common
+  // outline has no ledge. The trunk turns about the vertical axis of the joint; a twist shifts its
+  // columns.
   Reach torso;
   Reach pelvis;
   for (const AdultPart& part : adult_parts()) {
@@ -329,7 +327,7 @@ TEST(Adult, WaistStaysClosedInEveryTwist) {
   EXPECT_GT(narrowest_m, 0.095) << "the waist is open";
 }
 
-TEST(Adult, HandsHangRelaxed) {
+TEST(Adult, HasRelaxedHands) {
   // The left hand, hanging: the palm faces the thigh, -y.
   const Mesh hand = committed("leftHand.tri");
   for (int finger = 0; finger < kThumb; ++finger) {
@@ -339,7 +337,7 @@ TEST(Adult, HandsHangRelaxed) {
     EXPECT_GT(bent_deg, 40) << "finger " << finger << " is stretched";
     EXPECT_LT(bent_deg, 90) << "finger " << finger << " is clenched";
     if (finger + 1 == kThumb) continue;
-    // Side by side along the whole of the shorter finger, yet not into each other.
+    // Adjacent along the whole of the shorter finger, but disjoint.
     const std::vector<Eigen::Vector3f> next = line_of(hand, finger + 1);
     for (size_t r = 0; r < kDigitRings; ++r)
       EXPECT_LT(std::abs(line[r].x() - next[r].x()), 0.021F) << "finger " << finger << " is spread";
@@ -352,14 +350,14 @@ TEST(Adult, HandsHangRelaxed) {
       }
     }
   }
-  // The thumb ends beside the base of the index finger.
+  // The thumb ends next to the base of the index finger.
   const std::span<const Eigen::Vector3f> thumb = digit_of(hand, kThumb);
   EXPECT_LT(distance_m(thumb, digit_of(hand, 0)), 0.012F);
   const Eigen::Vector3f tip = thumb.back();
   EXPECT_LT(tip.x() - line_of(hand, 0)[0].x(), 0.025F) << "the thumb is spread";
 }
 
-TEST(Adult, NoseAndToesPointForwardAndThumbsToo) {
+TEST(Adult, PointsNoseToesAndThumbsForward) {
   // x forward: the foremost point of the head is the nose, on the midline.
   const auto foremost = [](const Mesh& mesh) {
     return *std::max_element(

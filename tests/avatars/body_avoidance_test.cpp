@@ -1,5 +1,4 @@
-// Bodies that give way: nobody near, nothing; in a gap, both as much as it takes; never faster than
-// joints move.
+// Body avoidance: no change without neighbours, room made in a gap by both, rates within limits.
 #include "avatars/body_avoidance/body_avoidance.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +13,7 @@
 #include "base/portable_math.h"
 #include "tests/avatars/gait_fixture.h"
 
-namespace throng::yielding_test {
+namespace throng::body_avoidance_test {
 namespace {
 
 constexpr float kHalfTurn = 3.14159265f;
@@ -24,7 +23,7 @@ const Gait& adult() {
   return gait;
 }
 
-/// Somebody at the middle of all.
+/// Returns a walker at the origin.
 BodyState2d walker(float speed_mps = 1.3f, float phase = 0) {
   BodyState2d body;
   body.sweep = &adult().outline()->sweep_at(speed_mps, body.scale);
@@ -33,8 +32,8 @@ BodyState2d walker(float speed_mps = 1.3f, float phase = 0) {
   return body;
 }
 
-/// Somebody else at a place, who goes as whoever is at the middle does.
-BodyState2d beside(float x_m, float y_m, float speed_mps = 1.3f, float heading_rad = 0) {
+/// Returns a walker at a place with its own speed and heading.
+BodyState2d neighbour_at(float x_m, float y_m, float speed_mps = 1.3f, float heading_rad = 0) {
   BodyState2d body = walker(speed_mps);
   body.x_m = x_m;
   body.y_m = y_m;
@@ -56,7 +55,7 @@ void take(const AvoidanceMotion& motion, BodyState2d& body) {
   body.arms = motion.arms;
 }
 
-/// Two who stay where they are, and their arms too, give way until neither changes any more.
+/// Lets two standing bodies, arms included, adapt until neither changes.
 void settle(BodyState2d& right, BodyState2d& left) {
   AvoidanceMotion of_right, of_left;
   for (int i = 0; i < 600; ++i) {
@@ -68,14 +67,14 @@ void settle(BodyState2d& right, BodyState2d& left) {
   }
 }
 
-/// In the direction of a unit vector: by the corners of the octagon nearest to it.
+/// Returns the reach in the direction of a unit vector: by the nearest corners of the octagon.
 float reach_m(const Octagon& octagon, float x, float y) {
-  float most = -1e9f;
+  float max_m = -1e9f;
   constexpr float kDiagonal = 0.70710678f;
   const float directions[8][2] = {
       {1, 0},  {kDiagonal, kDiagonal},   {0, 1},  {-kDiagonal, kDiagonal},
       {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}};
-  for (size_t i = 0; i < 8; ++i) {  // the point that two neighbouring sides share
+  for (size_t i = 0; i < 8; ++i) {  // the corner of two neighbouring sides
     const size_t j = (i + 1) % 8;
     const float det = directions[i][0] * directions[j][1] - directions[i][1] * directions[j][0];
     const float a = octagon.reaches_m[i], b = octagon.reaches_m[j];
@@ -84,12 +83,12 @@ float reach_m(const Octagon& octagon, float x, float y) {
     // The direction lies between these two sides.
     const float from = directions[i][0] * y - directions[i][1] * x,
                 to = x * directions[j][1] - y * directions[j][0];
-    if (from >= -1e-6f && to >= -1e-6f) most = std::max(most, corner_x * x + corner_y * y);
+    if (from >= -1e-6f && to >= -1e-6f) max_m = std::max(max_m, corner_x * x + corner_y * y);
   }
-  return most;
+  return max_m;
 }
 
-/// How far a body reaches in a direction with its arms where they are.
+/// Returns the reach of a body in a direction with its current arms.
 float reach_m(const BodyState2d& body, float angle_rad) {
   constexpr float kFullCircle = RadialProfile::kDirections;
   const Outline& outline = body.sweep->outline();
@@ -109,9 +108,9 @@ float reach_m(const BodyState2d& body, float angle_rad) {
   return body.scale * reach;
 }
 
-TEST(Yielding, TheAdultCan) { ASSERT_NE(adult().outline(), nullptr); }
+TEST(BodyAvoidance, SupportsTheAdult) { ASSERT_NE(adult().outline(), nullptr); }
 
-TEST(Yielding, WhoIsAloneOrFarFromOthersDoesNothing) {
+TEST(BodyAvoidance, DoesNothingAloneOrFarFromOthers) {
   const BodyState2d own = walker();
   EXPECT_FALSE(target_motion(own, {}).has_constraints);
   std::mt19937 random(1);
@@ -120,26 +119,26 @@ TEST(Yielding, WhoIsAloneOrFarFromOthersDoesNothing) {
   for (int i = 0; i < 1000; ++i) {
     const float a = angle(random), d = far(random);
     const AvoidanceMotion motion =
-        target_motion(own, {beside(d * std::cos(a), d * std::sin(a), 1.3f, angle(random))});
+        target_motion(own, {neighbour_at(d * std::cos(a), d * std::sin(a), 1.3f, angle(random))});
     EXPECT_EQ(motion.turn_rad, 0);
     EXPECT_EQ(motion.arms[0] + motion.arms[1], 0);
   }
 }
 
-TEST(Yielding, WhoGoesAwayIsNotGivenWayTo) {
-  BodyState2d neighbour = beside(0.96f, 0);
+TEST(BodyAvoidance, IgnoresDepartingNeighbours) {
+  BodyState2d neighbour = neighbour_at(0.96f, 0);
   neighbour.vx_mps = 0.5f;
   EXPECT_FALSE(target_motion(walker(), {neighbour}).has_constraints);
   neighbour.vx_mps = -0.5f;
   EXPECT_TRUE(target_motion(walker(), {neighbour}).has_constraints);
 }
 
-// Nearer than 0.4 m, two who face each other do not, and do not turn through where they lack most.
-TEST(Yielding, TwoAbreastGiveWayUntilTheyFit) {
+// Closer than 0.4 m, two facing each other do not fit.
+TEST(BodyAvoidance, SeparatesTwoAbreast) {
   for (int step = 0; step < 11; ++step)
     for (int i = 0; i < 16; ++i) {
       const float apart_m = 0.6f - 0.02f * static_cast<float>(step);
-      BodyState2d right = walker(1.3f, static_cast<float>(i) / 16), left = beside(0, apart_m);
+      BodyState2d right = walker(1.3f, static_cast<float>(i) / 16), left = neighbour_at(0, apart_m);
       left.phase = 0.3f;
       settle(right, left);
       const float both_m = reach_m(right, 0.5f * kHalfTurn) + reach_m(left, -0.5f * kHalfTurn);
@@ -147,67 +146,66 @@ TEST(Yielding, TwoAbreastGiveWayUntilTheyFit) {
     }
 }
 
-TEST(Yielding, WhoHasMoreRoomTurnsLess) {
+TEST(BodyAvoidance, TurnsLessWithMoreClearance) {
   float before_rad = 2;
   for (const float apart_m : {0.38f, 0.42f, 0.46f, 0.5f, 0.54f, 0.62f}) {
-    BodyState2d right = walker(), left = beside(0, apart_m);
+    BodyState2d right = walker(), left = neighbour_at(0, apart_m);
     settle(right, left);
-    const float most_rad = std::max(std::abs(right.turn_rad), std::abs(left.turn_rad));
-    EXPECT_LE(most_rad, before_rad + 0.05f) << apart_m;
-    before_rad = most_rad;
+    const float max_rad = std::max(std::abs(right.turn_rad), std::abs(left.turn_rad));
+    EXPECT_LE(max_rad, before_rad + 0.05f) << apart_m;
+    before_rad = max_rad;
   }
   EXPECT_LT(before_rad, 0.05f);
 }
 
-TEST(Yielding, ATurnThatIsInTheWayIsGivenUpAtOnceAndAnyOtherSlowly) {
+TEST(BodyAvoidance, ReleasesObstructingTurnsFastAndOthersSlowly) {
   const auto half_a_second_after = [&](float x_m, float y_m) {
     BodyState2d own = walker();
     AvoidanceMotion motion;
     motion.turn_rad = own.turn_rad = -0.6f;
     for (int step = 0; step < 30; ++step) {
-      follow(target_motion(own, {beside(x_m, y_m)}), 1.0f / 60, motion);
+      follow(target_motion(own, {neighbour_at(x_m, y_m)}), 1.0f / 60, motion);
       take(motion, own);
     }
     return motion.turn_rad;
   };
-  // Turned to the right, the left shoulder is where it meets whoever is before it on the left.
+  // Turned to the right, the left shoulder meets a person ahead on the left.
   EXPECT_GT(half_a_second_after(0.22f, 0.34f), -0.1f);
   EXPECT_LT(half_a_second_after(0, 0.6f), -0.4f);
 }
 
-TEST(Yielding, NobodyTurnsThroughWhereItLacksMore) {
-  const std::vector<BodyState2d> neighbours = {beside(0, 0.44f), beside(0, -0.44f)};
-  BodyState2d own = walker();  // which lacks room to both sides as long as it is not turned
+TEST(BodyAvoidance, DoesNotTurnThroughLargerDeficits) {
+  const std::vector<BodyState2d> neighbours = {neighbour_at(0, 0.44f), neighbour_at(0, -0.44f)};
+  BodyState2d own = walker();  // has a deficit to both sides unless turned
   for (const float turn_rad : {0.7f, -0.7f}) {
     own.turn_rad = turn_rad;
     EXPECT_GT(target_motion(own, neighbours).turn_rad * turn_rad, 0.25f) << turn_rad;
   }
 }
 
-TEST(Yielding, OfAWallTheArmBesideItIsDrawnIn) {
+TEST(BodyAvoidance, TucksTheArmNextToAWall) {
   const AvoidanceMotion motion = target_motion(walker(), {}, {{0, 1, 0.3f, 0}});  // to the left
   EXPECT_GT(motion.arms[1], 0.1f * ArmTuck::kTuckShare);
   EXPECT_EQ(motion.arms[0], 0);
 }
 
-TEST(Yielding, AnArmThatSwingsToAndFroIsOnlyTuckedForWhatIsBeside) {
+TEST(BodyAvoidance, DoesNotDampTheSwingForLateralNeighbours) {
   for (int i = 0; i < 16; ++i) {
     const AvoidanceMotion motion =
-        target_motion(walker(1.3f, static_cast<float>(i) / 16), {beside(0, 0.58f)});
+        target_motion(walker(1.3f, static_cast<float>(i) / 16), {neighbour_at(0, 0.58f)});
     EXPECT_GT(motion.arms[1], 0) << i;
     EXPECT_LE(motion.arms[1], ArmTuck::kTuckShare + 1e-6f) << i;
     EXPECT_EQ(ArmTuck(motion.arms[1]).swing_damping, 0) << i;
   }
 }
 
-TEST(Yielding, AnArmIsDrawnInForWhatItsSwingMeetsAndOnlyThen) {
-  // Somebody stands ahead to the left: the left arm is ahead at the right foot's strike, phase 0,
-  // and behind half a cycle later.
-  const BodyState2d neighbour = beside(0.6f, 0.3f, 0);
+TEST(BodyAvoidance, TucksTheArmOnlyWhenItsSwingMeetsANeighbour) {
+  // The left arm is in front at phase 0, and behind half a cycle later.
+  const BodyState2d neighbour = neighbour_at(0.6f, 0.3f, 0);
   EXPECT_GT(target_motion(walker(1.5f, 0), {neighbour}).arms[1], ArmTuck::kTuckShare);
   EXPECT_EQ(target_motion(walker(1.5f, 0.5f), {neighbour}).arms[1], 0);
-  // What counts is where the arm will be when they are nearest, in 0.4 s.
-  BodyState2d crossing = beside(0.6f, 0.7f, 0);
+  // The arm's place at the closest approach, in 0.4 s, counts.
+  BodyState2d crossing = neighbour_at(0.6f, 0.7f, 0);
   crossing.vy_mps = -1.75f;
   const float until = 0.4f * 0.9f;
   BodyState2d early = walker(1.5f, 1 - until), late = walker(1.5f, 0.5f - until);
@@ -216,13 +214,13 @@ TEST(Yielding, AnArmIsDrawnInForWhatItsSwingMeetsAndOnlyThen) {
             target_motion(late, {crossing}).arms[1] + 0.2f);
 }
 
-TEST(Yielding, AnArmIsNotLetOutOnlyToBeDrawnInByTheSameSwing) {
+TEST(BodyAvoidance, KeepsTheArmTuckedWithinASwing) {
   BodyState2d own = walker(1.5f, 0.5f);
   own.arms[1] = 0.9f;
-  EXPECT_GT(target_motion(own, {beside(0.58f, 0.3f, 0)}).arms[1], 0.3f);
+  EXPECT_GT(target_motion(own, {neighbour_at(0.58f, 0.3f, 0)}).arms[1], 0.3f);
 }
 
-TEST(Yielding, TuckingAndStillingGoFromNothingToAll) {
+TEST(BodyAvoidance, MapsSharesToTuckAndDamping) {
   EXPECT_EQ(ArmTuck(0).tuck, 0);
   EXPECT_EQ(ArmTuck(1).tuck, 1);
   EXPECT_EQ(ArmTuck(0).swing_damping, 0);
@@ -236,7 +234,7 @@ TEST(Yielding, TuckingAndStillingGoFromNothingToAll) {
   }
 }
 
-TEST(Yielding, WhatIsNotNeededAnyMoreIsGivenBack) {
+TEST(BodyAvoidance, ReturnsToRestWithoutConstraints) {
   for (const float step_s : {1.0f / 100, 1.0f / 60, 1.0f / 25, 1.0f / 16}) {
     AvoidanceMotion motion;
     motion.arms = {1, 0.7f};
@@ -256,11 +254,11 @@ TEST(Yielding, WhatIsNotNeededAnyMoreIsGivenBack) {
       follow({}, step_s, motion);
       time_s += step_s;
     }
-    EXPECT_LT(time_s, 2.5f) << step_s << ": what hardly shows any more is over";
+    EXPECT_LT(time_s, 2.5f) << step_s << ": negligible values end";
   }
 }
 
-TEST(Yielding, NoBodyReachesBeyondItsBulkHoweverMuchOfItsArmsIsDrawnIn) {
+TEST(BodyAvoidance, StaysWithinMaxExtentAtAnyTuck) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> share(0, 1), angle(-kHalfTurn, kHalfTurn), speed(0, 2.2f);
   float nearest_m = 1;
@@ -279,18 +277,18 @@ TEST(Yielding, NoBodyReachesBeyondItsBulkHoweverMuchOfItsArmsIsDrawnIn) {
     body.turn_rad = angle(random) / 2;
     ASSERT_GT(max_extent.max_m - reach_m(body, direction), -1e-5f) << "draw " << i << ", turned";
   }
-  EXPECT_LT(nearest_m, 0.02f) << "no wider than bodies are";
+  EXPECT_LT(nearest_m, 0.02f) << "bound is too wide";
 }
 
-TEST(Yielding, WhoIsClearOfAllWantsWhatItWouldIfItLookedCloser) {
-  int nothing = 0, something = 0;
+TEST(BodyAvoidance, ComputesTheSameTargetWithAndWithoutTheShortcut) {
+  int at_rest_count = 0, moving_count = 0;
   for (uint32_t seed = 1; seed <= 3000; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> place(-1, 1), share(0, 1), direction(-1, 1);
     std::vector<BodyState2d> neighbours;
     for (int i = 0; i < 3; ++i) {
-      neighbours.push_back(beside(place(random), place(random), 1 + direction(random),
-                                  kHalfTurn * direction(random)));
+      neighbours.push_back(neighbour_at(place(random), place(random), 1 + direction(random),
+                                        kHalfTurn * direction(random)));
       BodyState2d& body = neighbours.back();
       body.vx_mps = direction(random), body.vy_mps = direction(random);
       body.phase = share(random), body.cadence_hz = share(random);
@@ -301,20 +299,21 @@ TEST(Yielding, WhoIsClearOfAllWantsWhatItWouldIfItLookedCloser) {
                   [](const BodyState2d& body) { return std::hypot(body.x_m, body.y_m) < 0.4f; });
     BodyState2d own = walker(1.3f, share(random));
     const AvoidanceMotion at_rest = target_motion(own, neighbours);
-    own.turn_rad = 1e-6f;  // not at rest any more
+    own.turn_rad = 1e-6f;  // no longer at rest
     const AvoidanceMotion closer = target_motion(own, neighbours);
     EXPECT_EQ(at_rest.has_constraints, closer.has_constraints) << "seed " << seed;
     EXPECT_NEAR(at_rest.turn_rad, closer.turn_rad, 1e-3f) << "seed " << seed;
     for (size_t side = 0; side < 2; ++side)
       EXPECT_NEAR(at_rest.arms[side], closer.arms[side], 1e-3f) << "seed " << seed;
-    const bool is_nothing = at_rest.turn_rad == 0 && at_rest.arms[0] == 0 && at_rest.arms[1] == 0;
-    ++(is_nothing ? nothing : something);
+    const bool stays_at_rest =
+        at_rest.turn_rad == 0 && at_rest.arms[0] == 0 && at_rest.arms[1] == 0;
+    ++(stays_at_rest ? at_rest_count : moving_count);
   }
-  EXPECT_GT(nothing, 100);
-  EXPECT_GT(something, 1000);
+  EXPECT_GT(at_rest_count, 100);
+  EXPECT_GT(moving_count, 1000);
 }
 
-TEST(Yielding, TrunksSwayAsAllOfAGaitDoes) {
+TEST(BodyAvoidance, PredictsTheSwayOfTheGait) {
   for (const test::Walking& walking : test::Walking::styles()) {
     const PosableModel posable(*walking.model);
     const auto column =
@@ -335,31 +334,31 @@ TEST(Yielding, TrunksSwayAsAllOfAGaitDoes) {
   }
 }
 
-TEST(Yielding, WhatIsWantedIsTheSameForTheMirroredScene) {
+TEST(BodyAvoidance, IsMirrorSymmetric) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> angle(-kHalfTurn, kHalfTurn), apart(0.45f, 0.9f);
   for (int i = 0; i < 300; ++i) {
     const float a = angle(random), d = apart(random), heading = angle(random);
-    const BodyState2d neighbour = beside(d * std::cos(a), d * std::sin(a), 1.3f, heading);
-    BodyState2d mirrored = beside(d * std::cos(a), -d * std::sin(a), 1.3f, -heading);
+    const BodyState2d neighbour = neighbour_at(d * std::cos(a), d * std::sin(a), 1.3f, heading);
+    BodyState2d mirrored = neighbour_at(d * std::cos(a), -d * std::sin(a), 1.3f, -heading);
     mirrored.phase = 0.5f;  // the other foot's turn
     const AvoidanceMotion one = target_motion(walker(), {neighbour});
     const AvoidanceMotion two = target_motion(walker(1.3f, 0.5f), {mirrored});
-    // The two arms of the adult are mirrored to a millimetre; which way to turn may be a draw.
+    // The adult's arms mirror each other to a millimetre; a tie decides which way to turn.
     EXPECT_NEAR(std::abs(one.turn_rad), std::abs(two.turn_rad), 0.15f) << i;
     EXPECT_NEAR(one.arms[0] + one.arms[1], two.arms[0] + two.arms[1], 0.35f) << i;
   }
 }
 
-TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
+TEST(BodyAvoidance, IsEqualOnAllTargetsAndUnderRotation) {
   std::mt19937 random(11);
   const auto in = [&](float low, float high) {
     return std::uniform_real_distribution<float>(low, high)(random);
   };
-  int near_count = 0, turned = 0, drawn = 0;
+  int constrained_count = 0, turned = 0, tucked_count = 0;
   for (int seed = 0; seed < 2000; ++seed) {
-    const auto anybody = [&](float x_m, float y_m) {
-      BodyState2d body = beside(x_m, y_m, in(0, 1.8f), in(-kHalfTurn, kHalfTurn));
+    const auto random_body = [&](float x_m, float y_m) {
+      BodyState2d body = neighbour_at(x_m, y_m, in(0, 1.8f), in(-kHalfTurn, kHalfTurn));
       body.vx_mps = in(-1.5f, 1.5f);
       body.vy_mps = in(-1.5f, 1.5f);
       body.phase = in(0, 1);
@@ -375,28 +374,28 @@ TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
       }
       return body;
     };
-    BodyState2d own = anybody(in(-50, 50), in(-50, 50));
+    BodyState2d own = random_body(in(-50, 50), in(-50, 50));
     own.sweep = walker(in(0, 1.8f)).sweep;
     own.disc_m = 0;
     std::vector<BodyState2d> neighbours;
     for (int i = static_cast<int>(in(0, kMaxAvoidedBodies + 0.99f)); i > 0; --i)
-      neighbours.push_back(anybody(own.x_m + in(-1.2f, 1.2f), own.y_m + in(-1.2f, 1.2f)));
+      neighbours.push_back(random_body(own.x_m + in(-1.2f, 1.2f), own.y_m + in(-1.2f, 1.2f)));
     std::vector<WallState2d> walls;
     for (int i = static_cast<int>(in(-3, kMaxAvoidedWalls + 0.99f)); i > 0; --i) {
       const float direction = in(-kHalfTurn, kHalfTurn);
       walls.push_back({std::cos(direction), std::sin(direction), in(0.1f, 0.9f), in(-1, 1)});
     }
     const AvoidanceMotion first = target_motion(own, neighbours, walls);
-    near_count += first.has_constraints;
+    constrained_count += first.has_constraints;
     turned += std::abs(first.turn_rad) > 0.1f;
-    drawn += first.arms[0] > 0.1f;
+    tucked_count += first.arms[0] > 0.1f;
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       const AvoidanceMotion found = target_motion(own, neighbours, walls, target);
       ASSERT_EQ(found.turn_rad, first.turn_rad) << seed;
       ASSERT_EQ(found.arms, first.arms) << seed;
       ASSERT_EQ(found.has_constraints, first.has_constraints) << seed;
     }
-    if (!walls.empty()) continue;  // these are from the body
+    if (!walls.empty()) continue;  // walls are relative to the body
     const float turn = in(-kHalfTurn, kHalfTurn), cos = std::cos(turn), sin = std::sin(turn);
     const auto turn_all = [&](BodyState2d& body) {
       const BodyState2d b = body;
@@ -407,17 +406,17 @@ TEST(Yielding, WhatIsWantedIsTheSameByEveryTargetWhicheverWayAllAreTurned) {
     turn_all(own);
     for (BodyState2d& body : neighbours) turn_all(body);
     const AvoidanceMotion again = target_motion(own, neighbours, walls);
-    // Which way to turn may be a draw.
+    // A tie decides which way to turn.
     if (std::abs(again.turn_rad - first.turn_rad) > 0.05f) continue;
     for (size_t side = 0; side < 2; ++side)
       ASSERT_NEAR(again.arms[side], first.arms[side], 0.2f) << seed;
   }
-  EXPECT_GT(near_count, 1500);
+  EXPECT_GT(constrained_count, 1500);
   EXPECT_GT(turned, 500);
-  EXPECT_GT(drawn, 500);
+  EXPECT_GT(tucked_count, 500);
 }
 
-TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
+TEST(BodyAvoidance, ReachesTheTargetWithinItsLimits) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> turn(-1.1f, 1.1f), share(0, 1);
   for (const float step_s : {1.0f / 100, 1.0f / 60, 1.0f / 25, 1.0f / 16}) {
@@ -451,7 +450,7 @@ TEST(Yielding, FollowsWithinItsLimitsAndArrives) {
   }
 }
 
-TEST(Yielding, PostureRowsStayWithinTheJointsLimits) {
+TEST(BodyAvoidance, KeepsPostureRowsWithinJointLimits) {
   const std::shared_ptr<const Model> model = load_model(adult_urdf());
   const Gait gait(*model);
   const AvoidanceColumns& columns = gait.outline()->columns;
@@ -473,19 +472,19 @@ TEST(Yielding, PostureRowsStayWithinTheJointsLimits) {
       ASSERT_GE(row[c], limits.lower) << c;
       ASSERT_LE(row[c], limits.upper) << c;
     }
-    // The head looks where it looked, as far as what is bounded for looks lets it.
+    // The head keeps its direction within the bound on head yaw.
     const auto head = static_cast<size_t>(columns.head), trunk = static_cast<size_t>(columns.trunk);
     ASSERT_LE(std::abs(row[head] + row[trunk] - before[trunk] - head_rad), 0.5f + 1e-5f);
   }
 }
 
-TEST(Yielding, TrunksComeToTheirLimitWithoutAJerk) {
+TEST(BodyAvoidance, ApproachesTheTrunkLimitSmoothly) {
   const AvoidanceColumns& columns = adult().outline()->columns;
   std::vector<float> row(static_cast<size_t>(adult().column_count()));
   constexpr float kStep_s = 1.0f / 60, kDegree = kHalfTurn / 180;
   for (const float aside : {-1.0f, 1.0f}) {
     float last[2] = {};
-    for (int i = 0; i < 600; ++i) {  // there and back, slower than any body turns
+    for (int i = 0; i < 600; ++i) {  // to and fro, slower than any body turns
       const float t = static_cast<float>(i) / 600;
       AvoidancePosture avoidance;
       avoidance.trunk_rad = aside * columns.max_trunk_rad * std::sin(kHalfTurn * t);
@@ -504,4 +503,4 @@ TEST(Yielding, TrunksComeToTheirLimitWithoutAJerk) {
 }
 
 }  // namespace
-}  // namespace throng::yielding_test
+}  // namespace throng::body_avoidance_test

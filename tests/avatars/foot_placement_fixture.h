@@ -1,4 +1,4 @@
-// Somebody who walks, as footing sees it.
+// Walkers for tests of foot placement and leg prediction.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace throng::test {
 
-/// An adult who walks ahead as the gait has it.
+/// Returns an adult who walks ahead as in the gait.
 inline WalkState walks(const Eigen::Vector2f& at_m, float phase, float speed_mps = 1.3f) {
   const Gait& gait = Walking::adult().gait;
   WalkState steps{};

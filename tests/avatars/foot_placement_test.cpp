@@ -1,5 +1,4 @@
-// Legs of people near each other: what is foreseen of them is what walking does, and steps change
-// only where legs would meet.
+// Foot placement: predicted legs match the gait, and steps change only where legs would meet.
 #include "avatars/body_avoidance/foot_placement.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +11,7 @@
 #include "tests/avatars/foot_placement_fixture.h"
 #include "tests/avatars/leg_path.h"
 
-namespace throng::footing_test {
+namespace throng::foot_placement_test {
 namespace {
 
 using Eigen::Vector2f;
@@ -24,7 +23,7 @@ Vector2f turned(const Vector2f& v, float cos, float sin) {
   return {cos * v.x() - sin * v.y(), sin * v.x() + cos * v.y()};
 }
 
-/// The same from somewhere else.
+/// Returns the same steps, moved and rotated.
 WalkState moved(WalkState steps, const Vector2f& by_m, float cos, float sin) {
   steps.root_m = by_m + turned(steps.root_m, cos, sin);
   steps.velocity_mps = turned(steps.velocity_mps, cos, sin);
@@ -52,7 +51,7 @@ Vector2f landing(const WalkState& own, size_t side, std::span<const WalkState> n
   return landing.shift_m();
 }
 
-TEST(Footing, WhoIsAloneWalksAsEver) {
+TEST(FootPlacement, ChangesNothingAlone) {
   for (int step = 0; step < 20; ++step) {
     const float phase = 0.05f * static_cast<float>(step);
     const WalkState own = walks({0, 0}, phase);
@@ -62,7 +61,7 @@ TEST(Footing, WhoIsAloneWalksAsEver) {
   }
 }
 
-TEST(Footing, SomebodyBesideOutOfReachChangesNothing) {
+TEST(FootPlacement, ChangesNothingForNeighboursOutOfReach) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const WalkState own = walks({0, 0}, drawn(seed, 0, 0, 1));
     const std::array<WalkState, 1> neighbours = {walks({0, 1.4f}, drawn(seed, 1, 0, 1))};
@@ -72,7 +71,7 @@ TEST(Footing, SomebodyBesideOutOfReachChangesNothing) {
   }
 }
 
-TEST(Footing, ForeseesWhereTheGaitPutsTheFeet) {
+TEST(FootPlacement, PredictsTheFeetOfTheGait) {
   for (uint64_t seed = 0; seed < 200; ++seed) {
     const float phase = drawn(seed, 0, 0, 1), speed_mps = drawn(seed, 1, 0.6, 1.8),
                 ahead_s = drawn(seed, 2, 0, 2);
@@ -83,15 +82,15 @@ TEST(Footing, ForeseesWhereTheGaitPutsTheFeet) {
       const Vector2f predicted = path_of(now, side).at(ahead_s).foot_m,
                      found = path_of(then, side).at(0).foot_m;
       EXPECT_LT((predicted - found).norm(), 0.02f)
-          << "seed " << seed << ", in " << ahead_s << " s: foreseen " << predicted.transpose()
+          << "seed " << seed << ", in " << ahead_s << " s: predicted " << predicted.transpose()
           << ", found " << found.transpose();
     }
   }
 }
 
-/// What legs lack to be 7 cm apart when one comes down `shift` from where it would.
-float lack(const WalkState& own, const LegPlace& lands, const Vector2f& shift,
-           const WalkState& other) {
+/// Squared deficits of two legs to a clearance of 7 cm when one lands `shift` from its place.
+float clearance_cost(const WalkState& own, const LegPlace& lands, const Vector2f& shift,
+                     const WalkState& other) {
   LegPlaces places{};
   const auto put = [&places](const LegPlace& at) {
     places.foot_x[0] = at.foot_m.x(), places.foot_y[0] = at.foot_m.y();
@@ -107,11 +106,11 @@ float lack(const WalkState& own, const LegPlace& lands, const Vector2f& shift,
   return costs[0];
 }
 
-TEST(Footing, AFootLandsWhereNoOtherIs) {
+TEST(FootPlacement, LandsClearOfOtherFeet) {
   int changed = 0;
   for (uint64_t seed = 0; seed < 200; ++seed) {
     WalkState own = walks({0, 0}, 0.9f);
-    // Somebody stands with a foot somewhere near where the right one would land.
+    // A person stands with a foot near the landing point of the right one.
     WalkState other = walks({0, 0}, 0.2f, 0);
     other.cadence_hz = 0;
     const LegPlace lands = path_of(own, 0).at(LegState(own, 0).lands_s());
@@ -119,24 +118,25 @@ TEST(Footing, AFootLandsWhereNoOtherIs) {
                     Vector2f(drawn(seed, 0, -0.05, 0.1), drawn(seed, 1, -0.04, 0.04));
     const Vector2f shift = landing(own, 0, {&other, 1});
     changed += shift != Vector2f(0, 0);
-    EXPECT_LT(lack(own, lands, shift, other), lack(own, lands, {0, 0}, other)) << "seed " << seed;
+    EXPECT_LT(clearance_cost(own, lands, shift, other), clearance_cost(own, lands, {0, 0}, other))
+        << "seed " << seed;
     EXPECT_LT(shift.norm(), 0.4f) << "seed " << seed;
   }
   EXPECT_EQ(changed, 200);
 }
 
-TEST(Footing, OutOfTimeBehindSomebodyCloseTheRhythmChanges) {
+TEST(FootPlacement, AdaptsCadenceCloseBehindAWalkerOutOfStep) {
   const std::array<WalkState, 1> out_of_step = {walks({0.5f, 0.1f}, 0.55f)};
   EXPECT_GT(std::abs(stride_scale(walks({0, 0}, 0.3f), out_of_step) - 1), 0.05f);
 }
 
-TEST(Footing, IsTheSameSeenFromAnywhere) {
+TEST(FootPlacement, IsInvariantUnderRotationAndTranslation) {
   for (uint64_t seed = 0; seed < 100; ++seed) {
     const WalkState own = walks({0, 0}, drawn(seed, 0, 0, 1));
     const WalkState other = walks({drawn(seed, 1, 0.3, 0.7), drawn(seed, 2, -0.4, 0.4)},
                                   drawn(seed, 3, 0, 1), drawn(seed, 4, 1.1, 1.5));
     const Vector2f by_m(drawn(seed, 5, -5, 5), drawn(seed, 6, -5, 5));
-    // A quarter turn is exact, so that no choice between equals can fall otherwise.
+    // A quarter turn is exact, and cannot change a choice between equal costs.
     const WalkState own_there = moved(own, {0, 0}, 0, 1), other_there = moved(other, {0, 0}, 0, 1);
     EXPECT_EQ(stride_scale(own, {&other, 1}), stride_scale(own_there, {&other_there, 1}))
         << "seed " << seed;
@@ -151,4 +151,4 @@ TEST(Footing, IsTheSameSeenFromAnywhere) {
 }
 
 }  // namespace
-}  // namespace throng::footing_test
+}  // namespace throng::foot_placement_test

@@ -1,4 +1,4 @@
-// The published curves: periodic, never beyond their knots, continuous where the tables change.
+// The published curves: periodic, within their knots, continuous where the tables change.
 #include "avatars/gait/gait_curves.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ const std::vector<NamedCurve>& all_curves() {
   return curves;
 }
 
-TEST(GaitCurves, DoNotJumpWhereTheTablesChange) {
+TEST(GaitCurves, AreContinuousWhereTheTablesChange) {
   for (const double rv : {0.5, 1.3, 1.56}) {
     const GaitCurves below(rv - 1e-7), above(rv + 1e-7);
     for (const NamedCurve& curve : all_curves())
@@ -93,10 +93,9 @@ TEST(GaitCurves, RepeatEachCycle) {
   }
 }
 
-TEST(GaitCurves, AreThePublishedOnes) {
-  // RV 0.3: the row below 0.5. RV 0.9: the middle one. RV 3: s = 1.
-  // (The lowest row's knee peak is 140 RV; 3 + 134 RV here, so that a knee at rest has its 3
-  // degrees.)
+TEST(GaitCurves, MatchThePublishedValues) {
+  // RV 0.3: the row below 0.5. RV 0.9: the middle one. RV 3: s = 1. The lowest row's knee peak is
+  // 140 RV; here 3 + 134 RV, because a knee at rest is at 3 degrees.
   EXPECT_NEAR(GaitCurves(0.3).knee_flexion(0.75), (3 + 134 * 0.3) * kDegree, 1e-9);
   EXPECT_NEAR(GaitCurves(0.9).knee_flexion(0.75), 70 * kDegree, 1e-9);
   EXPECT_NEAR(GaitCurves(3.0).knee_flexion(0.70), 65 * kDegree, 1e-9);
@@ -110,17 +109,17 @@ TEST(GaitCurves, AreThePublishedOnes) {
   EXPECT_NEAR(GaitCurves(0.25).pelvis_lateral(0.35), -0.128 * 0.25 * 0.75, 1e-9);
 }
 
-TEST(GaitCurves, SpendsSixTenthsOfABriskCycleOnOneFoot) {
-  // 1.34 m/s at 0.859 m of leg: T = 1.078 s, support 0.668 s.
+TEST(GaitCurves, SpendSixTenthsOfABriskCycleOnOneFoot) {
+  // 1.34 m/s with a leg of 0.859 m: T = 1.078 s, support 0.668 s.
   EXPECT_NEAR(stance_fraction(1.56), 0.619, 0.001);
   for (int i = 0; i <= 300; ++i) {
     const double rv = i / 100.0;
-    ASSERT_GT(stance_fraction(rv), 0.5) << "walking never flies, RV " << rv;
+    ASSERT_GT(stance_fraction(rv), 0.5) << "walking has no flight phase, RV " << rv;
     ASSERT_LT(stance_fraction(rv), 0.76);
   }
 }
 
-TEST(GaitCurves, LeftIsTheMirrorOfRightHalfACycleLater) {
+TEST(GaitCurves, MirrorTheSidesHalfACycleApart) {
   const GaitCurves curves(1.56);
   for (int i = 0; i < 100; ++i) {
     const double t = i / 100.0;
@@ -133,9 +132,8 @@ TEST(GaitCurves, LeftIsTheMirrorOfRightHalfACycleLater) {
   }
 }
 
-TEST(GaitCurves, TheFootIsFlatUnderTheBodyAndTipsAsMeasured) {
-  // Hip - knee + ankle of the measured cycle (1.34 m/s): 19 degrees at heel strike, 0 in
-  // mid-stance.
+TEST(GaitCurves, MatchTheMeasuredFootPitch) {
+  // Measured (1.34 m/s): 19 degrees at heel strike, 0 in mid-stance.
   const GaitCurves curves(1.56);
   EXPECT_NEAR(curves.foot_pitch(0) / kDegree, 19, 2);
   EXPECT_NEAR(curves.foot_pitch(0.95) / kDegree, 21.5, 2);

@@ -1,4 +1,4 @@
-// Feet and ground: what a walking person may do with real vertices and real kinematics.
+// Feet of a walking person on the ground, with real vertices and real kinematics.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using test::Walking;
 
 constexpr std::array<float, 6> kSpeeds = {0.5f, 0.8f, 1.0f, 1.34f, 1.6f, 2.0f};
 
-TEST(GaitFeet, TheLowestSolePointStaysWithinACentimetreOfTheGround) {
+TEST(GaitFeet, StayWithin1CmOfTheGround) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (const float speed :
@@ -31,8 +31,7 @@ TEST(GaitFeet, TheLowestSolePointStaysWithinACentimetreOfTheGround) {
   }
 }
 
-// The way that the foot's contact with the ground slides while its root walks on: each step, the
-// vertex that was lowest is compared with where it was.
+// Returns how far the foot's contact slides: each lowest vertex against its previous place.
 double slide_m(const Walking& walking, float speed, bool right) {
   constexpr int kSteps = 1000;
   const double stride = static_cast<double>(walking.gait.stride_length_m(speed, 1));
@@ -43,7 +42,7 @@ double slide_m(const Walking& walking, float speed, bool right) {
   const size_t foot = right ? walking.right_foot : walking.left_foot;
   const std::vector<Eigen::Vector3f>& vertices = walking.model->parts[foot].mesh.vertices;
   double slid = 0;
-  Eigen::Vector3d was = Eigen::Vector3d::Zero();
+  Eigen::Vector3d previous = Eigen::Vector3d::Zero();
   size_t contact = 0;
   for (int i = 0; i <= lift_off; ++i) {
     const double own = static_cast<double>(i) / kSteps;
@@ -53,16 +52,16 @@ double slide_m(const Walking& walking, float speed, bool right) {
     const Eigen::Vector3d root(stride * own, 0, 0);
     if (i > 0) {
       const Eigen::Vector3d is = to_isometry(poses[foot]) * vertices[contact].cast<double>() + root;
-      slid += (is - was).head<2>().norm();
+      slid += (is - previous).head<2>().norm();
     }
     const auto [lowest, vertex] = walking.lowest(foot, poses[foot]);
-    was = lowest + root;
+    previous = lowest + root;
     contact = vertex;
   }
   return slid;
 }
 
-TEST(GaitFeet, ThePlantedFootSlidesLessThanACentimetreAStep) {
+TEST(GaitFeet, SlideLessThan1CmPerStep) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (const float speed : kSpeeds)
@@ -72,7 +71,7 @@ TEST(GaitFeet, ThePlantedFootSlidesLessThanACentimetreAStep) {
   }
 }
 
-TEST(GaitFeet, TheFootIsPlantedAtACrawlToo) {
+TEST(GaitFeet, StayPlantedAtACrawl) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (const float speed : {0.02f, 0.05f, 0.1f, 0.2f, 0.3f, 0.4f})
@@ -80,7 +79,7 @@ TEST(GaitFeet, TheFootIsPlantedAtACrawlToo) {
   }
 }
 
-TEST(GaitFeet, TheSwingingFootClearsTheGround) {
+TEST(GaitFeet, ClearTheGroundInSwing) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (const float speed : kSpeeds)
@@ -94,7 +93,7 @@ TEST(GaitFeet, TheSwingingFootClearsTheGround) {
   }
 }
 
-TEST(GaitFeet, TheHeelLandsFirstAndTheToesLeaveLast) {
+TEST(GaitFeet, LandOnTheHeelAndLeaveWithTheToes) {
   const Walking& walking = Walking::adult();
   for (const float speed : {0.8f, 1.34f, 2.0f}) {
     const auto contact_x = [&](float phase) {
@@ -107,7 +106,7 @@ TEST(GaitFeet, TheHeelLandsFirstAndTheToesLeaveLast) {
   }
 }
 
-TEST(GaitFeet, StandingFeetAreFlatAndAsFarApartAsTheHips) {
+TEST(GaitFeet, StandFlatAndHipWidthApart) {
   const Walking& walking = Walking::adult();
   const std::vector<PartPose> poses = walking.poses(walking.posture(0, 0));
   for (const size_t foot : {walking.right_foot, walking.left_foot}) {

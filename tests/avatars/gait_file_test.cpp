@@ -1,4 +1,4 @@
-// Gaits in files: the same gait bit by bit, and nothing but a sound file is read.
+// Gait files restore a gait bit by bit; damaged files are rejected.
 #include "avatars/gait/gait_file.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,6 @@ struct Folder {
   ~Folder() { fs::remove_all(path); }
 };
 
-/// A model without joints.
 std::shared_ptr<const Model> crate_in(const Folder& folder) {
   const fs::path urdf = folder.path / "crate.urdf";
   write_file_atomically(urdf, std::string_view(R"(<robot name="crate"><link name="crate"><collision>
@@ -40,44 +39,46 @@ float drawn(uint32_t i, float low, float high) {
   return static_cast<float>(random_uniform({kSeed, i, 0, Purpose::kGaitPhase}, low, high));
 }
 
-/// What a gait says of moments drawn at random, one number after another.
-std::vector<float> answers(const Gait& gait) {
-  std::vector<float> said = {gait.sphere_centre_m().z(), gait.sphere_radius_m(),
-                             gait.upright_radius_m()};
-  const auto say = [&said](std::initializer_list<float> more) { said.insert(said.end(), more); };
+/// Returns the gait's results for random inputs, one number after another.
+std::vector<float> results_of(const Gait& gait) {
+  std::vector<float> results = {gait.sphere_centre_m().z(), gait.sphere_radius_m(),
+                                gait.upright_radius_m()};
+  const auto append = [&results](std::initializer_list<float> more) {
+    results.insert(results.end(), more);
+  };
   std::vector<float> row(static_cast<size_t>(gait.column_count()));
   for (uint32_t i = 0; i < 2000; ++i) {
     const float phase = drawn(3 * i, 0, 1), speed = drawn(3 * i + 1, 0, 3);
     const float scale = drawn(3 * i + 2, 0.5f, 1.2f);
     gait.postures({&phase, 1}, {&speed, 1}, {&scale, 1}, row);
     gait.apply_head_yaw(0.4f, row);
-    said.insert(said.end(), row.begin(), row.end());
+    results.insert(results.end(), row.begin(), row.end());
     RootBox box;
     gait.bounds({&phase, 1}, {&speed, 1}, {&scale, 1}, {&box, 1});
-    for (const auto& corner : {box.min_m, box.max_m}) say({corner[0], corner[1], corner[2]});
-    say({gait.stride_length_m(speed, scale), gait.swing().at(phase)});
+    for (const auto& corner : {box.min_m, box.max_m}) append({corner[0], corner[1], corner[2]});
+    append({gait.stride_length_m(speed, scale), gait.swing().at(phase)});
     const FootTrack track = gait.track_at(speed, scale);
-    say({track.stance, track.shift_m, track.side_m[0], track.side_m[1], track.stride_m});
+    append({track.stance, track.shift_m, track.side_m[0], track.side_m[1], track.stride_m});
     const WalkBounds packed_bounds = gait.walk_bounds_of(box, scale);
     const RootBox round = gait.box_of(packed_bounds, scale);
-    say({packed_bounds.x, packed_bounds.y, round.min_m[0], round.min_m[1], round.max_m[0],
-         round.max_m[1]});
+    append({packed_bounds.x, packed_bounds.y, round.min_m[0], round.min_m[1], round.max_m[0],
+            round.max_m[1]});
     const LimbSweep& sweep = gait.outline()->sweep_at(speed, scale);
     const LimbOutlines limbs = sweep.at(LimbSweep::phase_index(phase));
     for (size_t side = 0; side < 2; ++side)
       for (size_t direction = 0; direction < 8; ++direction)
-        say({limbs.arms[side].reaches_m[direction], limbs.thighs[side].reaches_m[direction],
-             sweep.envelope().arms[side].reaches_m[direction],
-             gait.outline()->tucked[side].reaches_m[direction]});
-    say({sweep.sway_m(), sweep.outline().upper.at(48 * phase), sweep.outline().upper.max_m()});
+        append({limbs.arms[side].reaches_m[direction], limbs.thighs[side].reaches_m[direction],
+                sweep.envelope().arms[side].reaches_m[direction],
+                gait.outline()->tucked[side].reaches_m[direction]});
+    append({sweep.sway_m(), sweep.outline().upper.at(48 * phase), sweep.outline().upper.max_m()});
   }
-  return said;
+  return results;
 }
 
-/// Some who walk, turn and stop: what they bring along and what comes out, after each step.
+/// Returns state and outputs of walkers that turn and stop, after each step.
 std::vector<float> walked(const Gait& gait) {
   constexpr size_t kCount = 16;
-  std::vector<float> said;
+  std::vector<float> results;
   std::vector<WalkPosture> postures(WalkBatch::kMaxLanes);
   WalkBatch batch{};
   batch.count = kCount;
@@ -103,12 +104,12 @@ std::vector<float> walked(const Gait& gait) {
       const Gait* one = &gait;
       const auto some = static_cast<uint32_t>(lane);
       Gait::postures({&one, 1}, postures, {&some, 1}, row);
-      said.insert(said.end(), row.begin(), row.end());
-      said.insert(said.end(), {batch.phases[lane], batch.gait_mps[lane], batch.bounds_x[lane],
-                               batch.bounds_y[lane], gait.hips_offset_m(postures[lane])});
+      results.insert(results.end(), row.begin(), row.end());
+      results.insert(results.end(), {batch.phases[lane], batch.gait_mps[lane], batch.bounds_x[lane],
+                                     batch.bounds_y[lane], gait.hips_offset_m(postures[lane])});
     }
   }
-  return said;
+  return results;
 }
 
 template <typename T>
@@ -116,7 +117,7 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
   return same_bits(std::span<const T>(a), std::span<const T>(b));
 }
 
-TEST(GaitFile, HoldsTheGaitThatWasTabulated) {
+TEST(GaitFile, RestoresTheTabulatedGait) {
   const Folder folder;
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   for (size_t i = 0; i < kGaitStyleCount; ++i) {
@@ -126,12 +127,12 @@ TEST(GaitFile, HoldsTheGaitThatWasTabulated) {
     const Gait tabulated(*adult, style);
     const Gait read = read_gait_file(folder.path / gait_file_name(*adult, style));
     EXPECT_TRUE(same(read.bytes(), tabulated.bytes()));
-    EXPECT_TRUE(same(answers(read), answers(tabulated)));
+    EXPECT_TRUE(same(results_of(read), results_of(tabulated)));
     EXPECT_TRUE(same(walked(read), walked(tabulated)));
   }
 }
 
-TEST(GaitFile, OfEachStyleOfTheBundledAdultIsMadeByTheBuild) {
+TEST(GaitFile, IsBuiltForEachStyleOfTheAdult) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   for (size_t i = 0; i < kGaitStyleCount; ++i) {
     const fs::path name = gait_file_name(*adult, static_cast<GaitStyle>(i));
@@ -147,7 +148,7 @@ TEST(GaitFile, IsNamedAfterModelAndStyle) {
   EXPECT_NE(plain, gait_file_name(*crate, GaitStyle::kPlain));
 }
 
-TEST(GaitFile, ThatIsDamagedOrShortIsRefused) {
+TEST(GaitFile, IsRejectedIfDamagedOrShort) {
   const Folder folder;
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   write_gait_file(*adult, GaitStyle::kPlain, folder.path);
@@ -168,7 +169,7 @@ TEST(GaitFile, ThatIsDamagedOrShortIsRefused) {
   is_refused({});
 }
 
-TEST(GaitFile, OfAModelWithoutLegsHoldsItsStillness) {
+TEST(GaitFile, SupportsModelsWithoutLegs) {
   const Folder folder;
   const Gait gait = gait_of(*crate_in(folder), GaitStyle::kPlain);
   const Gait read = Gait::from(gait.bytes(), "a crate");

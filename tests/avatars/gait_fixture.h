@@ -1,4 +1,4 @@
-// The adult walking: postures through the public call, poses through forward kinematics.
+// The adult walking: postures by the public function, poses by forward kinematics.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -24,7 +24,6 @@ class Walking {
 
   static const Walking& adult() { return styles()[0]; }
 
-  /// The adult in every style.
   static std::span<const Walking> styles() {
     static const std::vector<Walking> all = [] {
       std::vector<Walking> walkings;
@@ -34,7 +33,6 @@ class Walking {
     return all;
   }
 
-  /// Of the style, for messages.
   std::string name() const { return std::string(parameters_of(style).name); }
 
   std::vector<float> posture(float phase, float speed_mps, float scale = 1) const {
@@ -54,7 +52,7 @@ class Walking {
     return static_cast<size_t>(model->kinematics.column_of(joint));
   }
 
-  /// A part's lowest vertex, and the vertex's index.
+  /// Returns a part's lowest vertex and its index.
   std::pair<Eigen::Vector3d, size_t> lowest(size_t part, const PartPose& pose) const {
     const Eigen::Isometry3d root_from_part = to_isometry(pose);
     std::pair<Eigen::Vector3d, size_t> found{{0, 0, std::numeric_limits<double>::infinity()}, 0};

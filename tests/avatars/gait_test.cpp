@@ -1,4 +1,4 @@
-// Walking as a whole: limits, symmetry, stride, standing still, batches, the sphere.
+// The gait as a whole: limits, symmetry, stride, standing still, batches, the sphere.
 #include "avatars/gait/gait.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST(Gait, StaysInsideTheJointLimits) {
   }
 }
 
-TEST(Gait, LeftIsRightHalfACycleLater) {
+TEST(Gait, MirrorsTheSidesHalfACycleApart) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (const float speed : {0.3f, 1.0f, 1.34f, 2.0f})
@@ -56,7 +56,7 @@ TEST(Gait, LeftIsRightHalfACycleLater) {
              {"_hip_flexion", "_hip_adduction", "_hip_rotation", "_knee_flexion", "_ankle_flexion",
               "_shoulder_flexion", "_elbow_flexion"}) {
           const std::string name = joint;
-          // Rotations are about one axis on both sides, or about mirrored ones: internal positive.
+          // About one axis on both sides, or mirrored ones: internal positive.
           EXPECT_NEAR(later[walking.column("left" + name)], now[walking.column("right" + name)],
                       2e-4)
               << joint << " at " << speed << " m/s, phase " << phase;
@@ -78,18 +78,17 @@ TEST(Gait, StandsStillAndUprightAtSpeedZero) {
   EXPECT_NEAR(standing[walking.column("pelvis_vertical")], 0, 0.005);
 }
 
-TEST(Gait, RepeatsAndNeverJumps) {
+TEST(Gait, IsPeriodicAndContinuous) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
-    // Nothing in a walking body turns faster than 12 radians a cycle: a knee in swing, 60 degrees
-    // in a tenth of it.
-    constexpr float kFastest = 15, kStep = 1.0f / 2000;
+    // 12 radians per cycle occur: 60 degrees of a swinging knee in a tenth of it.
+    constexpr float kMaxRate = 15, kStep = 1.0f / 2000;
     for (const float speed : {0.1f, 0.5f, 1.34f, 2.2f}) {
       std::vector<float> before = walking.posture(1 - kStep, speed);
       for (int i = 0; i < 2000; ++i) {
         const std::vector<float> now = walking.posture(static_cast<float>(i) * kStep, speed);
         for (size_t c = 0; c < now.size(); ++c)
-          ASSERT_NEAR(now[c], before[c], kFastest * kStep)
+          ASSERT_NEAR(now[c], before[c], kMaxRate * kStep)
               << walking.model->kinematics.columns()[c].name << " at " << speed << " m/s, step "
               << i;
         before = now;
@@ -101,16 +100,16 @@ TEST(Gait, RepeatsAndNeverJumps) {
 TEST(Gait, BlendsFromStandingToWalking) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
-    // Amplitudes grow with the root of the speed, so that is what a posture is smooth in: the
-    // knee's radian of swing is there at 0.5 m/s, and three times as steep where toe-off moves
+    // Amplitudes grow with the root of the speed; postures are smooth in that root. The knee's
+    // radian of swing is reached at 0.5 m/s, and is three times as steep where toe-off moves
     // through a phase.
-    constexpr float kRootStep = 1e-3f, kSteepest = 5;
+    constexpr float kRootStep = 1e-3f, kMaxSlope = 5;
     for (const float phase : {0.0f, 0.1f, 0.37f, 0.62f, 0.85f}) {
       std::vector<float> before = walking.posture(phase, 0);
       for (float root = kRootStep; root * root < 2.4f; root += kRootStep) {
         const std::vector<float> now = walking.posture(phase, root * root);
         for (size_t c = 0; c < now.size(); ++c)
-          ASSERT_NEAR(now[c], before[c], kSteepest * kRootStep)
+          ASSERT_NEAR(now[c], before[c], kMaxSlope * kRootStep)
               << walking.model->kinematics.columns()[c].name << " at " << root * root << " m/s";
         before = now;
       }
@@ -118,7 +117,7 @@ TEST(Gait, BlendsFromStandingToWalking) {
   }
 }
 
-TEST(Gait, StridesAndCadencesAreThoseOfAnAdult) {
+TEST(Gait, HasTheStridesAndCadencesOfAnAdult) {
   const Walking& walking = Walking::adult();
   const float scale = 1.75f / walking.model->height_m;
   struct Row {
@@ -135,8 +134,8 @@ TEST(Gait, StridesAndCadencesAreThoseOfAnAdult) {
   }
 }
 
-// Recorded heads surge by 0.6 to 0.7 cm, once a step; the body's centre does by about 1 cm.
-TEST(Gait, TheHeadIsSteadyAndThePelvisSurges) {
+// Recorded heads surge by 0.6 to 0.7 cm, once per step; the body's centre by about 1 cm.
+TEST(Gait, KeepsTheHeadSteadierThanThePelvis) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     size_t head = 0, pelvis = 0;
@@ -144,7 +143,7 @@ TEST(Gait, TheHeadIsSteadyAndThePelvisSurges) {
       if (walking.model->parts[i].name == "head") head = i;
       if (walking.model->parts[i].name == "pelvis") pelvis = i;
     }
-    // Of a point of a part, once a step and along the way.
+    // Surge of a point of a part, once per step, along the path.
     const auto surge_m = [&](float speed, size_t part) {
       constexpr int kPhases = 64;
       std::complex<double> wave = 0;
@@ -163,7 +162,7 @@ TEST(Gait, TheHeadIsSteadyAndThePelvisSurges) {
   }
 }
 
-TEST(Gait, StrideIsContinuousAndPositive) {
+TEST(Gait, HasContinuousPositiveStrides) {
   const Gait& gait = Walking::adult().gait;
   float before = gait.stride_length_m(0, 1);
   EXPECT_GT(before, 0);
@@ -175,7 +174,7 @@ TEST(Gait, StrideIsContinuousAndPositive) {
   }
 }
 
-TEST(Gait, AChildWalksLikeAnAdultOfItsSize) {
+TEST(Gait, ScalesWithTheBody) {
   const Walking& walking = Walking::adult();
   for (const float scale : {0.5f, 0.8f, 1.2f})
     for (const float phase : {0.05f, 0.4f, 0.9f}) {
@@ -187,7 +186,7 @@ TEST(Gait, AChildWalksLikeAnAdultOfItsSize) {
     }
 }
 
-TEST(Gait, ArmsSwingAgainstLegsAndKneesNeverBendBackwards) {
+TEST(Gait, SwingsArmsAgainstLegsAndBendsKneesForwardOnly) {
   const Walking& walking = Walking::adult();
   for (const float speed : {0.5f, 1.34f, 2.0f}) {
     double same_side = 0, other_side = 0;
@@ -205,7 +204,7 @@ TEST(Gait, ArmsSwingAgainstLegsAndKneesNeverBendBackwards) {
   }
 }
 
-TEST(Gait, TheHeadLooksAhead) {
+TEST(Gait, KeepsTheHeadFacingAhead) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     for (int i = 0; i < 50; ++i) {
@@ -236,13 +235,13 @@ float rms_degrees(const std::string& joint, const std::array<float, 20>& measure
   return std::sqrt(sum / 20);
 }
 
-TEST(Gait, LegsMoveAsMeasured) {
-  // The rest is the rigid foot's: without a toe joint the leg lags when it leaves the ground.
+TEST(Gait, MatchesMeasuredLegMotion) {
+  // The rest is due to the rigid foot: without a toe joint the leg lags at lift-off.
   EXPECT_LT(rms_degrees("right_hip_flexion", kMeasuredHip), 8);
   EXPECT_LT(rms_degrees("right_knee_flexion", kMeasuredKnee), 10);
 }
 
-TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
+TEST(Gait, ComputesBatchesLikeSingleCalls) {
   const Walking& walking = Walking::adult();
   constexpr size_t kAvatars = 257;
   std::vector<float> phases, speeds, scales;
@@ -261,7 +260,7 @@ TEST(Gait, ABatchGivesTheBitsOfSingleCalls) {
         << "avatar " << i << ", seed " << kSeed;
 }
 
-/// A posture with the head turned as far as it goes to a side, or half-way.
+/// Returns a posture with the head turned half-way or fully to a side.
 std::vector<float> looking(const Walking& walking, float phase, float speed, uint32_t draw) {
   std::vector<float> row = walking.posture(phase, speed);
   const float share = draw % 3 == 0 ? 1 : draw % 3 == 1 ? -1 : random_float(draw, -1, 1);
@@ -269,7 +268,7 @@ std::vector<float> looking(const Walking& walking, float phase, float speed, uin
   return row;
 }
 
-TEST(Gait, AHeadTurnsAloneAndWithinItsLimits) {
+TEST(Gait, TurnsOnlyTheHeadWithinItsLimits) {
   const Walking& walking = Walking::adult();
   const size_t head = walking.column("head_yaw");
   for (const float look : {-Gait::kMaxHeadYaw_rad, -0.2f, 0.0f, 0.3f, Gait::kMaxHeadYaw_rad}) {
@@ -290,7 +289,7 @@ TEST(Gait, AHeadTurnsAloneAndWithinItsLimits) {
   EXPECT_EQ(row[head], walking.model->kinematics.columns()[head].upper);
 }
 
-TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
+TEST(Gait, BoundsAllVerticesTightlyBySphereAndCylinder) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
@@ -318,7 +317,7 @@ TEST(Gait, TheSphereAndTheCylinderHoldEveryVertexAndAreNoLargerThanTheyMust) {
   }
 }
 
-TEST(Gait, TheBoundsHoldEveryVertexOfTheirPostureAndAreTighterThanTheSphere) {
+TEST(Gait, BoundsEachPostureByABoxTighterThanTheSphere) {
   for (const Walking& walking : Walking::styles()) {
     SCOPED_TRACE(walking.name());
     float bounds_area = 0;
@@ -350,7 +349,7 @@ TEST(Gait, TheBoundsHoldEveryVertexOfTheirPostureAndAreTighterThanTheSphere) {
   }
 }
 
-TEST(Gait, StylesDifferInStridesAndPosturesButNotInKind) {
+TEST(Gait, VariesStridesAndPosturesByStyle) {
   const std::span<const Walking> styles = Walking::styles();
   for (size_t a = 0; a < styles.size(); ++a) {
     SCOPED_TRACE(styles[a].name());
@@ -358,19 +357,20 @@ TEST(Gait, StylesDifferInStridesAndPosturesButNotInKind) {
     EXPECT_NEAR(styles[a].gait.stride_length_m(1.34f, 1) / styles[0].gait.stride_length_m(1.34f, 1),
                 parameters.stride, 1e-5);
     for (size_t b = 0; b < a; ++b) {
-      float most = 0;
+      float max_rad = 0;
       for (int i = 0; i < 32; ++i) {
         const float phase = static_cast<float>(i) / 32;
         const std::vector<float> one = styles[a].posture(phase, 1.34f);
         const std::vector<float> other = styles[b].posture(phase, 1.34f);
-        for (size_t c = 0; c < one.size(); ++c) most = std::max(most, std::abs(one[c] - other[c]));
+        for (size_t c = 0; c < one.size(); ++c)
+          max_rad = std::max(max_rad, std::abs(one[c] - other[c]));
       }
-      EXPECT_GT(most, 5 * kDegree) << "not to be told from " << styles[b].name();
+      EXPECT_GT(max_rad, 5 * kDegree) << "too similar to " << styles[b].name();
     }
   }
 }
 
-TEST(Gait, AvatarsOfManyStylesInABatchGetTheBitsOfSingleCalls) {
+TEST(Gait, ComputesMixedStylesLikeSingleCalls) {
   constexpr size_t kAvatars = 77;
   std::vector<const Gait*> gaits;
   std::vector<float> phases, speeds, scales;
@@ -391,7 +391,7 @@ TEST(Gait, AvatarsOfManyStylesInABatchGetTheBitsOfSingleCalls) {
   }
 }
 
-TEST(Gait, BoundsGrowWithTheBody) {
+TEST(Gait, ScalesBoundsWithTheBody) {
   const Walking& walking = Walking::adult();
   const float phase = 0.3f, speed = 0, small = 0.5f, large = 1;
   RootBox half, whole;
@@ -403,7 +403,7 @@ TEST(Gait, BoundsGrowWithTheBody) {
   }
 }
 
-TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
+TEST(Gait, KeepsTheZeroPostureWithoutLegs) {
   const std::shared_ptr<const Model> cart =
       load_model(std::filesystem::path(THRONG_GAIT_FIXTURES) / "gait_cart.urdf");
   const Gait gait(*cart);
@@ -422,8 +422,7 @@ TEST(Gait, AModelWithoutLegsKeepsTheZeroPosture) {
     EXPECT_EQ(rows[2 * i + static_cast<size_t>(cart->kinematics.column_of("mast"))], 0.5f)
         << "zero is below the mast's limit";
   }
-  // A box 1 x 0.6 x 0.4 m stands on the ground, the mast's ball ends 1 m above it: the sphere
-  // through the box's lower corners and the ball's top has its centre 0.33 m up.
+  // A box 1 x 0.6 x 0.4 m, and a ball up to 1 m above it: the sphere's centre is 0.33 m up.
   EXPECT_NEAR(gait.sphere_centre_m().z(), 0.33f, 0.005f);
   EXPECT_NEAR(gait.sphere_radius_m(), 0.67f, 0.005f);
 }

@@ -1,4 +1,4 @@
-// Where a leg goes, step after step: the slow way that predict() is compared with.
+// LegPath computes a leg step by step: the slow reference for predict().
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace throng::test {
 
 class LegPath {
  public:
-  /// Another rhythm from `delay_s` on.
+  /// Changes to another cadence from `delay_s` on.
   LegPath(const WalkState& steps, size_t side, float later_ps, float delay_s)
       : s_(steps),
         side_(side),
@@ -83,7 +83,7 @@ class LegPath {
     const float soon = s_.cadence_hz * later_s_;
     return cycles <= soon ? cycles / s_.cadence_hz : later_s_ + (cycles - soon) / later_ps_;
   }
-  /// From where the gait has it, as the root will be when so many cycles have passed.
+  /// Offset from the place in the gait at which the foot lands after `cycles` cycles.
   Eigen::Vector2f goal_m(float cycles) const {
     const float rate = time_of(cycles) < later_s_ ? s_.cadence_hz : later_ps_;
     const float horizon_s = std::min(0.5f * stance() / rate, 0.9f);

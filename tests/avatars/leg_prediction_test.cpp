@@ -1,4 +1,4 @@
-// Legs, many at once: the same as one after the other, for every way of computing them.
+// Leg prediction: batches on every SIMD target equal single legs, step by step.
 #include "avatars/body_avoidance/leg_prediction.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "tests/avatars/leg_path.h"
 #include "tests/same_bits.h"
 
-namespace throng::many_legs_test {
+namespace throng::leg_prediction_test {
 namespace {
 
 using Eigen::Vector2f;
@@ -19,8 +19,8 @@ using test::drawn;
 using test::LegPath;
 using test::walks;
 
-/// Somebody anywhere, any way, with feet somewhat off.
-WalkState anybody(uint64_t seed, uint32_t index) {
+/// Returns a random walker with displaced feet.
+WalkState random_walker(uint64_t seed, uint32_t index) {
   const auto in = [&](uint32_t i, double low, double high) {
     return drawn(seed, 20 * index + i, low, high);
   };
@@ -42,13 +42,12 @@ float distance_m(const LegPlace& a, const LegPlace& b) {
       {(a.foot_m - b.foot_m).norm(), (a.shin_m - b.shin_m).norm(), (a.knee_m - b.knee_m).norm()});
 }
 
-/// Squares of what points of two legs lack, from points along the other foot half a
-/// millimetre apart.
+/// Squared deficits of two legs, from points of the other foot half a millimetre apart.
 double slow_clearance_cost(const LegPlace& a, const LegOwner& a_owner, const OtherLeg& b,
                            float clearance_m) {
-  const auto lack2 = [](double distance, double reach) {
-    const double lack = std::max(reach - distance, 0.0);
-    return lack * lack;
+  const auto deficit_squared = [](double distance, double reach) {
+    const double deficit = std::max(reach - distance, 0.0);
+    return deficit * deficit;
   };
   double feet = 1e9;
   for (const float along : {-0.01f, 0.0775f, 0.165f})
@@ -59,14 +58,14 @@ double slow_clearance_cost(const LegPlace& a, const LegOwner& a_owner, const Oth
       feet = std::min(feet, static_cast<double>((from - to).norm()));
     }
   const double scales = a_owner.scale + b.owner.scale, clear = clearance_m;
-  return lack2(feet, 0.05 * scales + clear) +
-         lack2((a.shin_m - b.place.shin_m).norm(), 0.055 * scales + clear) +
-         lack2((a.knee_m - b.place.knee_m).norm(), 0.055 * scales + clear);
+  return deficit_squared(feet, 0.05 * scales + clear) +
+         deficit_squared((a.shin_m - b.place.shin_m).norm(), 0.055 * scales + clear) +
+         deficit_squared((a.knee_m - b.place.knee_m).norm(), 0.055 * scales + clear);
 }
 
-TEST(ManyLegs, AreForeseenAsOneStepAfterTheOther) {
+TEST(LegPrediction, MatchesPathsStepByStep) {
   for (uint64_t seed = 0; seed < 200; ++seed) {
-    const WalkState steps = anybody(seed, 0);
+    const WalkState steps = random_walker(seed, 0);
     alignas(64) PlaceNumbers ahead_s;
     for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 2.4);
     for (size_t side = 0; side < 2; ++side) {
@@ -80,9 +79,9 @@ TEST(ManyLegs, AreForeseenAsOneStepAfterTheOther) {
   }
 }
 
-TEST(ManyLegs, AreForeseenAlikeByEveryTarget) {
+TEST(LegPrediction, IsEqualOnAllTargets) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
-    const LegState leg(anybody(seed, 0), seed % 2);
+    const LegState leg(random_walker(seed, 0), seed % 2);
     alignas(64) PlaceNumbers ahead_s;
     for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 2.4);
     PredictedLeg first;
@@ -95,10 +94,10 @@ TEST(ManyLegs, AreForeseenAlikeByEveryTarget) {
   }
 }
 
-TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
+TEST(LegPrediction, MatchesDistancesOfSampledPoints) {
   int near = 0;
   for (uint64_t seed = 0; seed < 200; ++seed) {
-    const WalkState own = anybody(seed, 0), other = anybody(seed, 1);
+    const WalkState own = random_walker(seed, 0), other = random_walker(seed, 1);
     const LegOwner owner = {own.ahead, own.scale};
     std::array<OtherLeg, 2> others;
     for (size_t side = 0; side < 2; ++side)
@@ -125,12 +124,12 @@ TEST(ManyLegs, AreAsNearAsPointsOfThemAre) {
   EXPECT_GT(near, 300);
 }
 
-TEST(ManyLegs, ComeNearIfTheyDoAtAnyTime) {
+TEST(LegPrediction, DetectsConflictsAtAnyTime) {
   constexpr float kClear_m = 0.2f;
   constexpr size_t kCount = 16;  // whole registers
-  int near_count = 0;
+  int conflict_count = 0;
   for (uint64_t seed = 0; seed < 400; ++seed) {
-    const WalkState own = anybody(seed, 0), other = anybody(seed, 1);
+    const WalkState own = random_walker(seed, 0), other = random_walker(seed, 1);
     const LegOwner owner = {own.ahead, own.scale}, other_owner = {other.ahead, other.scale};
     alignas(64) PlaceNumbers ahead_s;
     for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 0.3);
@@ -141,23 +140,23 @@ TEST(ManyLegs, ComeNearIfTheyDoAtAnyTime) {
     for (size_t i = 0; i < kCount; ++i)
       cost += slow_clearance_cost(own_leg.places.at(i), owner,
                                   {other_leg.places.at(i), other_owner}, kClear_m);
-    near_count += cost > 0;
-    if (cost > 0 && cost < 1e-6) continue;  // either will do
+    conflict_count += cost > 0;
+    if (cost > 0 && cost < 1e-6) continue;  // either result is valid
     for (const SimdTarget target : simd_targets_of_this_machine())
       EXPECT_EQ(violates_clearance(own_leg.places, owner, other_leg.places, other_owner, kClear_m,
                                    kCount, target),
                 cost > 0)
           << "seed " << seed;
   }
-  EXPECT_GT(near_count, 50);
-  EXPECT_LT(near_count, 350);
+  EXPECT_GT(conflict_count, 50);
+  EXPECT_LT(conflict_count, 350);
 }
 
-TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
+TEST(LegPrediction, FindsRelevantLegsLikeSinglePredictions) {
   constexpr float kFar_m = 0.6f, kClear_m = 0.07f;
-  int near_count = 0, touching = 0;
+  int conflict_count = 0, touching = 0;
   for (uint64_t seed = 0; seed < 400; ++seed) {
-    const WalkState own = anybody(seed, 0), other = anybody(seed, 1);
+    const WalkState own = random_walker(seed, 0), other = random_walker(seed, 1);
     alignas(64) PlaceNumbers ahead_s;
     for (uint32_t i = 0; i < kPlaces; ++i) ahead_s[i] = drawn(seed, 100 + i, 0, 1);
     PredictedLeg own_leg, other_leg;
@@ -181,7 +180,7 @@ TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
         ASSERT_EQ(found.is_relevant[i],
                   apart_m <= kFar_m && other_leg.is_grounded[i] > 0 ? 1.0f : 0.0f);
         if (found.is_relevant[i] == 0) continue;
-        ++near_count;
+        ++conflict_count;
         ASSERT_EQ(distance_m(found.places.at(i), other_leg.places.at(i)), 0) << "seed " << seed;
         const double expected = slow_clearance_cost(
             own_leg.places.at(i), query.own, {other_leg.places.at(i), query.other}, kClear_m);
@@ -190,19 +189,19 @@ TEST(ManyLegs, NearOnesAreThoseThatAreForeseenNearAndStay) {
       }
     }
   }
-  EXPECT_GT(near_count, 500);
+  EXPECT_GT(conflict_count, 500);
   EXPECT_GT(touching, 100);
 }
 
-TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
+TEST(LegPrediction, ScoresCadencesLikePathsStepByStep) {
   int near = 0;
   for (uint64_t seed = 1; seed < 30; ++seed) {
-    WalkState own = anybody(seed, 0);
+    WalkState own = random_walker(seed, 0);
     if (seed % 10 == 0) continue;
     own.root_m = {0, 0};
     own.ahead = {1, 0};
     own.scale = 1;
-    const WalkState other = anybody(seed, 1);
+    const WalkState other = random_walker(seed, 1);
     std::array<PredictedLegs, 8> thens;
     for (uint32_t k = 0; k < thens.size(); ++k) {
       PredictedLegs& then = thens[k];
@@ -237,7 +236,7 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
       near += expected > 0;
       EXPECT_NEAR(first[i], expected, 0.01 * std::sqrt(expected) + 1e-3)
           << "seed " << seed << ", " << cadences.soon_ps[i] << " and " << cadences.later_ps[i]
-          << " cycles a second";
+          << " cycles per second";
     }
     for (const SimdTarget target : simd_targets_of_this_machine()) {
       alignas(64) CadenceNumbers found = {};
@@ -249,4 +248,4 @@ TEST(ManyLegs, InARhythmAreAsNearAsOneStepAfterTheOtherBringsThem) {
 }
 
 }  // namespace
-}  // namespace throng::many_legs_test
+}  // namespace throng::leg_prediction_test

@@ -1,5 +1,4 @@
-// Mesh files: every format gives the same shape, and what kills or stalls assimp is a line of
-// words.
+// Mesh files: every format gives the same shape; crashes and stalls of assimp become errors.
 #include "avatars/mesh/mesh_file.h"
 
 #include <fmt/format.h>
@@ -28,7 +27,7 @@ using testing::StartsWith;
 
 std::atomic<int> forks = 0;
 
-class MeshFiles : public testing::Test {
+class ReadMesh : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / fmt::format("throng_mesh_files_{}", ::getpid());
@@ -62,7 +61,7 @@ class MeshFiles : public testing::Test {
   fs::path folder_;
 };
 
-/// Sum of the tetrahedra under the triangles: says where the surface is and which side is out.
+/// Sum of the tetrahedra under the triangles: checks the surface's place and orientation.
 float volume_of(const Mesh& mesh) {
   float out = 0;
   for (const Eigen::Vector3i& t : mesh.triangles)
@@ -73,7 +72,7 @@ float volume_of(const Mesh& mesh) {
   return out;
 }
 
-TEST_F(MeshFiles, AnUpAxisThatIsIgnoredIsNoted) {
+TEST_F(ReadMesh, NotesAnIgnoredUpAxis) {
   std::ifstream in(THRONG_SOURCE_DIR
                    "/tests/kinematics/fixtures/humanoid_description/meshes/torso.dae");
   const std::string z_up((std::istreambuf_iterator<char>(in)), {});
@@ -94,7 +93,7 @@ TEST_F(MeshFiles, AnUpAxisThatIsIgnoredIsNoted) {
   }
 }
 
-TEST_F(MeshFiles, EveryFormatGivesTheSameShape) {
+TEST_F(ReadMesh, ReadsTheSameShapeFromEveryFormat) {
   int compared = 0;
   for (const MeshSeed& each : mesh_seeds()) {
     if (each.name == "md5mesh") continue;
@@ -102,7 +101,7 @@ TEST_F(MeshFiles, EveryFormatGivesTheSameShape) {
     Mesh mesh = read_mesh(write("a" + each.extension, each.bytes));
     EXPECT_EQ(mesh.vertices.size(), 9u);
     EXPECT_EQ(mesh.triangles.size(), 10u);
-    // Formats of CAD have z where others have y; .nff turns the other side out.
+    // CAD formats swap y and z; .nff inverts the orientation.
     const bool swaps_axes = each.name == "3ds" || each.name == "dxf";
     if (swaps_axes)
       for (Eigen::Vector3f& v : mesh.vertices) v = Eigen::Vector3f(v.x(), -v.z(), v.y());
@@ -122,30 +121,30 @@ TEST_F(MeshFiles, EveryFormatGivesTheSameShape) {
   EXPECT_EQ(read_mesh(write("a.md5mesh", seed("md5mesh").bytes)).triangles.size(), 1u);
 }
 
-TEST_F(MeshFiles, ExtensionsMayBeInCapitals) {
+TEST_F(ReadMesh, AcceptsExtensionsInCapitals) {
   EXPECT_EQ(read_mesh(write("A.STL", seed("stl_binary").bytes)).triangles.size(), 10u);
 }
 
-TEST_F(MeshFiles, APlyThatIsCutAnywhereIsReadOrRefused) {
+TEST_F(ReadMesh, ReadsOrRejectsTruncatedPlyFiles) {
   const MeshSeed whole = seed("ply_binary");
   const SandboxLimits quick = {.cpu_s = 1};
-  int refused = 0;
+  int rejected = 0;
   for (const size_t length : {50u, 400u, 900u, 1090u}) {
     const std::vector<uint8_t> cut(whole.bytes.begin(),
                                    whole.bytes.begin() + static_cast<ptrdiff_t>(length));
-    refused += complaint(write("cut.ply", cut), quick) == "accepted" ? 0 : 1;
+    rejected += complaint(write("cut.ply", cut), quick) == "accepted" ? 0 : 1;
   }
-  EXPECT_GE(refused, 2);
+  EXPECT_GE(rejected, 2);
 }
 
-TEST_F(MeshFiles, AHeaderWithoutAnEndIsRefusedInTime) {
+TEST_F(ReadMesh, RejectsAnEndlessHeaderInTime) {
   const SandboxLimits quick = {.cpu_s = 1, .wall_s = 60};
   EXPECT_THAT(complaint(write("a.ply", std::string("ply\nformat ascii 1.0\n")), quick),
               EndsWith("expected a ply mesh, found one that keeps assimp busy for more than 1 s of "
                        "processor time; export it again, for example as .stl or .tri"));
 }
 
-TEST_F(MeshFiles, OnlyRegularFilesAreMeshes) {
+TEST_F(ReadMesh, AcceptsRegularFilesOnly) {
   ASSERT_EQ(::mkfifo(file("pipe.stl").c_str(), 0600), 0);
   EXPECT_THAT(complaint(file("pipe.stl")),
               EndsWith("expected a stl mesh, found a named pipe, not a regular file"));
@@ -158,7 +157,6 @@ TEST_F(MeshFiles, OnlyRegularFilesAreMeshes) {
     EXPECT_NE(complaint(write(fmt::format("empty{}", extension), std::string())), "accepted");
 }
 
-/// A glTF of one triangle whose buffer is a file of its own.
 std::string gltf_with_buffer(const std::string& uri) {
   return fmt::format(
       R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
@@ -169,7 +167,7 @@ std::string gltf_with_buffer(const std::string& uri) {
       uri);
 }
 
-TEST_F(MeshFiles, WhatAMeshNamesIsARegularFileToo) {
+TEST_F(ReadMesh, OpensOnlyRegularFilesNamedByAMesh) {
   const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   const auto* bytes = reinterpret_cast<const char*>(corners);
   write("three.bin", std::string(bytes, bytes + sizeof corners));
@@ -184,7 +182,7 @@ TEST_F(MeshFiles, WhatAMeshNamesIsARegularFileToo) {
   EXPECT_EQ(complaint(write("a.obj", "mtllib pipe.mtl\n" + triangle)), "accepted");
 }
 
-TEST_F(MeshFiles, WhatAMeshNamesCountsAmongItsBytes) {
+TEST_F(ReadMesh, CountsNamedFilesTowardsTheSizeLimit) {
   const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   const auto* bytes = reinterpret_cast<const char*>(corners);
   write("three.bin", std::string(bytes, bytes + sizeof corners));
@@ -194,8 +192,8 @@ TEST_F(MeshFiles, WhatAMeshNamesCountsAmongItsBytes) {
   EXPECT_NE(complaint(gltf, {.max_file_bytes = text.size() + 35}), "accepted");
 }
 
-TEST_F(MeshFiles, ManyCopiesOfAMeshInFewBytesAreRefused) {
-  // A triangle shown four times by each of four nodes, and so on: 4^14 triangles in 3 kB.
+TEST_F(ReadMesh, RejectsManyCopiesOfAMeshInFewBytes) {
+  // Each of four nodes shows a triangle four times, and so on: 4^14 triangles in 3 kB.
   const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   const auto* bytes = reinterpret_cast<const char*>(corners);
   write("three.bin", std::string(bytes, bytes + sizeof corners));
@@ -209,21 +207,21 @@ TEST_F(MeshFiles, ManyCopiesOfAMeshInFewBytesAreRefused) {
   EXPECT_NE(complaint(write("copies.gltf", text), {.max_memory_bytes = 512 << 20}), "accepted");
 }
 
-TEST_F(MeshFiles, HalfAMeshIsNone) {
-  // assimp loses the first of two groups.
+TEST_F(ReadMesh, RejectsIncompleteMeshes) {
+  // assimp drops the first of two groups.
   EXPECT_THAT(
       complaint(write("a.raw", std::string("a\n0 0 0 0 2 0 1 0 0\nb\n2 0 0 2 1 0 3 1 0\n"))),
-      HasSubstr("expected a mesh that assimp reads whole"));
+      HasSubstr("expected a mesh that assimp reads completely"));
 }
 
-TEST_F(MeshFiles, NumbersThatAreNoneAreRefusedWhereTheyMatter) {
+TEST_F(ReadMesh, RejectsBadCoordinatesOfUsedVertices) {
   const std::string triangle = "v 1e30 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_THAT(complaint(write("far.obj", triangle + "f 1 2 3\n")),
               HasSubstr("expected coordinates within 10000 m, found (1e+30, 0, 0)"));
   EXPECT_EQ(complaint(write("unused.obj", "v 0 0 0\n" + triangle + "f 1 3 4\n")), "accepted");
 }
 
-TEST_F(MeshFiles, OwnFormatNeedsNoOtherProcess) {
+TEST_F(ReadMesh, ReadsTriWithoutAChildProcess) {
   ASSERT_EQ(::pthread_atfork([] { ++forks; }, nullptr, nullptr), 0);
   forks = 0;
   load_model(adult_urdf());

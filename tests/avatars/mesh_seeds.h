@@ -1,5 +1,4 @@
-// One shape in many formats (tests/avatars/fixtures/meshes), written by hand or by assimp's
-// exporter: what tests of mesh files read, and damage.
+// mesh_seeds() returns one shape in many formats (tests/avatars/fixtures/meshes).
 #pragma once
 
 #include <cstdint>
@@ -14,8 +13,7 @@ struct MeshSeed {
   std::vector<uint8_t> bytes;
 };
 
-/// In order of their names. A tetrahedron and a pyramid beside it: 9 vertices, 10 triangles; but
-/// "md5mesh" is a triangle.
+/// Sorted by name. A tetrahedron and a pyramid: 9 vertices, 10 triangles; "md5mesh": a triangle.
 std::vector<MeshSeed> mesh_seeds();
 
 }  // namespace throng

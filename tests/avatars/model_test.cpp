@@ -1,4 +1,4 @@
-// Models: a URDF and the meshes of its links, merged part by part in the link's frame.
+// Models: a URDF and the meshes of its links, merged by part in the link's frame.
 #include "avatars/model/model.h"
 
 #include <gmock/gmock.h>
@@ -39,13 +39,13 @@ void expect_box(const Mesh& mesh, const Eigen::Vector3f& min, const Eigen::Vecto
   EXPECT_LT((box.max() - max).norm(), 1e-6f) << "highest corner " << box.max().transpose();
 }
 
-/// A folder of its own for each test, gone afterwards.
-class Files : public testing::Test {
+/// A separate folder for each test, removed afterwards.
+class LoadModel : public testing::Test {
  protected:
-  Files() : folder_(std::filesystem::path(testing::TempDir()) / make_name()) {
+  LoadModel() : folder_(std::filesystem::path(testing::TempDir()) / make_name()) {
     std::filesystem::create_directories(folder_);
   }
-  ~Files() override { std::filesystem::remove_all(folder_); }
+  ~LoadModel() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path write(const std::string& name, const std::string& text) const {
     auto path = folder_ / name;
@@ -67,12 +67,11 @@ std::string one_link(const std::string& inner) {
   return std::string("<robot name='r'><link name='a'>").append(inner).append("</link></robot>");
 }
 
-/// A closed tetrahedron with outward faces, one corner at the origin, edges 1, 2 and 3 along x, y,
-/// z.
+/// A closed tetrahedron with outward faces and edges 1, 2 and 3 along x, y, z.
 constexpr const char* kTetrahedron =
     "4\n0 0 0\n1 0 0\n0 2 0\n0 0 3\n4\n0 2 1\n0 1 3\n0 3 2\n1 2 3\n";
 
-TEST(Model, of_the_adult_has_the_15_parts_of_the_paper) {
+TEST(Model, LoadsThe15PartsOfTheAdult) {
   const auto adult = load_model(adult_urdf());
   EXPECT_EQ(adult->name, "adult");
   EXPECT_EQ(adult->part_count(), 15);
@@ -85,10 +84,10 @@ TEST(Model, of_the_adult_has_the_15_parts_of_the_paper) {
   EXPECT_NEAR(adult->height_m, 1.75f, 0.01f);
 }
 
-TEST(Model, of_a_vendors_humanoid_reads_dae_stl_obj_and_tri) {
+TEST(Model, LoadsDaeStlObjAndTriMeshes) {
   const auto model = load_model(fixtures() / "humanoid_description/urdf/humanoid.urdf");
   EXPECT_EQ(model->part_count(), 19);
-  // Collada: centimetres, the node lifted by 22 cm and turned by 90 degrees.
+  // Collada: centimetres, the node raised by 22 cm and rotated by 90 degrees.
   expect_box(part_named(*model, "torso").mesh, {-0.13f, -0.10f, 0.04f}, {0.13f, 0.10f, 0.40f});
   // Binary STL in millimetres; the right one mirrored by a negative scale.
   expect_box(part_named(*model, "left_thigh").mesh, {-0.045f, -0.05f, -0.33f},
@@ -99,7 +98,7 @@ TEST(Model, of_a_vendors_humanoid_reads_dae_stl_obj_and_tri) {
   expect_box(part_named(*model, "left_shank").mesh, {-0.04f, -0.04f, -0.34f},
              {0.04f, 0.04f, -0.02f});
   EXPECT_EQ(part_named(*model, "head").source, "head.tri");
-  // The foot has collision geometry, which is preferred to its ASCII STL.
+  // The foot has collision geometry, which takes precedence over its ASCII STL.
   EXPECT_EQ(part_named(*model, "left_foot").source, "box");
   for (const Part& part : model->parts) {
     EXPECT_TRUE(is_closed(part.mesh)) << part.name;
@@ -107,7 +106,7 @@ TEST(Model, of_a_vendors_humanoid_reads_dae_stl_obj_and_tri) {
   }
 }
 
-TEST(Model, links_without_geometry_carry_no_part) {
+TEST(Model, SkipsLinksWithoutGeometry) {
   const auto model = load_model(fixtures() / "wheels.urdf");
   std::vector<std::string> names;
   for (const Part& part : model->parts) {
@@ -120,7 +119,7 @@ TEST(Model, links_without_geometry_carry_no_part) {
   EXPECT_NEAR(model->height_m, 0.1f + 0.25f + 0.2f, 1e-3f);
 }
 
-TEST(Model, is_a_person_where_it_has_human_legs_and_a_robot_otherwise) {
+TEST(Model, IsAPersonIfItHasHumanLegs) {
   const auto adult = load_model(adult_urdf());
   EXPECT_TRUE(adult->is_person);
   EXPECT_EQ(adult->root_height_m(), 0) << "the root of people lies on the ground";
@@ -132,7 +131,7 @@ TEST(Model, is_a_person_where_it_has_human_legs_and_a_robot_otherwise) {
       << "other names than the gait knows";
 }
 
-TEST_F(Files, a_robot_starts_as_near_to_zero_as_its_limits_let_it) {
+TEST_F(LoadModel, StartsRobotsNearZeroWithinTheirLimits) {
   const auto model = load_model(write(
       "crane.urdf",
       "<robot name='crane'><link name='a'><collision><geometry><box size='2 1 1'/></geometry>"
@@ -149,7 +148,7 @@ TEST_F(Files, a_robot_starts_as_near_to_zero_as_its_limits_let_it) {
   EXPECT_THAT(text, HasSubstr("its root 'a' 3.100 m above the ground"));
 }
 
-TEST_F(Files, a_mesh_scaled_beyond_what_a_log_tells_is_refused) {
+TEST_F(LoadModel, RejectsMeshesScaledBeyondTheLimit) {
   write("a.tri", kTetrahedron);
   const auto scaled = [&](const char* scale) {
     return load_model(
@@ -168,18 +167,18 @@ TEST_F(Files, a_mesh_scaled_beyond_what_a_log_tells_is_refused) {
   }
 }
 
-TEST_F(Files, origin_and_scale_of_a_mesh_are_honoured) {
+TEST_F(LoadModel, AppliesOriginAndScaleOfMeshes) {
   write("a.tri", kTetrahedron);
   const auto model = load_model(write(
       "r.urdf", one_link("<visual><origin xyz='10 0 0' rpy='0 0 1.5707963267948966'/><geometry>"
                          "<mesh filename='a.tri' scale='2 1 -1'/></geometry></visual>")));
-  // Scaled: x 0..2, y 0..2, z -3..0; turned about z: x -> y, y -> -x; moved.
+  // Scaled: x 0..2, y 0..2, z -3..0; rotated about z: x -> y, y -> -x; translated.
   expect_box(model->parts[0].mesh, {8, 0, -3}, {10, 2, 0});
   EXPECT_NEAR(signed_volume_m3(model->parts[0].mesh), 2.0, 1e-5)
-      << "a mirrored mesh keeps its outside";
+      << "a mirrored mesh stays oriented outwards";
 }
 
-TEST_F(Files, shapes_of_a_link_are_merged) {
+TEST_F(LoadModel, MergesShapesOfALink) {
   const auto model = load_model(
       write("r.urdf", one_link("<collision><geometry><box size='1 1 1'/></geometry></collision>"
                                "<collision><origin xyz='5 0 0'/><geometry><sphere "
@@ -191,7 +190,7 @@ TEST_F(Files, shapes_of_a_link_are_merged) {
   EXPECT_TRUE(is_closed(model->parts[0].mesh));
 }
 
-TEST_F(Files, a_capsule_is_a_closed_part_with_its_half_spheres) {
+TEST_F(LoadModel, ReadsCapsulesAsClosedParts) {
   const auto model = load_model(
       write("r.urdf", one_link("<collision><origin xyz='0 0 2'/><geometry><capsule radius='0.5' "
                                "length='2'/></geometry></collision>")));
@@ -201,7 +200,7 @@ TEST_F(Files, a_capsule_is_a_closed_part_with_its_half_spheres) {
   EXPECT_NEAR(model->start_box_m.max().z(), 3.5, 1e-4);
 }
 
-TEST_F(Files, packages_are_searched_upwards_then_in_the_ros_package_path) {
+TEST_F(LoadModel, SearchesPackagesUpwardsThenInTheRosPackagePath) {
   const auto urdf = [](const char* uri) {
     return one_link(std::string("<visual><geometry><mesh filename='")
                         .append(uri)
@@ -233,7 +232,7 @@ TEST_F(Files, packages_are_searched_upwards_then_in_the_ros_package_path) {
   unsetenv("ROS_PACKAGE_PATH");
 }
 
-TEST_F(Files, the_content_hash_names_content_and_not_place) {
+TEST_F(LoadModel, HashesContentIndependentOfPlace) {
   const std::string urdf =
       one_link("<visual><geometry><mesh filename='a.tri'/></geometry></visual>");
   write("one/a.tri", kTetrahedron);
@@ -247,7 +246,7 @@ TEST_F(Files, the_content_hash_names_content_and_not_place) {
   EXPECT_NE(one, load_model(write("one/s.urdf", urdf + " "))->content_hash) << "another URDF text";
 }
 
-TEST_F(Files, bad_meshes_are_refused_by_name) {
+TEST_F(LoadModel, RejectsBadMeshesByName) {
   const auto complaint = [&](const std::string& mesh, const std::string& text) -> std::string {
     const auto path = write(mesh, text);
     try {
@@ -270,7 +269,7 @@ TEST_F(Files, bad_meshes_are_refused_by_name) {
   EXPECT_THROW(read_mesh(folder() / "none.stl"), InputError);
 }
 
-TEST_F(Files, a_link_is_a_surface_or_a_point_cloud_but_not_both) {
+TEST_F(LoadModel, RejectsLinksWithSurfaceAndPointCloud) {
   write("cloud.tri", "3\n0 0 0\n1 0 0\n0 1 0\n");
   const std::string cloud = "<visual><geometry><mesh filename='cloud.tri'/></geometry></visual>";
   EXPECT_TRUE(load_model(write("c.urdf", one_link(cloud)))->parts[0].mesh.is_point_cloud());
@@ -278,11 +277,11 @@ TEST_F(Files, a_link_is_a_surface_or_a_point_cloud_but_not_both) {
   EXPECT_THROW(load_model(write("d.urdf", one_link(cloud + box))), InputError);
 }
 
-TEST_F(Files, a_model_needs_geometry) {
+TEST_F(LoadModel, RejectsModelsWithoutGeometry) {
   EXPECT_THROW(load_model(write("r.urdf", one_link(""))), InputError);
 }
 
-TEST_F(Files, the_data_directory_is_the_one_asked_for) {
+TEST_F(LoadModel, TakesTheDataDirectoryFromTheEnvironment) {
   std::filesystem::create_directories(folder() / "avatars/models");
   setenv("THRONG_DATA", folder().c_str(), 1);
   EXPECT_EQ(data_directory(), folder());
@@ -292,7 +291,7 @@ TEST_F(Files, the_data_directory_is_the_one_asked_for) {
   EXPECT_TRUE(std::filesystem::exists(adult_urdf()));
 }
 
-TEST(Describe, tells_tree_parts_and_what_was_not_understood) {
+TEST(Describe, PrintsTreePartsAndIgnoredTags) {
   const auto model = load_model(fixtures() / "humanoid_description/urdf/humanoid.urdf");
   const std::string text = describe_model(*model);
   EXPECT_THAT(text, HasSubstr("model 'humanoid': 31 links, 30 joints, 19 parts"));
@@ -304,7 +303,7 @@ TEST(Describe, tells_tree_parts_and_what_was_not_understood) {
   EXPECT_EQ(text.find(fixtures().string()), std::string::npos) << "an absolute path";
 }
 
-TEST_F(Files, a_urdf_is_described_even_where_its_meshes_are_missing) {
+TEST_F(LoadModel, DescribesUrdfsWithMissingMeshes) {
   const auto urdf = write(
       "r.urdf",
       "<robot name='r'><link name='a'><visual><geometry><mesh filename='package://gone/a.stl'/>"
@@ -323,7 +322,7 @@ TEST_F(Files, a_urdf_is_described_even_where_its_meshes_are_missing) {
   EXPECT_TRUE(complete);
 }
 
-TEST(Describe, tells_dialect_size_and_volume_of_a_tri_file) {
+TEST(Describe, PrintsDialectSizeAndVolumeOfTriFiles) {
   const std::string text = describe_tri(parse_tri(kTetrahedron, "t.tri"), "t.tri");
   EXPECT_THAT(text, HasSubstr("t.tri: 4 vertices, 4 triangles"));
   EXPECT_THAT(text, HasSubstr("0-based"));

@@ -1,4 +1,4 @@
-// Boxes, cylinders and spheres: closed, outward, and never smaller than the true solid.
+// Primitives: closed, oriented outwards, never smaller than the true solid.
 #include "avatars/mesh/primitives.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace throng::primitives_test {
 namespace {
 
-/// The smallest distance from the origin to the plane of a face whose normal `counts`.
+/// Returns the minimum distance from the origin to the plane of a face whose normal `counts`.
 template <typename Counts>
 double nearest_face(const Mesh& mesh, const Counts& counts) {
   double nearest = 1e9;
@@ -33,7 +33,7 @@ double farthest_vertex(const Mesh& mesh) {
   return farthest;
 }
 
-TEST(Primitives, are_closed_and_outward) {
+TEST(Primitives, AreClosedAndOrientedOutwards) {
   for (const Mesh& mesh : {box_mesh({1, 2, 3}), cylinder_mesh(0.5, 2), sphere_mesh(0.3),
                            capsule_mesh(0.2, 1), capsule_mesh(0.2, 0)}) {
     EXPECT_TRUE(is_closed(mesh));
@@ -41,12 +41,12 @@ TEST(Primitives, are_closed_and_outward) {
   }
 }
 
-TEST(Primitives, a_box_has_its_edges) {
+TEST(Primitives, IncludeBoxesOfTheGivenSize) {
   EXPECT_NEAR(signed_volume_m3(box_mesh({1, 2, 3})), 6, 1e-12);
   EXPECT_EQ(farthest_vertex(box_mesh({2, 4, 4})), 3);
 }
 
-TEST(Primitives, a_sphere_encloses_the_true_one_and_stands_out_by_less_than_3_percent) {
+TEST(Primitives, EncloseSpheresWithin3Percent) {
   for (const double radius_m : {0.001, 0.3, 7.0}) {
     const Mesh mesh = sphere_mesh(radius_m);
     EXPECT_GE(nearest_face(mesh, [](const Eigen::Vector3d&) { return true; }), radius_m);
@@ -54,7 +54,7 @@ TEST(Primitives, a_sphere_encloses_the_true_one_and_stands_out_by_less_than_3_pe
   }
 }
 
-TEST(Primitives, a_cylinder_encloses_the_true_one_and_stands_out_by_less_than_1_percent) {
+TEST(Primitives, EncloseCylindersWithin1Percent) {
   for (const double radius_m : {0.001, 0.3, 7.0}) {
     const Mesh mesh = cylinder_mesh(radius_m, 0.5);
     const auto is_side = [](const Eigen::Vector3d& normal) { return std::abs(normal.z()) < 0.5; };
@@ -66,11 +66,11 @@ TEST(Primitives, a_cylinder_encloses_the_true_one_and_stands_out_by_less_than_1_
   }
 }
 
-TEST(Primitives, a_capsule_encloses_the_true_one_and_stands_out_by_less_than_3_percent) {
+TEST(Primitives, EncloseCapsulesWithin3Percent) {
   for (const double radius_m : {0.001, 0.3, 7.0})
     for (const double length_m : {0.0, 0.5, 30.0}) {
       const Mesh mesh = capsule_mesh(radius_m, length_m);
-      // How far each face's plane is from the nearer middle of a half sphere, outwards.
+      // Outward distance of each face's plane from the nearer centre of a half sphere.
       for (const Eigen::Vector3i& t : mesh.triangles) {
         const Eigen::Vector3d a = mesh.vertices[static_cast<size_t>(t[0])].cast<double>();
         const Eigen::Vector3d b = mesh.vertices[static_cast<size_t>(t[1])].cast<double>();

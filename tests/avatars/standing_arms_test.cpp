@@ -1,4 +1,4 @@
-// How people who stand hold their arms: by id, within joints and bounds, and without haste.
+// Standing postures: chosen by id, within joints and bounds, changed at limited rates.
 #include "avatars/body_avoidance/standing_arms.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ std::vector<StandingPosture> all_means() {
   return all;
 }
 
-TEST(StandingPostures, PeopleTakeSeveralByIdAndTheSameEachTime) {
+TEST(StandingPosture, VariesByIdReproducibly) {
   constexpr uint64_t kPeople = 20000;
   for (const uint64_t seed : {uint64_t{1}, uint64_t{2}}) {
     std::array<double, kArmHoldCount> counts{};
@@ -60,7 +60,7 @@ TEST(StandingPostures, PeopleTakeSeveralByIdAndTheSameEachTime) {
   EXPECT_NE(standing_posture(1, 7).arms_rad, standing_posture(2, 7).arms_rad);
 }
 
-/// A body that stands, somewhere on its way into a posture, and may be turned or drawn in besides.
+/// A standing body in transition to a posture, maybe with turned trunk and tucked arms.
 struct Stander {
   std::vector<float> row;
 
@@ -83,7 +83,7 @@ void expect_within_limits(const Walking& walking, const std::vector<float>& row)
   }
 }
 
-/// The bounds of the gait: as if no posture of those who stand were known.
+/// Returns the bounds of the gait, independent of the standing posture.
 RoundBounds round_bounds_of(const Gait& gait) {
   return {gait.sphere_centre_m().z(), gait.sphere_radius_m(), gait.upright_radius_m()};
 }
@@ -114,7 +114,7 @@ void expect_inside(const Walking& walking, const UpperBodyBounds& upper_bounds,
     }
 }
 
-TEST(StandingPostures, EachAndAllOnTheWayStayWithinJointsAndBounds) {
+TEST(StandingPosture, StaysWithinJointsAndBoundsInTransition) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(0, 1);
   for (const Walking& walking : Walking::styles()) {
@@ -128,8 +128,8 @@ TEST(StandingPostures, EachAndAllOnTheWayStayWithinJointsAndBounds) {
                      << "hold " << static_cast<int>(posture.hold) << ", share " << share);
         AvoidancePosture avoidance;
         avoidance.standing = share;
-        const bool gives_way = unit(random) < 0.5f;
-        if (gives_way) {
+        const bool avoids = unit(random) < 0.5f;
+        if (avoids) {
           avoidance.trunk_rad = 1.4f * unit(random) - 0.7f;
           avoidance.arms = {unit(random), unit(random)};
         }
@@ -142,7 +142,7 @@ TEST(StandingPostures, EachAndAllOnTheWayStayWithinJointsAndBounds) {
   }
 }
 
-TEST(StandingPostures, JoinedHandsMeetAndNoHandIsInTheTrunk) {
+TEST(StandingPosture, JoinsHandsOutsideTheTrunk) {
   const Walking& walking = Walking::adult();
   for (uint64_t id = 0; id < 2000; ++id) {
     const StandingPosture posture = standing_posture(4, id);
@@ -176,9 +176,10 @@ TEST(StandingPostures, JoinedHandsMeetAndNoHandIsInTheTrunk) {
   }
 }
 
-/// Angles of the arms while a person comes to stand, sets out, and changes its mind.
-TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
-  constexpr double kMost_degps = 250, kMost_degps2 = 2000;  // half of what walking has
+/// Arm angles while a person comes to stand, sets out, and reverses in between.
+TEST(StandingPosture, ChangesAtLimitedRates) {
+  constexpr double kMaxRate_degps = 250,
+                   kMaxAcceleration_degps2 = 2000;  // half of the rates in walking
   std::mt19937 random(6);
   for (const float step_s : {1.0f / 30, 1.0f / 60}) {
     double fastest = 0, hardest = 0;
@@ -209,8 +210,8 @@ TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
     }
     std::printf("step of %.4f s: at most %.0f degrees/s and %.0f degrees/s2\n",
                 static_cast<double>(step_s), fastest, hardest);
-    EXPECT_LT(fastest, kMost_degps);
-    EXPECT_LT(hardest, kMost_degps2);
+    EXPECT_LT(fastest, kMaxRate_degps);
+    EXPECT_LT(hardest, kMaxAcceleration_degps2);
     const auto takes_s = [&](bool comes) {
       AvoidanceMotion from;
       from.standing = comes ? 0 : 1;
@@ -226,7 +227,7 @@ TEST(StandingPostures, AreTakenUpAndLeftWithoutHaste) {
   }
 }
 
-TEST(StandingPostures, WhoDoesNotStandSoIsLeftAlone) {
+TEST(StandingPosture, HasNoEffectAtShareZero) {
   const Walking& walking = Walking::adult();
   for (const float speed_mps : {0.0f, 0.7f, 1.5f}) {
     const std::vector<float> before = walking.posture(0.4f, speed_mps);
@@ -245,7 +246,7 @@ TEST(StandingPostures, WhoDoesNotStandSoIsLeftAlone) {
   }
 }
 
-TEST(StandingPostures, OutlinesHoldThemAsTheyAre) {
+TEST(StandingPosture, HasTheOutlineOfItsArmHold) {
   const Walking& walking = Walking::adult();
   const Outline& outline = *walking.gait.outline();
   ASSERT_EQ(outline.standing.size(), 2 * kArmHoldCount);

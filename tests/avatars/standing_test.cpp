@@ -1,5 +1,4 @@
-// People who stand: they breathe and shift their weight over feet that stay, inside the bounds that
-// culling was given before.
+// Quiet standing: people breathe and shift their weight over fixed feet, within precomputed bounds.
 #include "avatars/stepping/standing.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +19,8 @@ using test::Walking;
 constexpr double kStep_s = 1.0 / 30;
 constexpr size_t kPeople = 16;
 
-TEST(Standing, WeightIsShiftedSmoothlyOnceInAWhileAndBreathGoesOn) {
-  double fastest_mps = 0, hardest_mps2 = 0, fewest = 1e9, most = 0;
+TEST(QuietStanding, ShiftsWeightSmoothlyAndBreathesSteadily) {
+  double fastest_mps = 0, hardest_mps2 = 0, min_shifts = 1e9, max_shifts = 0;
   for (uint64_t seed = 1; seed <= 8; ++seed)
     for (uint64_t id = 0; id < 8; ++id) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", person " << id);
@@ -55,21 +54,21 @@ TEST(Standing, WeightIsShiftedSmoothlyOnceInAWhileAndBreathGoesOn) {
       }
       EXPECT_GE(breaths, 118);
       EXPECT_LE(breaths, 181);
-      fewest = std::min(fewest, shifts / 10.0);
-      most = std::max(most, shifts / 10.0);
+      min_shifts = std::min(min_shifts, shifts / 10.0);
+      max_shifts = std::max(max_shifts, shifts / 10.0);
       EXPECT_LT(shortest + 300, longest) << "as regular as a clock";
       EXPECT_GT(*std::max_element(places_m.begin(), places_m.end()), 0.02) << "never on the left";
       EXPECT_LT(*std::min_element(places_m.begin(), places_m.end()), -0.02) << "or on the right";
     }
-  std::printf("%.1f to %.1f shifts of weight a minute, at most %.3f m/s and %.2f m/s2\n", fewest,
-              most, fastest_mps, hardest_mps2);
-  EXPECT_GE(fewest, 1);
-  EXPECT_LE(most, 4);
+  std::printf("%.1f to %.1f weight shifts per minute, at most %.3f m/s and %.2f m/s2\n", min_shifts,
+              max_shifts, fastest_mps, hardest_mps2);
+  EXPECT_GE(min_shifts, 1);
+  EXPECT_LE(max_shifts, 4);
   EXPECT_LT(fastest_mps, 0.15);
   EXPECT_LT(hardest_mps2, 0.6);
 }
 
-TEST(Standing, ComesAfterASecondAndGoesWithinAnother) {
+TEST(QuietStanding, StartsAfterASecondAndEndsWithinASecond) {
   float standing_time_s = 0, before = 0;
   for (int frame = 0; frame < 120; ++frame) {
     standing_time_s = advance_standing_time(standing_time_s, true, static_cast<float>(kStep_s));
@@ -86,10 +85,10 @@ TEST(Standing, ComesAfterASecondAndGoesWithinAnother) {
     before = standing_share(standing_time_s);
   }
   EXPECT_LE(frames, 16);
-  EXPECT_EQ(standing_time_s, 0) << "whoever has walked settles down anew";
+  EXPECT_EQ(standing_time_s, 0) << "standing restarts after a walk";
 }
 
-/// Some people of one style who stand, each as large as it likes.
+/// Standing people of one style and different sizes.
 class Standers {
  public:
   explicit Standers(const Walking& walking, float ahead_mps = 0) : walking_(walking) {
@@ -113,7 +112,7 @@ class Standers {
     }
     Gait::walk(batch_, target);
   }
-  /// The people in turn: as far as it goes to either side, breathed in or not.
+  /// Moves the people in turn to the maximum on either side, with and without a breath.
   void step_to_the_ends(uint64_t frame) {
     std::array<QuietStanding, kPeople> adds;
     for (size_t i = 0; i < kPeople; ++i)
@@ -131,7 +130,7 @@ class Standers {
   }
   const WalkBatch& batch() const { return batch_; }
   const std::array<WalkPosture, WalkBatch::kCapacity>& postures() const { return postures_; }
-  /// At scale 1.
+  /// Returns the box at scale 1.
   RootBox box(size_t i) const {
     return walking_.gait.box_of({batch_.bounds_x[i], batch_.bounds_y[i]}, 1);
   }
@@ -142,7 +141,7 @@ class Standers {
   std::array<WalkPosture, WalkBatch::kCapacity> postures_{};
 };
 
-TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
+TEST(QuietStanding, KeepsFeetFixedWhileWeightShifts) {
   for (const Walking& walking : Walking::styles()) {
     Standers standers(walking);
     std::array<std::vector<Eigen::Vector3d>, kPeople> first;
@@ -164,8 +163,9 @@ TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
             const Eigen::Vector3d p = to_isometry(poses[foot]) * vertex.cast<double>();
             lowest_m = std::min(lowest_m, p.z());
             if (frame == 0) first[i].push_back(p);
-            const Eigen::Vector3d& was = first[i][next++];
-            if (was.z() < 0.005) farthest_m = std::max(farthest_m, (p - was).head<2>().norm());
+            const Eigen::Vector3d& before_m = first[i][next++];
+            if (before_m.z() < 0.005)
+              farthest_m = std::max(farthest_m, (p - before_m).head<2>().norm());
           }
           highest_m = std::max(highest_m, std::abs(lowest_m));
         }
@@ -173,19 +173,18 @@ TEST(Standing, FeetStayWhereTheyAreWhileTheWeightIsShifted) {
     }
     std::printf("%s: soles move %.2f mm at most, and are %.2f mm above the ground or in it\n",
                 walking.name().c_str(), 1e3 * farthest_m, 1e3 * highest_m);
-    EXPECT_GT(max_shift_m, 0.035) << "nobody shifted any weight";
+    EXPECT_GT(max_shift_m, 0.035) << "no weight was shifted";
     EXPECT_LT(farthest_m, 0.002) << walking.name();
     EXPECT_LT(highest_m, 0.004) << walking.name();
   }
 }
 
-TEST(Standing, EveryPostureStaysInsideItsBoundsAndJointLimits) {
+TEST(QuietStanding, StaysWithinBoundsAndJointLimits) {
   for (const Walking& walking : Walking::styles()) {
     const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
     const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
     int shifted = 0;
-    // From standing to the fastest walk: whatever is asked for, no more is added than there is
-    // room.
+    // From standing to the fastest walk: the addition never exceeds what the bounds allow.
     for (const float ahead_mps : {0.0f, 0.1f, 0.3f, 0.6f, 0.8f, 0.9f, 1.0f, 1.2f, 1.6f, 2.4f}) {
       Standers standers(walking, ahead_mps);
       for (uint64_t frame = 0; frame < 4; ++frame) {
@@ -216,11 +215,11 @@ TEST(Standing, EveryPostureStaysInsideItsBoundsAndJointLimits) {
         }
       }
     }
-    EXPECT_GT(shifted, 300) << walking.name() << ": nobody stood";
+    EXPECT_GT(shifted, 300) << walking.name() << ": no one stood";
   }
 }
 
-TEST(Standing, WhoWalksIsLeftAlone) {
+TEST(QuietStanding, HasNoEffectOnWalkers) {
   const Walking& walking = Walking::adult();
   Standers asked(walking, 1.6f), left_alone(walking, 1.6f);
   for (uint64_t frame = 0; frame < 30; ++frame) {

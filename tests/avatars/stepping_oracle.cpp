@@ -27,37 +27,40 @@ double smooth(double u) { return u * u * (3 - 2 * u); }
 double turn_of(const OracleMotion& m) {
   return std::remainder(m.heading_after_rad - m.heading_before_rad, 2 * std::numbers::pi);
 }
-/// In the root's axes before, metres of the world.
-Vector2d moved(const OracleMotion& m) { return Rotation2Dd(-m.heading_before_rad) * m.way_m; }
+/// Returns the displacement in the root's previous axes, metres of the world.
+Vector2d moved(const OracleMotion& m) {
+  return Rotation2Dd(-m.heading_before_rad) * m.displacement_m;
+}
 
 Vector2d at_most(const Vector2d& v, double length) {
   return v.norm() > length ? Vector2d(v * (length / v.norm())) : v;
 }
 
-/// Goes on along the cubic that begins here at this speed and rests at the goal when `left` is
-/// over, or as near to it as it comes if it begins no harder than `hardest`; for `time`. But no
-/// faster than `fastest`: then it goes straight on.
-void go_on(double goal, double left, double time, double hardest, double fastest, double& at,
-           double& speed) {
-  const double start = std::clamp((6 * (goal - at) / left - 4 * speed) / left, -hardest, hardest);
+/// Advances by `time` along the cubic from the current speed to rest at the goal after `left`. If
+/// the initial acceleration is limited by `max_acceleration`, it ends as near as possible; beyond
+/// `max_speed` it moves at constant speed.
+void advance_to_rest(double goal, double left, double time, double max_acceleration,
+                     double max_speed, double& at, double& speed) {
+  const double start =
+      std::clamp((6 * (goal - at) / left - 4 * speed) / left, -max_acceleration, max_acceleration);
   const double end = at + (start * left + 4 * speed) * left / 6;
   const double c2 = (3 * (end - at) / left - 2 * speed) / left;
   const double c3 = (speed - 2 * (end - at) / left) / (left * left);
   const double gets = speed + time * (2 * c2 + time * 3 * c3);
-  if (std::abs(gets) <= fastest) {
+  if (std::abs(gets) <= max_speed) {
     at += time * (speed + time * (c2 + time * c3));
     speed = gets;
     return;
   }
-  const double began = std::clamp(speed, -fastest, fastest);
-  speed = std::copysign(fastest, gets);
+  const double began = std::clamp(speed, -max_speed, max_speed);
+  speed = std::copysign(max_speed, gets);
   at += time * 0.5 * (began + speed);
 }
 
-/// How far above the lowest point of a flat foot what it stands on may lie.
+/// Maximum height of supporting points above the lowest point of a flat foot.
 constexpr double kSoleEdge_m = 0.005;
 
-/// The tangent of the angle between a direction and the vertical.
+/// Returns the tangent of the angle between a direction and the vertical.
 double lean_of(const Vector3d& up) { return up.head<2>().norm() / up.z(); }
 
 }  // namespace
@@ -122,7 +125,7 @@ double SteppingOracle::cycles_per_s(const OracleState& s, const OracleMotion& m,
   for (size_t side = 0; side < 2; ++side) {
     const OracleFoot& foot = s.feet[side];
     const double own = own_phase(s.phase, side);
-    if (own >= before.stance) {  // in the air: it has to come down again
+    if (own >= before.stance) {  // in the air: it must land
       finishing = 0.9 * std::max(1 - speed / 0.2, 0.0);
       continue;
     }
@@ -155,7 +158,7 @@ SteppingOracle::Landing SteppingOracle::landing(const OracleMotion& m, double ra
   const double turn = std::clamp(turn_of(m) * steps, -kMaxTurn_rad, kMaxTurn_rad);
   const double chord = std::abs(turn) > 1e-9 ? std::sin(0.5 * turn) / (0.5 * turn) : 1;
   Vector2d displacement = steps * chord / m.scale * moved(m);
-  // The trailing foot does not come too near to the leading one.
+  // The trailing foot keeps a distance from the leading one.
   displacement.y() =
       side == 0 ? std::min(displacement.y(), 0.03) : std::max(displacement.y(), -0.03);
   const Vector2d passes(track.x_at(0.5 * track.stance), track.side_m[side]);
@@ -169,7 +172,7 @@ SteppingOracle::Landing SteppingOracle::landing(const OracleMotion& m, double ra
           std::clamp(foot, -right, left)};
 }
 
-/// The foot stays where it is on the ground, unless leg or bounds end.
+/// The foot stays on its place on the ground, within the limits of leg and bounds.
 OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion& m,
                                        const Track& before, const Track& after, double own_next,
                                        size_t side) const {
@@ -192,8 +195,7 @@ OracleFoot SteppingOracle::stance_foot(const OracleState& s, const OracleMotion&
   return foot;
 }
 
-/// What it is off its landing place is gone when it lands, unless it would have to go too fast or
-/// too hard; it can always come to rest by then.
+/// The offset vanishes at landing, within the limits; the foot can always come to rest by then.
 OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goal, double own,
                                       double own_next, double rate, double step_s,
                                       const Track& track) const {
@@ -206,8 +208,8 @@ OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goa
   OracleFoot next = foot;
   const auto go = [&](double to, double max_speed_ps, double max_acceleration_ps2, double& at,
                       double& speed) {
-    go_on(to, 1 - u, v - u, max_acceleration_ps2 / (swings_ps * swings_ps),
-          std::min(max_speed_ps, max_acceleration_ps2 * until_s) / swings_ps, at, speed);
+    advance_to_rest(to, 1 - u, v - u, max_acceleration_ps2 / (swings_ps * swings_ps),
+                    std::min(max_speed_ps, max_acceleration_ps2 * until_s) / swings_ps, at, speed);
   };
   go(goal.shift_m.x(), 100, 40, next.shift_m.x(), next.speed.x());
   go(goal.turn_rad, 3.6, 60, next.turn_rad, next.speed.z());
@@ -224,7 +226,7 @@ OracleFoot SteppingOracle::swing_foot(const OracleFoot& foot, const Landing& goa
 OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) const {
   if (!m.is_present) return s;
   OracleState next = s;
-  if (s.gait_mps < 0 || m.way_m.norm() > 1) {
+  if (s.gait_mps < 0 || m.displacement_m.norm() > 1) {
     next.gait_mps = std::max(m.ahead_mps, 0.0);
     next.feet = {};
     next.cadence_hz = -1;
@@ -238,9 +240,11 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
   const int cell = cell_of(root);
   const Track after = track_at(root, cell);
   const Track before = track_at(sqrt_speed(s.gait_mps, m.scale), cell);
-  const double target = std::min(cycles_per_s(s, m, before, after), 1.9), most = 14 * m.step_s;
+  const double target = std::min(cycles_per_s(s, m, before, after), 1.9),
+               max_change = 14 * m.step_s;
   const double rate =
-      s.cadence_hz < 0 ? target : std::clamp(target, s.cadence_hz - most, s.cadence_hz + most);
+      s.cadence_hz < 0 ? target
+                       : std::clamp(target, s.cadence_hz - max_change, s.cadence_hz + max_change);
   next.cadence_hz = rate;
   next.phase = fraction(s.phase + rate * m.step_s);
   for (size_t side = 0; side < 2; ++side) {
@@ -258,9 +262,9 @@ OracleState SteppingOracle::step(const OracleState& s, const OracleMotion& m) co
 
 bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const OracleState& after,
                                            const OracleMotion& m) const {
-  constexpr double kNear = 1e-4;
+  constexpr double kTolerance = 1e-4;
   const auto is_near_zero = [](double x, double size) {
-    return x != 0 && std::abs(x) < kNear * size;
+    return x != 0 && std::abs(x) < kTolerance * size;
   };
   const Vector2d displacement = moved(m);
   if (is_near_zero(displacement.x(), displacement.norm())) return true;
@@ -274,7 +278,7 @@ bool SteppingOracle::is_at_a_turning_point(const OracleState& before, const Orac
       const double own = own_phase(s->phase, side);
       const double stance = track_at(sqrt_speed(s->gait_mps, m.scale), cell).stance;
       for (const double turning : {0.0, 0.5 * stance, stance, 1.0})
-        if (std::abs(own - turning) < kNear) return true;
+        if (std::abs(own - turning) < kTolerance) return true;
     }
   }
   return false;
@@ -309,7 +313,7 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
       target.pitch_rad += share * foot.target.pitch_rad;
       natural_lean = std::max(natural_lean, lean_of(leg.up_along_leg(foot.hip_m, foot.target)));
     }
-  // Over its toes it rolls on.
+  // Rolls on over its toes.
   roll += leg.roll_m(target.pitch_rad - raise_rad) - leg.roll_m(target.pitch_rad);
   target.pitch_rad -= raise_rad;
   const OracleFoot& foot = s.feet[side];
@@ -318,7 +322,7 @@ SteppingOracle::Ankle SteppingOracle::ankle(const OracleState& s, double scale, 
   const Vector3d ground(ground_x + foot.shift_m.x() + roll * std::cos(target.heading_rad),
                         track.side_m[side] + foot.shift_m.y() + roll * std::sin(target.heading_rad),
                         ground_z + foot.lift_m);
-  target.ankle_m = ground;  // that is where the leg points to
+  target.ankle_m = ground;  // the direction of the leg
   const Vector3d over = leg.ankle_over_ground_m(hip, target);
   const Vector3d at = ground + over;
   const bool is_flat = std::abs(target.pitch_rad) < 0.01;

@@ -1,6 +1,7 @@
-// What stepping should do to one person, slowly: docs/architecture.md, "Feet", in double precision,
-// with ifs where lanes select, sines where they have polynomials, and the gait's own cycles in
-// place of tables. One rule: nothing of avatars/stepping/ is used.
+// SteppingOracle computes stepping of one person slowly, as documented in docs/motion.md. It uses
+// double precision, branches instead of lane selection, exact sines instead of polynomials, and the
+// gait's cycles instead of tables.
+// Invariant: it uses nothing of avatars/stepping/.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,30 +14,30 @@
 
 namespace throng::test {
 
-/// Of a person from one frame to the next, metres of the world.
+/// Motion of a person from one frame to the next, in metres of the world.
 struct OracleMotion {
-  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d displacement_m = Eigen::Vector2d::Zero();
   double heading_before_rad = 0, heading_after_rad = 0;
   double ahead_mps = 0;
   double scale = 1;
   double step_s = 1.0 / 60;
   bool is_present = true;
   double stride_scale = 1;
-  /// So far from where they would do the feet land, root frame at scale 1.
+  /// Shift of the next landing of each foot, root frame at scale 1.
   std::array<Eigen::Vector2d, 2> landing_m = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
 };
 
-/// From where the gait has the foot, in the root frame at scale 1.
+/// Offset from the foot's place in the gait, root frame at scale 1.
 struct OracleFoot {
   Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
   double turn_rad = 0;
   double lift_m = 0;
-  /// Of a foot in the air: how fast shift and turn go to what they land with, a swing.
+  /// Speed of shift and turn of a foot in the air towards the landing, per swing.
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();
 };
 
 struct OracleState {
-  double gait_mps = -1;  ///< below 0: has not come in
+  double gait_mps = -1;  ///< below 0: has not entered
   double phase = 0;
   double cadence_hz = -1;          ///< below 0: not known yet
   std::array<OracleFoot, 2> feet;  ///< right, left
@@ -50,29 +51,27 @@ class SteppingOracle {
 
   OracleState step(const OracleState& before, const OracleMotion& motion) const;
 
-  /// Where the ankle is with the pelvis lowered by `drop_m`, if the leg can reach.
+  /// Ankle with the pelvis lowered by `drop_m`, if the leg can reach.
   struct Ankle {
     Eigen::Vector3d at_m;
-    Eigen::Vector3d up;  ///< of the leaning foot, unit: from where it stands to the ankle
-    /// How much stepping may hold the ankle too high, or too low, along `up`. It lifts a leaning
-    /// foot by half the width of its flat sole times the lean's tangent, and takes as much off
-    /// where the gait's own leg leans. The edge of a flat foot lies at most 5 mm above its lowest
-    /// point (see Leg::shape()): it is so much too high at most. The lowest point of a foot that
-    /// rolls over heel or toes lies anywhere between the edges: by as much its height may change
-    /// either way.
+    Eigen::Vector3d up;  ///< unit vector of the leaning foot, from its standing point to the ankle
+    /// Permitted deviation of stepping along `up`. Stepping lifts a leaning foot by half its flat
+    /// sole's width times the lean's tangent, less the same for the gait's own leg. The edge of a
+    /// flat foot lies at most 5 mm above its lowest point (see Leg::shape()), which bounds the
+    /// excess. The lowest point of a foot that rolls over heel or toes lies between the edges; its
+    /// height may deviate by as much either way.
     double too_high_m = 0, too_low_m = 0;
     double heading_rad = 0, pitch_rad = 0;  ///< of the foot
     double from_hip_m = 0;
-    bool is_behind = false;  ///< the hip
+    bool is_behind = false;  ///< behind the hip
   };
-  /// `raise_rad`: the heel is higher than the gait has it.
+  /// `raise_rad`: additional pitch of the raised heel.
   Ankle ankle(const OracleState& state, double scale, size_t side, double drop_m,
               double raise_rad = 0) const;
   double max_reach_m(size_t side) const {
     return walker_->leg(side).reach_m(Walker::kMinKneeBend_rad);
   }
-  /// Where a foot lifts or lands, passes under the body, or trails it by a hair, and where the way
-  /// is straight to the side: rounding decides.
+  /// Whether rounding decides: a foot lifts, lands or passes the body, or moves exactly sideways.
   bool is_at_a_turning_point(const OracleState& before, const OracleState& after,
                              const OracleMotion& motion) const;
 

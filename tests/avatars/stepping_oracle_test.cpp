@@ -1,5 +1,4 @@
-// Stepping against an oracle that shares nothing with it: feet step by step, and the legs that
-// forward kinematics puts under them.
+// Stepping against an independent oracle: feet, and the ankles computed by forward kinematics.
 #include "tests/avatars/stepping_oracle.h"
 
 #include <gtest/gtest.h>
@@ -25,16 +24,16 @@ constexpr uint64_t kSeeds = 24;
 constexpr uint64_t kFrames = 150;
 constexpr size_t kPeople = WalkBatch::kCapacity;
 
-// Single precision over numbers of up to a metre, and series cut off at 1e-4 of a chord: three
-// times what was found. What a swing has left of its way is a quotient of small numbers at its end.
+// Three times the measured errors. At the end of a swing, the remaining change is a quotient of
+// small numbers.
 constexpr double kFootBound_m = 1e-4;
 constexpr double kTurnBound_rad = 1e-4;
 constexpr double kCyclesBound_ps = 1.2e-3;
 constexpr double kPhaseBound = kCyclesBound_ps / 30;  // the longest step
-// Of what a foot's number would change by until it lands.
+// Relative to the remaining change of a foot's number until landing.
 constexpr double kSwingBound = 1e-4;
 constexpr double kHeadingBound_rad = 5e-5;
-// The ankle stands over the same point; heights of a rolling foot are read between two phases.
+// The ankle is over the same point; heights of a rolling foot are interpolated.
 constexpr double kAsideBound_m = 5e-5;
 constexpr double kHeightBound_m = 2e-3;
 
@@ -77,11 +76,11 @@ OracleMotion motion_of(const WalkBatch& batch, size_t i) {
           {landing_m(0), landing_m(1)}};
 }
 
-/// People who walk, turn, step aside, stop, jump and are away for a while, each in an own way.
+/// People who walk, turn, step aside, stop, jump and are absent for a while, each differently.
 class Walkers {
  public:
   Walkers(uint64_t seed, const Gait& gait, bool stride_scales = false)
-      : seed_(seed), stretches_(stride_scales) {
+      : seed_(seed), varies_strides_(stride_scales) {
     batch_.count = kPeople;
     batch_.step_s = seed % 2 == 0 ? 1.0f / 60 : 1.0f / 30;
     batch_.postures = postures_.data();
@@ -104,10 +103,11 @@ class Walkers {
       const float jump = draw(i, frame, 7, 0, 1) < 0.002f ? 100.0f : 1.0f;
       batch_.present[i] = draw(i, stage, 3, 0, 1) < 0.95f;
       batch_.stride_scale[i] =
-          stretches_ && draw(i, stage, 10, 0, 1) < 0.3f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
+          varies_strides_ && draw(i, stage, 10, 0, 1) < 0.3f ? draw(i, stage, 11, 0.7, 1.5) : 1.0f;
       for (uint32_t n = 0; n < 4; ++n)
-        batch_.landing[n][i] =
-            stretches_ && draw(i, stage, 12, 0, 1) < 0.1f ? draw(i, stage, 13 + n, -0.06, 0.06) : 0;
+        batch_.landing[n][i] = varies_strides_ && draw(i, stage, 12, 0, 1) < 0.1f
+                                   ? draw(i, stage, 13 + n, -0.06, 0.06)
+                                   : 0;
       batch_.ahead_mps[i] = ahead;
       batch_.w_before[i] = batch_.w_after[i];
       batch_.z_before[i] = batch_.z_after[i];
@@ -134,22 +134,21 @@ class Walkers {
   }
 
   uint64_t seed_;
-  bool stretches_;
+  bool varies_strides_;
   WalkBatch batch_{};
   std::array<WalkPosture, kPeople> postures_;
 };
 
-/// The largest of what was found, and where.
 constexpr double kMaxHeelRaise_rad = 0.4;
 
-/// Of a foot that is turned so from the zero posture: toes up positive.
+/// Returns the pitch of a foot's rotation from the zero posture: toes up positive.
 double pitch_of(const Eigen::Matrix3d& turn) {
   const Eigen::Vector3d left = turn.col(1);
   const Eigen::Vector3d forward = left.cross(Eigen::Vector3d::UnitZ()).normalized();
   return std::atan2(turn.col(0).dot(forward.cross(left)), turn.col(0).dot(forward));
 }
 
-/// Whether the ankle points its foot as far down as it goes.
+/// Returns whether the ankle is at its limit with the toes down.
 bool is_at_limit(const Walking& w, std::span<const float> row, size_t side) {
   const auto& kinematics = w.model->kinematics;
   const auto column = static_cast<size_t>(
@@ -179,7 +178,7 @@ struct Worst {
 class SteppingOracleTest : public testing::TestWithParam<GaitStyle> {
  protected:
   const Walking& walking() const { return Walking::styles()[static_cast<size_t>(GetParam())]; }
-  /// Vectors and the reference in turn.
+  /// Alternates between SIMD and the reference.
   static SimdTarget target_of(uint64_t seed) {
     return seed % 3 == 0 ? SimdTarget::kScalar : resolved(SimdTarget::kBest);
   }
@@ -188,8 +187,8 @@ class SteppingOracleTest : public testing::TestWithParam<GaitStyle> {
                                static_cast<double>(walking().gait.upright_radius_m())};
 };
 
-/// One step at a time, each from where the last one of stepping led to, so that nothing adds up.
-TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
+/// Each step starts from the last result of stepping; errors do not accumulate.
+TEST_P(SteppingOracleTest, PlacesFeetLikeTheOracle) {
   Worst shift, turn, lift, phase, speed, cycles, swing;
   int taken_back = 0, turning_points = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -213,7 +212,7 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
         }
         cycles.take(std::abs(expected.cadence_hz - found.cadence_hz), seed, frame, i);
         phase.take(std::abs(std::remainder(expected.phase - found.phase, 1.0)), seed, frame, i);
-        if (batch.out_of_reach[i] != 0) {  // what legs do not reach is taken back, never more
+        if (batch.out_of_reach[i] != 0) {  // unreachable shifts are reduced, never increased
           ++taken_back;
           for (size_t side = 0; side < 2; ++side)
             EXPECT_LE(found.feet[side].shift_m.norm(),
@@ -235,15 +234,15 @@ TEST_P(SteppingOracleTest, FeetAreWhereTheOraclePutsThem) {
   turn.expect_below(kTurnBound_rad, "turn of a foot, rad");
   lift.expect_below(kFootBound_m, "lift of a foot, m");
   phase.expect_below(kPhaseBound, "phase");
-  cycles.expect_below(kCyclesBound_ps, "cycles a second");
-  swing.expect_below(kSwingBound, "what a foot in the air still goes, m or rad");
+  cycles.expect_below(kCyclesBound_ps, "cycles per second");
+  swing.expect_below(kSwingBound, "remaining change of a foot in the air, m or rad");
   speed.expect_below(1e-5, "gait's speed, m/s");
   std::printf("%d taken back, %d turning points\n", taken_back, turning_points);
-  EXPECT_GT(shift.compared, 15 * (taken_back + turning_points)) << "hardly anything was compared";
+  EXPECT_GT(shift.compared, 15 * (taken_back + turning_points)) << "too few comparisons";
 }
 
-/// Whatever somebody does, steps get quicker and the pelvis sinks no harder than they may.
-TEST_P(SteppingOracleTest, NeitherStepsNorPelvisJerk) {
+/// Cadence and pelvis drop change within their limits for any motion.
+TEST_P(SteppingOracleTest, LimitsChangesOfCadenceAndPelvisDrop) {
   constexpr double kCadenceChange_hz_ps = 14, kMaxDropSpeed_mps = 0.12,
                    kMaxDropAcceleration_mps2 = 1.5;
   Worst cycles, sinking, sunk;
@@ -262,7 +261,7 @@ TEST_P(SteppingOracleTest, NeitherStepsNorPelvisJerk) {
       walkers.step(frame, target_of(seed));
       const auto step_s = static_cast<double>(batch.step_s);
       for (size_t i = 0; i < kPeople; ++i) {
-        // Who has just come in has no pace yet, and who has no legs for a step takes the gait's.
+        // After entering there is no cadence yet; without valid legs, the gait's are used.
         const bool has_pace = before[i][0] >= 0 && now(WalkBatch::kCadence, i) >= 0;
         if (batch.present[i] == 0 || !has_pace || batch.out_of_reach[i] != 0) continue;
         cycles.take(std::abs(now(WalkBatch::kCadence, i) - before[i][0]) / step_s, seed, frame, i);
@@ -274,14 +273,14 @@ TEST_P(SteppingOracleTest, NeitherStepsNorPelvisJerk) {
     }
   }
   constexpr double kRounding = 1e-3;
-  cycles.expect_below(kCadenceChange_hz_ps + kRounding, "change of cycles a second, a second");
-  sunk.expect_below(kMaxDropSpeed_mps + kRounding, "a pelvis that sinks, m/s");
-  sinking.expect_below(kMaxDropAcceleration_mps2 + kRounding, "a pelvis that begins to sink, m/s2");
-  EXPECT_GT(sank, 1000) << "hardly any pelvis sank";
+  cycles.expect_below(kCadenceChange_hz_ps + kRounding, "change of cadence, cycles/s2");
+  sunk.expect_below(kMaxDropSpeed_mps + kRounding, "pelvis drop speed, m/s");
+  sinking.expect_below(kMaxDropAcceleration_mps2 + kRounding, "pelvis drop acceleration, m/s2");
+  EXPECT_GT(sank, 1000) << "too few pelvis drops";
 }
 
-/// Forward kinematics of the whole row, so that it does not matter how the legs were bent.
-TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
+/// Uses forward kinematics of the whole row; independent of the leg solver.
+TEST_P(SteppingOracleTest, PutsAnklesOverTheFeet) {
   const Walking& w = walking();
   std::vector<float> row(static_cast<size_t>(w.gait.column_count()));
   const std::array<size_t, 2> parts = {w.right_foot, w.left_foot};
@@ -308,12 +307,12 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
           const Eigen::Matrix3d turn =
               foot.linear() * to_isometry(zero[parts[side]]).linear().transpose();
           const SteppingOracle::Ankle natural = oracle_.ankle(state, scale, side, 0);
-          // A heel is raised where the leg would be too short, and no farther.
+          // A heel is raised only where the leg would be too short, and not farther.
           double raise_rad = natural.pitch_rad - pitch_of(turn);
           if (std::abs(raise_rad) < 1e-4) raise_rad = 0;
           const bool may_rise =
               natural.is_behind && natural.from_hip_m > oracle_.max_reach_m(side) - 1e-3;
-          if (raise_rad != 0 && (!may_rise || is_at_limit(w, row, side))) {  // that tilts the foot
+          if (raise_rad != 0 && (!may_rise || is_at_limit(w, row, side))) {  // tilts the foot
             ++tilted;
             continue;
           }
@@ -321,7 +320,7 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
           EXPECT_LE(raise_rad, kMaxHeelRaise_rad + 1e-4);
           const SteppingOracle::Ankle expected =
               oracle_.ankle(state, scale, side, drop_m, raise_rad);
-          // A pelvis that is still sinking leaves a foot away from where it should be.
+          // A pelvis that is still sinking leaves the foot away from its place.
           if (expected.from_hip_m > oracle_.max_reach_m(side) - kHeightBound_m) {
             ++too_far;
             continue;
@@ -344,9 +343,9 @@ TEST_P(SteppingOracleTest, LegsPutTheAnklesOverTheFeet) {
   above.expect_below(kHeightBound_m, "ankle higher than the sole explains, m");
   below.expect_below(kHeightBound_m, "ankle lower than the sole explains, m");
   heading.expect_below(kHeadingBound_rad, "heading of a foot, rad");
-  EXPECT_GT(flat, 1000) << "hardly any foot stood flat";
+  EXPECT_GT(flat, 1000) << "too few flat feet";
   EXPECT_GT(lowered, 0) << "no pelvis ever sank";
-  EXPECT_GT(raised, 100) << "hardly any heel was raised";
+  EXPECT_GT(raised, 100) << "too few raised heels";
   EXPECT_GT(aside.compared, 10 * tilted);
   EXPECT_GT(aside.compared, 10 * too_far);
 }

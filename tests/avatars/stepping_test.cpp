@@ -1,5 +1,4 @@
-// Planted feet: they stay where they are on curves, on the spot, sideways, starting and stopping,
-// and what the legs do for it stays inside the bounds that culling was given before.
+// Planted feet stay fixed on curves, on the spot, sideways, starting and stopping, within bounds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,14 +19,14 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using test::Walking;
 
-/// A walker's velocity and turning, in its own axes.
+/// A walker's velocity and turn rate, in its own axes.
 struct Pace {
   float forward_mps = 0;
   float left_mps = 0;
   float turn_radps = 0;
 };
 
-/// One adult who walks at changing paces, and what its feet do to the ground.
+/// One adult who walks at changing paces, and the motion of its feet on the ground.
 class Path {
  public:
   explicit Path(float start_mps = 0, float step_s = 1.0f / 60) {
@@ -61,7 +60,7 @@ class Path {
   void steps(const Pace& pace, double seconds) {
     for (int i = 0; i < seconds / static_cast<double>(batch_.step_s); ++i) step(pace);
   }
-  /// Nobody turns or goes sideways at once: the pace comes within a second.
+  /// Reaches a pace within a second, because no one turns or goes sideways at once.
   void ease_into(const Pace& pace) {
     const auto steps = static_cast<int>(std::lround(1 / batch_.step_s));
     for (int i = 0; i < steps; ++i) {
@@ -70,7 +69,7 @@ class Path {
     }
   }
 
-  /// How far a foot's contact moved on the ground in each stance.
+  /// Returns how far a foot's contact moved on the ground in each stance.
   const std::vector<double>& slides_m() const { return slides_m_; }
   double worst_slide_m() const {
     return std::max(
@@ -83,7 +82,7 @@ class Path {
   int out_of_reach() const { return out_of_reach_; }
   const std::vector<float>& row() const { return row_; }
   const std::vector<PartPose>& poses() const { return poses_; }
-  /// The farthest that a foot is from where the gait has it.
+  /// Returns the maximum offset of a foot from its place in the gait.
   float shift_m() const {
     return std::max(std::hypot(batch_.feet[0][0], batch_.feet[1][0]),
                     std::hypot(batch_.feet[3][0], batch_.feet[4][0]));
@@ -151,7 +150,7 @@ class Path {
     was_[side] = root * lowest;
   }
 
-  // In an order without gaps between them.
+  // Ordered to avoid padding.
   WalkBatch batch_{};
   Eigen::Vector2d position_m_ = Eigen::Vector2d::Zero();
   const Walking& walking_ = Walking::adult();
@@ -183,10 +182,10 @@ void expect_firm(const Path& path, const Pace& pace) {
   EXPECT_EQ(path.out_of_reach(), 0);
 }
 
-TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnCurves) {
+TEST(Stepping, SlidesLessThan1CmOnCurves) {
   for (const float speed : {0.4f, 0.8f, 1.34f, 1.8f})
     for (const float radius_m : {1e6f, 20.0f, 5.0f, 2.0f, 1.0f}) {
-      if (speed * speed / radius_m > 2) continue;  // nobody leans into so tight a curve
+      if (speed * speed / radius_m > 2) continue;  // no one leans into so tight a curve
       for (const float side : {1.0f, -1.0f}) {
         const Pace pace{speed, 0, side * speed / radius_m};
         Path path(speed);
@@ -197,7 +196,7 @@ TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnCurves) {
     }
 }
 
-TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnAnSCurve) {
+TEST(Stepping, SlidesLessThan1CmOnAnSCurve) {
   for (const float speed : {0.8f, 1.34f})
     for (const float radius_m : {5.0f, 2.0f, 1.0f}) {
       Path path(speed);
@@ -211,9 +210,8 @@ TEST(Stepping, ThePlantedFootSlidesLessThanACentimetreOnAnSCurve) {
     }
 }
 
-/// A foot that the legs do not reach is not let go: it is dragged as far as it has to be. Hips that
-/// turn no faster than they do in walking keep up with 1.2 rad/s on the spot.
-TEST(Stepping, WhoIsSpunAroundKeepsTheFeetNearWhereTheyStand) {
+/// A foot is dragged only as far as necessary. Hips follow 1.2 rad/s on the spot.
+TEST(Stepping, KeepsTheFeetNearTheirPlaceWhenSpun) {
   Path path(1.2f);
   path.steps({1.2f, 0, 0}, 2);
   path.steps({1.2f, 0, 3}, 6);
@@ -225,7 +223,7 @@ TEST(Stepping, WhoIsSpunAroundKeepsTheFeetNearWhereTheyStand) {
   EXPECT_LT(on_the_spot.worst_slide_m(), 0.035);
 }
 
-TEST(Stepping, FeetStepOnTheSpotSidewaysAndBackwards) {
+TEST(Stepping, StepsOnTheSpotSidewaysAndBackwards) {
   for (const Pace& pace : {Pace{0, 0, 0.5f}, Pace{0, 0, -1}, Pace{0, 0, 1.2f}, Pace{0, 0.2f, 0},
                            Pace{0, -0.5f, 0}, Pace{-0.3f, 0, 0}}) {
     Path path;
@@ -235,7 +233,7 @@ TEST(Stepping, FeetStepOnTheSpotSidewaysAndBackwards) {
   }
 }
 
-TEST(Stepping, WhoStartsAndStopsSetsBothFeetDown) {
+TEST(Stepping, SetsBothFeetDownWhenItStops) {
   Path path;
   for (int round = 0; round < 6; ++round) {
     for (int i = 0; i < 90; ++i)
@@ -244,12 +242,12 @@ TEST(Stepping, WhoStartsAndStopsSetsBothFeetDown) {
     path.steps({}, 4);
     const std::vector<float> standing = path.row();
     path.steps({}, 0.3);
-    EXPECT_EQ(path.row(), standing) << "who stands still moves";
+    EXPECT_EQ(path.row(), standing) << "a standing person moves";
   }
   expect_firm(path, {1.3f, 0, 0});
 }
 
-TEST(Stepping, OnAStraightWayAtAConstantSpeedNothingIsAdded) {
+TEST(Stepping, EqualsTheGaitOnAStraightPathAtConstantSpeed) {
   for (const float speed : {0.3f, 0.5f, 1.0f, 1.34f, 1.8f, 2.2f}) {
     Path path(speed);
     for (int i = 0; i < 600; ++i) {
@@ -259,13 +257,12 @@ TEST(Stepping, OnAStraightWayAtAConstantSpeedNothingIsAdded) {
   }
 }
 
-/// The law that culling lives by: the box given before posing, the sphere and the cylinder hold
-/// every pose that stepping can come to.
-TEST(Stepping, EveryPoseOfAWildWalkStaysInsideItsBoundsAndJointLimits) {
+/// No-miss guarantee: the precomputed bounds contain every pose of stepping.
+TEST(Stepping, StaysWithinBoundsAndJointLimitsOnAWildWalk) {
   const Walking& walking = Walking::adult();
   const std::vector<JointColumn>& columns = walking.model->kinematics.columns();
   const Eigen::Vector3f centre = walking.gait.sphere_centre_m();
-  int shifted = 0, refused = 0;
+  int shifted = 0, rejected = 0;
   for (uint64_t seed = 1; seed <= 24; ++seed) {
     Path path(0, 1.0f / 30);
     for (uint64_t i = 0; i < 150; ++i) {
@@ -297,14 +294,13 @@ TEST(Stepping, EveryPoseOfAWildWalkStaysInsideItsBoundsAndJointLimits) {
         }
       }
     }
-    refused += path.out_of_reach();
+    rejected += path.out_of_reach();
   }
   EXPECT_GT(shifted, 3000) << "the walk was not wild";
-  EXPECT_LT(refused, shifted / 20);
+  EXPECT_LT(rejected, shifted / 20);
 }
 
-/// Whatever is walked on, every vector target gives the reference's bits.
-TEST(Stepping, EveryTargetGivesTheSameBits) {
+TEST(Stepping, IsEqualOnAllTargets) {
   const Walking& walking = Walking::adult();
   const Gait other(*walking.model, GaitStyle::kShortSteps);
   for (uint64_t seed = 1; seed <= 8; ++seed) {

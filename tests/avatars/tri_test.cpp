@@ -1,4 +1,4 @@
-// The .tri reader: every dialect reads as the same tetrahedron, every defect is one clear line.
+// The .tri reader reads every dialect as the same tetrahedron and reports every defect in one line.
 #include "avatars/mesh/tri.h"
 
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ std::string message_of(const std::function<void()>& read) {
   return "(was accepted)";
 }
 
-std::string refusal(std::string_view text) {
+std::string rejection(std::string_view text) {
   return message_of([&] { parse_tri(text, "part.tri"); });
 }
 
@@ -53,7 +53,7 @@ void expect_sound(const Mesh& mesh) {
   }
 }
 
-/// A file in the test's temporary folder, gone afterwards.
+/// A file in the test's temporary folder, removed afterwards.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& name) : path(testing::TempDir() + name) {}
   ~TemporaryFile() { std::filesystem::remove(path); }
@@ -65,9 +65,9 @@ struct Dialect {
   TriDialect is;
 };
 
-class ReadsDialect : public testing::TestWithParam<Dialect> {};
+class TriDialects : public testing::TestWithParam<Dialect> {};
 
-TEST_P(ReadsDialect, AsTheSameTetrahedron) {
+TEST_P(TriDialects, ReadAsTheSameTetrahedron) {
   const TriFile read = read_tri(kFixtures / GetParam().file);
   EXPECT_EQ(read.mesh.vertices, tetrahedron().vertices);
   EXPECT_EQ(read.mesh.triangles, tetrahedron().triangles);
@@ -78,11 +78,11 @@ TEST_P(ReadsDialect, AsTheSameTetrahedron) {
   EXPECT_EQ(read.dialect.comments, is.comments);
   EXPECT_EQ(read.dialect.crlf, is.crlf);
   EXPECT_EQ(read.dialect.byte_order_mark, is.byte_order_mark);
-  EXPECT_EQ(format_tri(read.mesh), kTetrahedron) << "every dialect is written back as the one form";
+  EXPECT_EQ(format_tri(read.mesh), kTetrahedron) << "every dialect is written as the same form";
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Tri, ReadsDialect,
+    Tri, TriDialects,
     testing::Values(Dialect{"counts_then_lists.tri", {}}, Dialect{"keyword.tri", {.keyword = true}},
                     Dialect{"keyword_counts.tri", {.keyword = true, .counts_on_one_line = true}},
                     Dialect{"one_line_counts.tri", {.counts_on_one_line = true}},
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name.substr(0, name.find('.'));
     });
 
-TEST(Tri, VerticesOnlyIsAPointCloud) {
+TEST(Tri, ReadsVerticesOnlyAsAPointCloud) {
   for (const char* text : {"2\n0 0 0\n1 2 3\n", "2\n0 0 0\n1 2 3", "2\n0 0 0\n1 2 3\n0\n",
                            "2 0\n0 0 0\n1 2 3\n", "TRI\n2\n0 0 0\n1 2 3\n"}) {
     const Mesh mesh = parse_tri(text, "cloud.tri").mesh;
@@ -105,8 +105,8 @@ TEST(Tri, VerticesOnlyIsAPointCloud) {
   }
 }
 
-TEST(Tri, IndicesCountFromOneOnlyWhereTheFileProvesIt) {
-  // Neither 0 nor 4 occurs: nothing proves 1-based, so the first vertex is merely unused.
+TEST(Tri, ReadsOneBasedIndicesOnlyIfProven) {
+  // Neither 0 nor 4 occurs: nothing proves 1-based indices, and the first vertex is merely unused.
   const TriFile unproven = parse_tri("4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1\n1 2 3\n", "a.tri");
   EXPECT_FALSE(unproven.dialect.one_based);
   EXPECT_EQ(unproven.mesh.triangles[0], Eigen::Vector3i(1, 2, 3));
@@ -115,7 +115,7 @@ TEST(Tri, IndicesCountFromOneOnlyWhereTheFileProvesIt) {
   EXPECT_EQ(proven.mesh.triangles[0], Eigen::Vector3i(1, 2, 3));
 }
 
-TEST(Tri, RefusesEveryDefectWithFileLineExpectedFound) {
+TEST(Tri, RejectsEveryDefectWithALocatedMessage) {
   const std::string three = "3\n0 0 0\n1 0 0\n0 1 0\n";
   const std::vector<std::pair<std::string, std::string>> defects = {
       {"", "part.tri:1: expected the number of vertices, found the end of the file"},
@@ -159,35 +159,35 @@ TEST(Tri, RefusesEveryDefectWithFileLineExpectedFound) {
       {std::string("3\n0 0 0\n1 \0 0\n", 14), "part.tri:3: expected text, found a NUL byte"},
   };
   for (const auto& [text, message] : defects) {
-    const std::string found = refusal(text);
+    const std::string found = rejection(text);
     EXPECT_THAT(found, HasSubstr(message)) << "text:\n" << text;
     EXPECT_THAT(found, StartsWith("part.tri:"));
     EXPECT_EQ(found.find('\n'), std::string::npos) << "one line, found:\n" << found;
   }
 }
 
-TEST(Tri, RefusesWhatIsNoRegularFile) {
+TEST(Tri, RejectsIrregularFiles) {
   EXPECT_THAT(message_of([] { read_tri("nowhere/part.tri"); }),
               testing::StrEq("nowhere/part.tri: expected a .tri file, found no such file"));
   EXPECT_THAT(message_of([] { read_tri(testing::TempDir()); }), HasSubstr("found a directory"));
   EXPECT_THAT(message_of([] { read_tri("/dev/zero"); }), HasSubstr("not a regular file"));
 }
 
-TEST(Tri, RefusesThreeGigabytesWithoutReadingThem) {
+TEST(Tri, RejectsThreeGigabytesWithoutReadingThem) {
   const TemporaryFile huge("throng_huge.tri");
   std::ofstream(huge.path) << "3\n";
-  std::filesystem::resize_file(huge.path, uintmax_t{3} << 30);  // sparse: takes no room on the disk
+  std::filesystem::resize_file(huge.path, uintmax_t{3} << 30);  // sparse: occupies no disk space
   EXPECT_THAT(message_of([&] { read_tri(huge.path); }),
               HasSubstr("expected a .tri file of at most 512 MiB, found 3072 MiB"));
 }
 
-TEST(Tri, WriteReadWriteKeepsEveryByte) {
+TEST(Tri, RoundTripsBitwise) {
   constexpr uint64_t kSeed = 20261121;
   Mesh mesh;
   for (uint64_t i = 0; i < 3000; ++i) {
     const auto draw = [&](uint32_t k) {
       const RandomKey key{kSeed, i, 0, Purpose::kBoxWorld};
-      // Over all magnitudes that a float has below the limit, both signs.
+      // All magnitudes of a float below the limit, both signs.
       const double magnitude = std::pow(10.0, random_uniform(key, -44, 6.9, k));
       return static_cast<float>(random_uniform(key, k + 10) < 0.5 ? -magnitude : magnitude);
     };
@@ -201,7 +201,7 @@ TEST(Tri, WriteReadWriteKeepsEveryByte) {
   EXPECT_TRUE(format_tri(read.mesh) == once) << "seed " << kSeed;
 }
 
-TEST(Tri, DamagedFilesAreRefusedOrReadSoundly) {
+TEST(Tri, ReadsOrRejectsDamagedFiles) {
   constexpr uint64_t kSeed = 7;
   const std::string seeds[] = {
       kTetrahedron,
@@ -241,7 +241,7 @@ TEST(Tri, DamagedFilesAreRefusedOrReadSoundly) {
     }
     if (HasFatalFailure()) FAIL() << "seed " << kSeed << ", round " << round << ":\n" << text;
   }
-  // Both outcomes occur, so neither half of the law is empty.
+  // Both outcomes occur; both halves of the check are exercised.
   EXPECT_GT(accepted, kRounds / 100);
   EXPECT_LT(accepted, kRounds * 3 / 4);
 }

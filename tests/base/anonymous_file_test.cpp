@@ -1,4 +1,4 @@
-// What is put in order on disk comes back as if it had been sorted in memory.
+// ExternalSorter gives the same order as sorting in memory.
 #include "base/files/anonymous_file.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ struct ByKey {
   }
 };
 
-TEST(ExternalSorter, GivesAllInOrderHoweverManyThereAre) {
+TEST(ExternalSorter, VisitsAnyNumberOfValuesInOrder) {
   using Spill = ExternalSorter<Value, ByKey>;
   const size_t run = Spill::kRun;
   for (const size_t count : {size_t{0}, size_t{1}, run - 1, run, run + 1, 3 * run, 7 * run + 123}) {
@@ -28,7 +28,7 @@ TEST(ExternalSorter, GivesAllInOrderHoweverManyThereAre) {
     std::vector<Value> expected;
     for (size_t i = 0; i < count; ++i) {
       const double drawn = random_uniform({count, i, 0, Purpose::kHeight});
-      const Value value{static_cast<uint64_t>(drawn * 1e5), i};  // some keys several times
+      const Value value{static_cast<uint64_t>(drawn * 1e5), i};  // some keys repeat
       spill.add(value);
       expected.push_back(value);
     }

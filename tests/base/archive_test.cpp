@@ -1,4 +1,4 @@
-// What goes into an archive comes out of it to the bit; what cannot be its content is refused.
+// An archive restores every bit and rejects impossible content.
 #include "base/files/archive.h"
 
 #include <gmock/gmock.h>
@@ -59,7 +59,7 @@ std::vector<uint8_t> bytes_of(Everything e) {
   return out.bytes();
 }
 
-TEST(Archive, GivesBackEveryBit) {
+TEST(Archive, RestoresEveryBit) {
   Everything expected = example();
   Everything found;
   const std::vector<uint8_t> bytes = bytes_of(expected);
@@ -84,7 +84,7 @@ TEST(Archive, HasTheSameBytesOnEveryMachine) {
   EXPECT_THAT(out.bytes(), testing::ElementsAre(4, 3, 2, 1, 0, 0, 0, 0, 0, 0, 0xf0, 0x3f));
 }
 
-TEST(Archive, RefusesEveryCutAndWhatIsLeftOver) {
+TEST(Archive, RejectsTruncationAndSurplus) {
   std::vector<uint8_t> bytes = bytes_of(example());
   for (size_t size = 0; size < bytes.size(); ++size) {
     Everything found;
@@ -99,7 +99,7 @@ TEST(Archive, RefusesEveryCutAndWhatIsLeftOver) {
   EXPECT_THROW(in.expect_end(), InputError);
 }
 
-TEST(Archive, RefusesLengthsThatCannotBe) {
+TEST(Archive, RejectsImpossibleLengths) {
   for (const uint64_t length : {uint64_t{3}, uint64_t{1} << 40, ~uint64_t{0}}) {
     Archive out;
     uint64_t count = length;

@@ -1,4 +1,4 @@
-// A file is what it was or what was asked for, whatever goes wrong in between.
+// An atomically written file has its old or its new content, whatever fails.
 #include "base/files/atomic_file.h"
 
 #include <gmock/gmock.h>
@@ -43,7 +43,7 @@ class AtomicFile : public testing::Test {
   fs::path folder_;
 };
 
-/// Files may grow to so many bytes only, as on a full disk.
+/// Limits the size of files, as on a full disk.
 class Limit {
  public:
   explicit Limit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -63,7 +63,7 @@ class Limit {
   void (*handler_)(int);
 };
 
-TEST_F(AtomicFile, IsReplacedAndNothingIsLeftBeside) {
+TEST_F(AtomicFile, ReplacesAFileWithoutLeftovers) {
   write_file_atomically(file(), "new and longer");
   EXPECT_EQ(text_of(file()), "new and longer");
   write_file_atomically(file(), "");
@@ -73,7 +73,7 @@ TEST_F(AtomicFile, IsReplacedAndNothingIsLeftBeside) {
   EXPECT_EQ(file_count(), 2);
 }
 
-TEST_F(AtomicFile, ThatDoesNotFitLeavesTheOldOne) {
+TEST_F(AtomicFile, KeepsTheOldFileIfTheNewOneDoesNotFit) {
   {
     const Limit limit(10);
     EXPECT_THROW(
@@ -84,7 +84,7 @@ TEST_F(AtomicFile, ThatDoesNotFitLeavesTheOldOne) {
   EXPECT_EQ(file_count(), 1);
 }
 
-TEST_F(AtomicFile, KeepsItsModeItsLinksAndItsOtherNames) {
+TEST_F(AtomicFile, KeepsModeLinksAndOtherNames) {
   fs::permissions(file(), static_cast<fs::perms>(0640));
   fs::create_symlink("file", folder_ / "link");
   write_file_atomically(folder_ / "link", "through the link");
@@ -94,17 +94,17 @@ TEST_F(AtomicFile, KeepsItsModeItsLinksAndItsOtherNames) {
   fs::create_hard_link(file(), folder_ / "other");
   write_file_atomically(file(), "under both names");
   EXPECT_EQ(text_of(folder_ / "other"), "under both names");
-  fs::create_symlink("not there yet", folder_ / "dangling");
+  fs::create_symlink("missing", folder_ / "dangling");
   write_file_atomically(folder_ / "dangling", "now");
-  EXPECT_EQ(text_of(folder_ / "not there yet"), "now");
+  EXPECT_EQ(text_of(folder_ / "missing"), "now");
 }
 
-TEST_F(AtomicFile, DevicesStayDevices) {
+TEST_F(AtomicFile, WritesDevicesInPlace) {
   write_file_atomically("/dev/null", "swallowed", {.to_disk = true});
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   try {
     write_file_atomically("/dev/full", "no room", {.what = "the thing"});
-    FAIL() << "a full disk took it";
+    FAIL() << "writing to a full device succeeded";
   } catch (const EnvironmentError& error) {
     EXPECT_STREQ(error.what(), "/dev/full: cannot write the thing: No space left on device");
   }

@@ -1,4 +1,4 @@
-// The checksum: every flipped bit is certain to change it, on every machine alike.
+// The checksum detects every flipped bit and is the same on every machine.
 #include "base/checksum.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ std::vector<uint8_t> bytes_of(size_t size, uint64_t seed) {
   return out;
 }
 
-TEST(Checksum, EveryFlippedBitChangesIt) {
+TEST(Checksum, ChangesWithEveryFlippedBit) {
   constexpr uint64_t kSeed = 4;
   for (size_t size = 1; size <= 200; ++size)
     for (const bool is_zero : {false, true}) {
@@ -33,7 +33,7 @@ TEST(Checksum, EveryFlippedBitChangesIt) {
     }
 }
 
-TEST(Checksum, EveryWrongByteChangesIt) {
+TEST(Checksum, ChangesWithEveryWrongByte) {
   auto bytes = bytes_of(77, 5);
   const uint64_t sum = checksum(bytes);
   for (uint8_t& byte : bytes)
@@ -44,10 +44,10 @@ TEST(Checksum, EveryWrongByteChangesIt) {
     }
 }
 
-TEST(Checksum, TheLengthAndTheOrderCount) {
+TEST(Checksum, DependsOnLengthAndOrder) {
   std::set<uint64_t> seen;
   for (size_t size = 0; size <= 200; ++size) seen.insert(checksum(std::vector<uint8_t>(size)));
-  EXPECT_EQ(seen.size(), 201u) << "zeros at the end";
+  EXPECT_EQ(seen.size(), 201u) << "trailing zeros";
   const auto bytes = bytes_of(64, 6);
   for (size_t i = 0; i + 8 <= 64; i += 8)
     for (size_t k = i + 8; k + 8 <= 64; k += 8) {
@@ -56,10 +56,10 @@ TEST(Checksum, TheLengthAndTheOrderCount) {
       std::swap_ranges(first, first + 8, swapped.begin() + static_cast<ptrdiff_t>(k));
       seen.insert(checksum(swapped));
     }
-  EXPECT_EQ(seen.size(), 201u + 28u) << "words that change places";
+  EXPECT_EQ(seen.size(), 201u + 28u) << "swapped words";
 }
 
-// Logs hold these numbers: another result is another checksum_kind.
+// Logs store these numbers: a different result needs a new checksum_kind.
 TEST(Checksum, IsTheSameOnEveryMachine) {
   std::vector<uint8_t> bytes(100);
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(i);
@@ -68,8 +68,8 @@ TEST(Checksum, IsTheSameOnEveryMachine) {
   EXPECT_EQ(checksum(bytes), 0x279017fc1d1da4d9u);
 }
 
-TEST(Chained, IsABijectionOfTheStateAndOfTheWord) {
-  // No two of many states, and no two of many words, meet.
+TEST(Chained, IsABijectionOfStateAndWord) {
+  // No two states and no two words collide.
   std::set<uint64_t> of_states, of_words;
   for (uint64_t i = 0; i < 100'000; ++i) {
     of_states.insert(chained(i, 77));
@@ -77,7 +77,7 @@ TEST(Chained, IsABijectionOfTheStateAndOfTheWord) {
   }
   EXPECT_EQ(of_states.size(), 100'000u);
   EXPECT_EQ(of_words.size(), 100'000u);
-  EXPECT_NE(chained(0, 0), 0u) << "zeros leave a trace";
+  EXPECT_NE(chained(0, 0), 0u) << "zeros must change the state";
   EXPECT_NE(chained(chained(1, 2), 3), chained(chained(1, 3), 2)) << "the order counts";
 }
 

@@ -1,4 +1,4 @@
-// Grouping by a small key: complete, in order of the keys, and stable.
+// Grouping by a small key is complete, ordered by key, and stable.
 #include "base/counting_sort.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Figures: no text of somebody else's leaves its quotes in a script that gnuplot runs.
+// Text in a gnuplot script stays inside its quotes.
 #include "base/figure.h"
 
 #include <gtest/gtest.h>
@@ -11,14 +11,14 @@
 namespace throng::figure_test {
 namespace {
 
-TEST(FigureText, StaysInItsQuotesOnOneLine) {
+TEST(FigureText, StaysQuotedOnOneLine) {
   EXPECT_EQ(gnuplot_quoted("left hand"), "'left hand'");
   EXPECT_EQ(gnuplot_quoted("it's"), "'it''s'");
   EXPECT_EQ(gnuplot_quoted("''"), "''''''");
   EXPECT_EQ(gnuplot_quoted("a\nb\tc\x7f"), "'a b c '");
 }
 
-TEST(FigureText, RunsNoCommandOfAName) {
+TEST(FigureText, RunsNoCommandFromAName) {
   if (!has_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
   namespace fs = std::filesystem;
   const fs::path folder =

@@ -1,5 +1,4 @@
-// A race on purpose: what the workers call is watched by the thread sanitizer, although the file
-// that calls it is not.
+// A deliberate race: the thread sanitizer must see it although it skips workers.cpp.
 #include "base/workers.h"
 
 int main() {

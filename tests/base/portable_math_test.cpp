@@ -1,5 +1,4 @@
-// The elementary functions agree with the C library's, which is accurate but not the same on every
-// machine.
+// The portable functions agree with the C library, which is accurate but differs between machines.
 #include "base/portable_math.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST(Elementary, SineAndCosineAgreeWithTheCLibrary) {
+TEST(PortableMath, AgreesWithTheCLibraryOnSineAndCosine) {
   for (int i = 0; i < 1898; ++i) {
     const double angle = -13 + 0.0137 * i;
     const SinCos found = sin_cos(angle);
@@ -25,17 +24,17 @@ TEST(Elementary, SineAndCosineAgreeWithTheCLibrary) {
   }
 }
 
-TEST(Elementary, ArcTangentAgreesInEveryQuadrant) {
+TEST(PortableMath, AgreesOnArcTangentInEveryQuadrant) {
   for (uint64_t i = 0; i < 20'000; ++i) {
     const RandomKey key{.seed = 3, .id = i};
-    // Directions of every steepness, from 1e-9 to 1e9.
+    // Slopes from 1e-9 to 1e9.
     const double x = random_uniform(key, -1, 1, 0) * std::pow(10, random_uniform(key, -9, 0, 1));
     const double y = random_uniform(key, -1, 1, 2) * std::pow(10, random_uniform(key, -9, 0, 3));
     ASSERT_NEAR(arc_tan2(y, x), std::atan2(y, x), 1e-15) << y << ", " << x;
   }
 }
 
-TEST(Elementary, ArcTangentIsRightOnTheAxes) {
+TEST(PortableMath, IsExactOnTheAxes) {
   EXPECT_EQ(arc_tan2(0, 0), 0);
   EXPECT_EQ(arc_tan2(0, 2), 0);
   EXPECT_EQ(arc_tan2(3, 0), kPi / 2);
@@ -43,7 +42,7 @@ TEST(Elementary, ArcTangentIsRightOnTheAxes) {
   EXPECT_EQ(arc_tan2(0, -2), kPi);
 }
 
-TEST(Elementary, ArcSineAndCosineAgreeUpToTheirEnds) {
+TEST(PortableMath, AgreesOnArcSineAndCosineToTheirEnds) {
   for (int i = -10'000; i <= 10'000; ++i) {
     const double value = i / 10'000.0;
     ASSERT_NEAR(arc_sin(value), std::asin(value), 1e-15) << value;
@@ -51,7 +50,7 @@ TEST(Elementary, ArcSineAndCosineAgreeUpToTheirEnds) {
   }
 }
 
-TEST(Elementary, LogarithmAndCubeRootAgreeOverAllScales) {
+TEST(PortableMath, AgreesOnLogarithmAndCubeRootOverAllScales) {
   for (uint64_t i = 0; i < 20'000; ++i) {
     const RandomKey key{.seed = 4, .id = i};
     const double value = std::pow(10, random_uniform(key, -300, 300));
@@ -64,7 +63,7 @@ TEST(Elementary, LogarithmAndCubeRootAgreeOverAllScales) {
   EXPECT_EQ(cube_root(27), 3);
 }
 
-TEST(Elementary, TurningAgreesWithAngleAndAxis) {
+TEST(PortableMath, AgreesOnRotations) {
   for (uint64_t i = 0; i < 1000; ++i) {
     const RandomKey key{.seed = 5, .id = i};
     const Eigen::Vector3d axis =
@@ -89,15 +88,15 @@ double worst_error(double limit_rad, int samples) {
   return worst;
 }
 
-TEST(FloatSinCos, IsOffByLessThan2e7WithinATurn) {
+TEST(FloatSinCos, ErrsByLessThan2e7WithinATurn) {
   EXPECT_LT(worst_error(2 * std::numbers::pi, 500000), 2e-7);
 }
 
-TEST(FloatSinCos, IsOffByLessThan2e7WithinSixteenTurns) {
+TEST(FloatSinCos, ErrsByLessThan2e7WithinSixteenTurns) {
   EXPECT_LT(worst_error(100, 500000), 2e-7);
 }
 
-TEST(FloatSinCos, IsOffByLessThan2e7AtTheQuartersAndTheirNeighbours) {
+TEST(FloatSinCos, ErrsByLessThan2e7NearQuarterTurns) {
   for (int quarter = -40; quarter <= 40; ++quarter) {
     float angle = static_cast<float>(quarter * std::numbers::pi / 2);
     for (int i = 0; i < 50; ++i) angle = std::nextafterf(angle, -1000.0f);
@@ -111,7 +110,7 @@ TEST(FloatSinCos, IsOffByLessThan2e7AtTheQuartersAndTheirNeighbours) {
   }
 }
 
-TEST(FloatSinCos, KeepsTheSymmetriesToTheBit) {
+TEST(FloatSinCos, IsExactlySymmetric) {
   EXPECT_EQ(float_sin_cos(0.0f).sin, 0.0f);
   EXPECT_EQ(float_sin_cos(0.0f).cos, 1.0f);
   for (int i = 0; i < 1000; ++i) {
@@ -121,7 +120,7 @@ TEST(FloatSinCos, KeepsTheSymmetriesToTheBit) {
   }
 }
 
-TEST(FloatArcTan2, IsTheAngleOfAPointToFourMillionths) {
+TEST(FloatArcTan2, ErrsByLessThanFourMillionths) {
   for (int i = 0; i < 100'000; ++i) {
     const double angle = -std::numbers::pi + i * (2 * std::numbers::pi / 100'000);
     for (const double far : {1e-3, 1.0, 1e3}) {
@@ -133,7 +132,7 @@ TEST(FloatArcTan2, IsTheAngleOfAPointToFourMillionths) {
   EXPECT_EQ(float_arc_tan2(0, 0), 0.0f);
 }
 
-TEST(PhaseOf, LiesInACycleWhateverIsRounded) {
+TEST(PhaseOf, StaysBelowOneAfterRounding) {
   EXPECT_EQ(phase_of(0.25f), 0.25f);
   EXPECT_EQ(phase_of(3.75), 0.75f);
   EXPECT_EQ(phase_of(-0.25f), 0.75f);

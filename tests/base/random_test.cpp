@@ -1,4 +1,4 @@
-// A random number is a function of its key: no state, the promised distribution, independent
+// Random numbers are functions of their keys, with the stated distributions and independent
 // streams.
 #include "base/random.h"
 
@@ -18,15 +18,15 @@ constexpr int kDraws = 100'000;
 
 RandomKey key_of(int i) { return {.seed = 7, .id = static_cast<uint64_t>(i)}; }
 
-TEST(Random, SameKeyGivesSameBitsForEver) {
-  // Golden, from an independent implementation of the published formula: a change of these numbers
-  // changes every published hash.
+TEST(Random, GivesTheSameBitsForAKeyInEveryVersion) {
+  // From an independent implementation of the published formula. A change of these numbers changes
+  // every published hash.
   EXPECT_EQ(random_bits({}), 0xe80daf3f3371cf67ull);
   EXPECT_EQ(random_bits({.seed = 1, .id = 2, .step = 3, .purpose = Purpose::kGoal}, 4),
             0xb086e02eb80188acull);
 }
 
-TEST(Random, EveryFieldOfTheKeyCounts) {
+TEST(Random, DependsOnEveryFieldOfTheKey) {
   const RandomKey base{.seed = 1, .id = 1, .step = 1, .purpose = Purpose::kHeight};
   std::set<uint64_t> seen = {random_bits(base), random_bits(base, 1)};
   RandomKey other = base;
@@ -44,7 +44,7 @@ TEST(Random, EveryFieldOfTheKeyCounts) {
   EXPECT_EQ(seen.size(), 6u);
 }
 
-TEST(Random, UniformStaysInsideAndFillsItsInterval) {
+TEST(Random, FillsItsIntervalUniformly) {
   std::array<int, 10> bins{};
   for (int i = 0; i < kDraws; ++i) {
     const double value = random_uniform(key_of(i), -2, 3);
@@ -52,19 +52,19 @@ TEST(Random, UniformStaysInsideAndFillsItsInterval) {
     ASSERT_LT(value, 3) << "id " << i;
     ++bins[static_cast<size_t>((value + 2) * 2)];
   }
-  // A bin holds 10 000 +- 95; seven deviations never happen by chance.
+  // A bin holds 10 000 +- 95; seven standard deviations never happen by chance.
   for (const int bin : bins) EXPECT_NEAR(bin, kDraws / 10.0, 7 * 95);
 }
 
-TEST(Random, NeighbouringIdsAreUncorrelated) {
+TEST(Random, IsUncorrelatedBetweenNeighbouringIds) {
   double sum = 0;
   for (int i = 0; i < kDraws; ++i)
     sum += (random_uniform(key_of(i)) - 0.5) * (random_uniform(key_of(i + 1)) - 0.5);
-  // The product of two uniforms about zero has deviation 1/12.
+  // The product of two centred uniforms has standard deviation 1/12.
   EXPECT_NEAR(sum / kDraws, 0, 7.0 / 12 / std::sqrt(kDraws));
 }
 
-TEST(Random, NormalHasItsMeanDeviationAndShape) {
+TEST(Random, HasNormalMeanDeviationAndShape) {
   double sum = 0;
   double squares = 0;
   int within_one = 0;

@@ -1,5 +1,5 @@
-// The door for foreign parsers: whatever a parser does, the caller gets its bytes or one line of
-// words in bounded time, and nothing of the child is left.
+// Whatever a sandboxed parser does, the caller gets its bytes or a one-line error in bounded time,
+// and nothing of the child remains.
 #include "base/files/sandboxed_parser.h"
 
 #include <fcntl.h>
@@ -43,7 +43,7 @@ size_t open_descriptors() {
       std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
 }
 
-class Apart : public testing::Test {
+class SandboxedParserTest : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / fmt::format("throng_apart_{}", ::getpid());
@@ -52,8 +52,8 @@ class Apart : public testing::Test {
     descriptors_ = open_descriptors();
   }
   void TearDown() override {
-    EXPECT_EQ(open_descriptors(), descriptors_) << "a descriptor is left";
-    EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+    EXPECT_EQ(open_descriptors(), descriptors_) << "a descriptor leaked";
+    EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child was not reaped";
     EXPECT_EQ(errno, ECHILD);
     fs::remove_all(folder_);
   }
@@ -80,12 +80,12 @@ class Apart : public testing::Test {
   size_t descriptors_ = 0;
 };
 
-/// Not known to the compiler, which would see through a loop without end.
+/// Volatile: the compiler may remove a loop that it knows to be endless.
 volatile bool for_ever = true;
 
 Bytes as_it_is(const RegularFile& file) { return file.bytes(); }
 
-TEST_F(Apart, TheParsersBytesComeBack) {
+TEST_F(SandboxedParserTest, ReturnsTheBytes) {
   EXPECT_EQ(parse_sandboxed(file(), kParser, {}, as_it_is),
             Bytes({'s', 'o', 'm', 'e', ' ', 'b', 'y', 't', 'e', 's'}));
   EXPECT_EQ(parse_sandboxed(file(), kParser, {}, [](const RegularFile&) { return Bytes(); }),
@@ -95,7 +95,7 @@ TEST_F(Apart, TheParsersBytesComeBack) {
   EXPECT_EQ(parse_sandboxed(file(), kParser, {}, [&](const RegularFile&) { return large; }), large);
 }
 
-TEST_F(Apart, PiecesComeInTheirOrder) {
+TEST_F(SandboxedParserTest, PassesPiecesInOrder) {
   const RegularFile foo(file(), "a foo", 1 << 20);
   Bytes made(5'000'003);
   std::iota(made.begin(), made.end(), uint8_t{0});
@@ -115,7 +115,7 @@ TEST_F(Apart, PiecesComeInTheirOrder) {
   EXPECT_EQ(taken, made);
 }
 
-TEST_F(Apart, WhatGoesWrongAfterSomePiecesIsAnError) {
+TEST_F(SandboxedParserTest, ReportsErrorsAfterSomePieces) {
   const RegularFile foo(file(), "a foo", 1 << 20);
   size_t taken = 0;
   const auto count = [&](std::span<const uint8_t> piece) { taken += piece.size(); };
@@ -157,7 +157,7 @@ TEST_F(Apart, WhatGoesWrongAfterSomePiecesIsAnError) {
               EndsWith("a.foo:7: expected a number, found none"));
 }
 
-TEST_F(Apart, TimeToTakePiecesIsNotTheChilds) {
+TEST_F(SandboxedParserTest, DoesNotCountTheTimeToTakePieces) {
   const RegularFile foo(file(), "a foo", 1 << 20);
   int taken = 0;
   parse_sandboxed_in_pieces(
@@ -172,7 +172,7 @@ TEST_F(Apart, TimeToTakePiecesIsNotTheChilds) {
   EXPECT_EQ(taken, 8);
 }
 
-TEST_F(Apart, AParserThatThrowsIsQuoted) {
+TEST_F(SandboxedParserTest, QuotesExceptions) {
   EXPECT_THAT(
       complaint([](const RegularFile&) -> Bytes { throw ParseFailure("two\nfeet", "three"); }),
       EndsWith("a.foo: expected two feet, found three"));
@@ -187,7 +187,7 @@ TEST_F(Apart, AParserThatThrowsIsQuoted) {
             3000u);
 }
 
-TEST_F(Apart, AParserThatCrashesIsAnErrorOfTheFile) {
+TEST_F(SandboxedParserTest, ReportsACrashAsAnErrorOfTheFile) {
   const auto dies_of = [](int number) {
     return [number](const RegularFile&) -> Bytes {
       ::raise(number);
@@ -202,7 +202,7 @@ TEST_F(Apart, AParserThatCrashesIsAnErrorOfTheFile) {
               HasSubstr("(SIGABRT)"));
 }
 
-TEST_F(Apart, SignalsThatStopAProgramAreTheParentsBusiness) {
+TEST_F(SandboxedParserTest, LeavesStopSignalsToTheParent) {
   EXPECT_EQ(parse_sandboxed(file(), kParser, {},
                             [](const RegularFile& foo) {
                               for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT})
@@ -213,7 +213,7 @@ TEST_F(Apart, SignalsThatStopAProgramAreTheParentsBusiness) {
             10u);
 }
 
-TEST_F(Apart, ASignalToTheParentDoesNotEndTheWait) {
+TEST_F(SandboxedParserTest, KeepsWaitingWhenTheParentGetsASignal) {
   struct sigaction quiet = {}, before = {};
   quiet.sa_handler = [](int) {};
   ::sigaction(SIGUSR1, &quiet, &before);
@@ -235,10 +235,10 @@ TEST_F(Apart, ASignalToTheParentDoesNotEndTheWait) {
   ::sigaction(SIGUSR1, &before, nullptr);
 }
 
-TEST_F(Apart, AParserThatEndsTheProcessEndsNothingOfTheParent) {
-  // What the parent has yet to write is written once, by the parent.
-  const fs::path said = file("said.txt");
-  FILE* out = std::fopen(said.c_str(), "w");
+TEST_F(SandboxedParserTest, SurvivesALibraryThatExits) {
+  // The parent's buffered output is written once.
+  const fs::path output = file("output.txt");
+  FILE* out = std::fopen(output.c_str(), "w");
   std::fputs("once", out);
   static bool is_parent = true;
   static fs::path touched = file("touched");
@@ -251,11 +251,11 @@ TEST_F(Apart, AParserThatEndsTheProcessEndsNothingOfTheParent) {
               }),
               HasSubstr("one on which libfoo ends the process that reads it"));
   std::fclose(out);
-  EXPECT_EQ(fs::file_size(said), 4u);
+  EXPECT_EQ(fs::file_size(output), 4u);
   EXPECT_FALSE(fs::exists(touched));
 }
 
-TEST_F(Apart, AParserThatNeverEndsIsStopped) {
+TEST_F(SandboxedParserTest, StopsAnEndlessParser) {
   const SandboxLimits quick = {.cpu_s = 1, .wall_s = 0.2};
   EXPECT_THAT(complaint(
                   [](const RegularFile&) -> Bytes {
@@ -274,27 +274,27 @@ TEST_F(Apart, AParserThatNeverEndsIsStopped) {
               HasSubstr("one that keeps libfoo busy for more than 1 s of processor time"));
 }
 
-TEST_F(Apart, AParserThatWantsAllMemoryIsStopped) {
+TEST_F(SandboxedParserTest, LimitsMemory) {
   const auto hoard = [](const RegularFile&) -> Bytes {
     std::vector<Bytes> all;
     while (for_ever) all.emplace_back(16 << 20, uint8_t{1});
     return {};
   };
   EXPECT_THAT(complaint(hoard, {.max_memory_bytes = 256 << 20}),
-              HasSubstr("one for which libfoo wants more than 256 MiB of memory; make another"));
+              HasSubstr("one for which libfoo needs more than 256 MiB of memory; make another"));
 }
 
-TEST_F(Apart, AParserThatMakesTooMuchIsStopped) {
+TEST_F(SandboxedParserTest, LimitsTheResult) {
   const SandboxLimits small = {.max_result_bytes = 1 << 20};
   const auto makes = [](size_t bytes) {
     return [bytes](const RegularFile&) { return Bytes(bytes); };
   };
   EXPECT_EQ(complaint(makes(1 << 20), small), "accepted");
   EXPECT_THAT(complaint(makes((1 << 20) + 1), small),
-              HasSubstr("one of which libfoo makes more than 1 MiB; make another"));
+              HasSubstr("one from which libfoo makes more than 1 MiB; make another"));
 }
 
-/// The one descriptor of the child that is a pipe.
+/// The only descriptor of the child that is a pipe.
 int pipe_of_child() {
   for (int number = 3; number < 1000; ++number) {
     struct stat status = {};
@@ -303,30 +303,31 @@ int pipe_of_child() {
   return -1;
 }
 
-TEST_F(Apart, AnAnswerThatIsNoneIsNotBelieved) {
-  const auto says = [](const Bytes& what) {
+TEST_F(SandboxedParserTest, RejectsInvalidReplies) {
+  const auto replying = [](const Bytes& what) {
     return [what](const RegularFile&) -> Bytes {
       if (::write(pipe_of_child(), what.data(), what.size()) < 0) ::_exit(3);
       ::_exit(0);
     };
   };
-  EXPECT_THAT(complaint(says({})), HasSubstr("ends the process"));
-  EXPECT_THAT(complaint(says({1, 2, 3})), HasSubstr("ends the process"));
-  EXPECT_THAT(complaint(says(Bytes(1000, 0xff))), HasSubstr("ends the process"));
+  EXPECT_THAT(complaint(replying({})), HasSubstr("ends the process"));
+  EXPECT_THAT(complaint(replying({1, 2, 3})), HasSubstr("ends the process"));
+  EXPECT_THAT(complaint(replying(Bytes(1000, 0xff))), HasSubstr("ends the process"));
   const auto head = [](sandbox::ReplyHeader answer) {
     const auto* at = reinterpret_cast<const uint8_t*>(&answer);
     return Bytes(at, at + sizeof answer);
   };
-  EXPECT_THAT(complaint(says(head({.size = 10}))), HasSubstr("ends the process")) << "half of it";
-  EXPECT_THAT(complaint(says(head({.size = ~0ull}))), HasSubstr("makes more than"));
-  EXPECT_THAT(complaint(says(head({.kind = sandbox::ReplyHeader::Kind{77}}))),
+  EXPECT_THAT(complaint(replying(head({.size = 10}))), HasSubstr("ends the process"))
+      << "half of it";
+  EXPECT_THAT(complaint(replying(head({.size = ~0ull}))), HasSubstr("makes more than"));
+  EXPECT_THAT(complaint(replying(head({.kind = sandbox::ReplyHeader::Kind{77}}))),
               HasSubstr("ends the"));
-  EXPECT_THAT(
-      complaint(says(head({.kind = sandbox::ReplyHeader::Kind::kRefused, .expected_size = ~0ull}))),
-      HasSubstr("a.foo: expected , found "));
+  EXPECT_THAT(complaint(replying(
+                  head({.kind = sandbox::ReplyHeader::Kind::kRefused, .expected_size = ~0ull}))),
+              HasSubstr("a.foo: expected , found "));
 }
 
-TEST_F(Apart, TheChildHasNothingOfTheParent) {
+TEST_F(SandboxedParserTest, IsolatesTheChildFromTheParent) {
   const int mine = ::open(file().c_str(), O_RDONLY);
   const auto look = [&](const RegularFile& foo) {
     Bytes out;
@@ -352,7 +353,7 @@ TEST_F(Apart, TheChildHasNothingOfTheParent) {
       << "its file | stdin, stdout, stderr are /dev/null | no core | no file can be written";
 }
 
-TEST_F(Apart, WorksWithoutStandardStreams) {
+TEST_F(SandboxedParserTest, WorksWithoutStandardStreams) {
   int saved[3];
   for (int i = 0; i < 3; ++i) saved[i] = ::fcntl(i, F_DUPFD_CLOEXEC, 10);
   for (int i = 0; i < 3; ++i) ::close(i);
@@ -364,7 +365,7 @@ TEST_F(Apart, WorksWithoutStandardStreams) {
   EXPECT_EQ(read.size(), 10u);
 }
 
-TEST_F(Apart, WorksWhereChildrenAreReapedByOthers) {
+TEST_F(SandboxedParserTest, WorksWithIgnoredChildSignals) {
   const auto before = ::signal(SIGCHLD, SIG_IGN);
   const Bytes read = parse_sandboxed(file(), kParser, {}, as_it_is);
   const std::string crash = complaint([](const RegularFile&) -> Bytes { std::abort(); });
@@ -373,7 +374,7 @@ TEST_F(Apart, WorksWhereChildrenAreReapedByOthers) {
   EXPECT_THAT(crash, HasSubstr("ends the process that reads it"));
 }
 
-TEST_F(Apart, OnlyRegularFilesAreOpened) {
+TEST_F(SandboxedParserTest, OpensRegularFilesOnly) {
   EXPECT_THAT(complaint(as_it_is, {}, "none.foo"), HasSubstr("expected a foo, found no such file"));
   EXPECT_THAT(complaint(as_it_is, {}, "."), HasSubstr("found a directory"));
   ASSERT_EQ(::mkfifo(file("pipe.foo").c_str(), 0600), 0);
@@ -389,7 +390,7 @@ TEST_F(Apart, OnlyRegularFilesAreOpened) {
               HasSubstr("expected a foo of at most 9 bytes, found 10 bytes"));
 }
 
-TEST_F(Apart, SeveralThreadsMayAskAtOnce) {
+TEST_F(SandboxedParserTest, RunsInSeveralThreads) {
   std::vector<std::jthread> threads;
   std::atomic<int> read = 0;
   for (int t = 0; t < 4; ++t)
@@ -401,7 +402,7 @@ TEST_F(Apart, SeveralThreadsMayAskAtOnce) {
   EXPECT_EQ(read, 100);
 }
 
-TEST_F(Apart, AParserDiesWithItsParent) {
+TEST_F(SandboxedParserTest, EndsWithItsParent) {
   const pid_t parent = ::fork();
   if (parent == 0) {
     try {
@@ -422,7 +423,7 @@ TEST_F(Apart, AParserDiesWithItsParent) {
   }
   ::kill(parent, SIGKILL);
   ::waitpid(parent, nullptr, 0);
-  if (child == 0) GTEST_SKIP() << "this kernel does not tell whose children are whose";
+  if (child == 0) GTEST_SKIP() << "this kernel does not list the children of a process";
   const auto is_there = [&] {
     std::string line;
     std::getline(std::ifstream(fmt::format("/proc/{}/stat", child)) >> std::ws, line);

@@ -1,4 +1,4 @@
-// Which vector instructions a machine has, by name.
+// SIMD targets of this machine and their names.
 #include "base/simd.h"
 
 #include <gmock/gmock.h>
@@ -14,13 +14,13 @@ namespace {
 constexpr SimdTarget kAll[] = {SimdTarget::kBest, SimdTarget::kScalar, SimdTarget::kSse4,
                                SimdTarget::kAvx2, SimdTarget::kAvx512};
 
-TEST(Simd, NamesLeadBackToTheirTarget) {
+TEST(Simd, FindsATargetByItsName) {
   for (const SimdTarget target : kAll) EXPECT_EQ(simd_target_of(name_of(target)), target);
   EXPECT_EQ(simd_target_of("neon"), std::nullopt);
   EXPECT_EQ(simd_target_of(""), std::nullopt);
 }
 
-TEST(Simd, MachineListStartsAtScalarRisesAndLeavesBestOut) {
+TEST(Simd, ListsTargetsFromScalarUpwardsWithoutBest) {
   const std::vector<SimdTarget> targets = simd_targets_of_this_machine();
   ASSERT_FALSE(targets.empty());
   EXPECT_EQ(targets.front(), SimdTarget::kScalar);
@@ -28,7 +28,7 @@ TEST(Simd, MachineListStartsAtScalarRisesAndLeavesBestOut) {
   EXPECT_THAT(targets, testing::Not(testing::Contains(SimdTarget::kBest)));
 }
 
-TEST(Simd, TargetResolvesToItselfOrIsRefusedByName) {
+TEST(Simd, ResolvesATargetOrRejectsItByName) {
   const std::vector<SimdTarget> has = simd_targets_of_this_machine();
   EXPECT_EQ(resolved(SimdTarget::kBest), has.back());
   for (const SimdTarget target : kAll) {
@@ -39,7 +39,7 @@ TEST(Simd, TargetResolvesToItselfOrIsRefusedByName) {
     }
     try {
       resolved(target);
-      ADD_FAILURE() << name_of(target) << " is not on this machine and was accepted";
+      ADD_FAILURE() << name_of(target) << " is not supported here and was accepted";
     } catch (const EnvironmentError& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr(std::string(name_of(target))));
     }

@@ -1,5 +1,5 @@
-// Names and text from files: what passes is UTF-8 that no terminal obeys, and what does not is
-// shown.
+// Names and text from files: valid text is UTF-8 without terminal control sequences, other bytes
+// are escaped.
 #include "base/text.h"
 
 #include <gtest/gtest.h>
@@ -26,8 +26,8 @@ TEST(Names, AreShortPrintableUtf8) {
   EXPECT_EQ(defect_of_name("a\xff"), "one with bytes that are no UTF-8: 'a\\xff'");
 }
 
-TEST(Text, OfAnyBytesIsShownAsAName) {
-  // Cut characters, surrogates, what is longer than it need be, beyond the last code point.
+TEST(Text, EscapesAnyBytes) {
+  // Truncated characters, surrogates, overlong forms, code points beyond the last one.
   for (const char* bytes : {"\xc3", "\xe6\x97", "\xed\xa0\x80", "\xc0\xaf", "\xe0\x80\xaf",
                             "\xf4\x90\x80\x80", "\xf8", "\x80"}) {
     EXPECT_EQ(find_invalid_utf8(bytes), 0u);
@@ -45,12 +45,12 @@ TEST(Text, OfAnyBytesIsShownAsAName) {
     if (text.find_first_not_of(" \t\r\n") != std::string::npos) {
       ASSERT_EQ(defect_of_name(name), "") << "seed " << seed;
     }
-    ASSERT_EQ(escaped(fit), fit) << "what is shown needs no more, seed " << seed;
+    ASSERT_EQ(escaped(fit), fit) << "escaping twice changes nothing, seed " << seed;
   }
 }
 
-TEST(Text, NamesAreSaidAsAPersonSaysThem) {
-  for (const auto& [name, said] : std::vector<std::pair<std::string, std::string>>{
+TEST(Text, MakesReadableNames) {
+  for (const auto& [name, shown] : std::vector<std::pair<std::string, std::string>>{
            {"upperRightLeg", "upper right leg"},
            {"RightHand", "right hand"},
            {"left_hip_pitch_link", "left hip pitch link"},
@@ -62,12 +62,12 @@ TEST(Text, NamesAreSaidAsAPersonSaysThem) {
            {"torso", "torso"},
            {"_", "_"},
            {"", ""}}) {
-    EXPECT_EQ(display_name(name), said);
-    EXPECT_EQ(display_name(display_name(name)), said) << "said twice";
+    EXPECT_EQ(display_name(name), shown);
+    EXPECT_EQ(display_name(display_name(name)), shown) << "applied twice";
   }
 }
 
-TEST(Text, OneOfAThingIsOne) {
+TEST(Text, UsesTheSingularForOne) {
   EXPECT_EQ(counted(0, "pair"), "0 pairs");
   EXPECT_EQ(counted(1, "pair"), "1 pair");
   EXPECT_EQ(counted(size_t{2}, "pair"), "2 pairs");
@@ -75,7 +75,7 @@ TEST(Text, OneOfAThingIsOne) {
   EXPECT_EQ(counted(uint64_t{1} << 60, "byte"), "1152921504606846976 bytes");
 }
 
-TEST(Text, HasOnePieceMoreThanSeparators) {
+TEST(Text, SplitsIntoOnePieceMoreThanSeparators) {
   using Pieces = std::vector<std::string>;
   EXPECT_EQ(split_text("", ','), Pieces({""}));
   EXPECT_EQ(split_text("a", ','), Pieces({"a"}));

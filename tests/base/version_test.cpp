@@ -1,4 +1,4 @@
-// Which Throng a result came from: git is asked with every build, and only about these sources.
+// The version of a result: the build asks git about these sources only.
 #include "base/version.h"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the build would compile for the sources in this folder.
+/// The version source that a build writes for the sources in this folder.
 std::string written_for(const fs::path& sources) {
   const fs::path out = sources / "version.cpp";
   const std::string command = "cmake '-DOUT=" + out.string() + "' '-DSOURCE=" + sources.string() +
@@ -41,19 +41,19 @@ TEST_F(Version, NamesReleaseAndCommit) {
   EXPECT_THAT(std::string(commit()), testing::MatchesRegex("[0-9a-f]+(-dirty)?|unknown"));
 }
 
-TEST_F(Version, IsTheOneToCite) {
+TEST_F(Version, EqualsTheCitation) {
   std::ifstream in(THRONG_SOURCE_DIR "/CITATION.cff");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   EXPECT_THAT(text, testing::HasSubstr("\nversion: " + std::string(version()) + "\n"));
 }
 
-TEST_F(Version, SourcesWithoutGitAreOfAnUnknownCommit) {
+TEST_F(Version, IsUnknownWithoutGit) {
   const std::string text = written_for(folder_);
   EXPECT_THAT(text, testing::HasSubstr("return \"1.2.3\";"));
   EXPECT_THAT(text, testing::HasSubstr("return \"unknown\";"));
 }
 
-TEST_F(Version, SourcesInsideAnotherCheckoutAreNotOfItsCommit) {
+TEST_F(Version, IgnoresAnOuterCheckout) {
   const std::string git = "git -C '" + folder_.string() + "' ";
   ASSERT_EQ(std::system((git + "init -q && " + git +
                          "-c user.name=a -c user.email=a@b commit -q --allow-empty -m a")
@@ -64,7 +64,7 @@ TEST_F(Version, SourcesInsideAnotherCheckoutAreNotOfItsCommit) {
   EXPECT_THAT(written_for(folder_ / "archive"), testing::HasSubstr("return \"unknown\";"));
 }
 
-TEST_F(Version, TheSameAnswerLeavesTheFileAlone) {
+TEST_F(Version, KeepsTheFileIfNothingChanged) {
   written_for(folder_);
   const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
   fs::last_write_time(folder_ / "version.cpp", long_ago);

@@ -1,4 +1,4 @@
-// Workers run every block exactly once, on a worker they have.
+// Workers run every block exactly once, on a valid worker.
 #include "base/workers.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 class WorkersTest : public testing::TestWithParam<int> {};
 
-TEST_P(WorkersTest, EveryBlockRunsOnceOnAKnownWorker) {
+TEST_P(WorkersTest, RunsEveryBlockOnceOnAValidWorker) {
   Workers workers(GetParam());
   EXPECT_EQ(workers.threads(), GetParam());
   for (const int blocks : {0, 1, 2, 7, 1000}) {
@@ -26,8 +26,8 @@ TEST_P(WorkersTest, EveryBlockRunsOnceOnAKnownWorker) {
   }
 }
 
-TEST_P(WorkersTest, NoTwoBlocksRunOnOneWorkerAtATime) {
-  // What scratch memory per worker relies on.
+TEST_P(WorkersTest, RunsOneBlockPerWorkerAtATime) {
+  // Scratch memory per worker relies on this.
   Workers workers(GetParam());
   std::vector<std::atomic<int>> busy(static_cast<size_t>(GetParam()));
   std::atomic<int> clashes = 0;
@@ -40,7 +40,7 @@ TEST_P(WorkersTest, NoTwoBlocksRunOnOneWorkerAtATime) {
   EXPECT_EQ(clashes, 0);
 }
 
-TEST_P(WorkersTest, BlocksSeeWhatCameBefore) {
+TEST_P(WorkersTest, ShowsEarlierWritesToBlocks) {
   Workers workers(GetParam());
   std::vector<int> values(512, 1);
   for (int round = 0; round < 12; ++round)

@@ -1,4 +1,4 @@
-// `throng bench` as a user meets it.
+// Tests `throng bench` as a user runs it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,21 +14,21 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What `throng bench` with the options says, to people and to machines; a failure fails the test.
-struct Told {
+/// Output and JSON of `throng bench`; a failed command fails the test.
+struct BenchOutput {
   std::string out;
   nlohmann::json json;
 };
-Told bench_told(const std::string& options, const ScratchFolder& folder) {
-  const Outcome run = shell("throng bench " + options + " --json told.json", folder);
+BenchOutput run_bench(const std::string& options, const ScratchFolder& folder) {
+  const Outcome run = shell("throng bench " + options + " --json bench.json", folder);
   EXPECT_EQ(run.exit_code, 0) << options << ": " << run.out << run.err;
   if (run.exit_code != 0) return {};
-  return {run.out, nlohmann::json::parse(read_file(folder / "told.json"))};
+  return {run.out, nlohmann::json::parse(read_file(folder / "bench.json"))};
 }
 
-TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
+TEST(BenchCommand, MeasuresThrongWithoutEngines) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--avatars 100 --density 4 --frames 2 --engines none", folder);
+  auto [out, json] = run_bench("--avatars 100 --density 4 --frames 2 --engines none", folder);
   EXPECT_THAT(out, HasSubstr("throng ordop26"));
   EXPECT_GT(json["throng"]["ms"].get<double>(), 0);
   EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
@@ -40,9 +40,9 @@ TEST(BenchCommand, WithoutEnginesStillMeasuresOurs) {
   EXPECT_GT(json["peak_rss_bytes"].get<uint64_t>(), 1'000'000u);
 }
 
-TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
+TEST(BenchCommand, ReportsTheLoadByQuarters) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--avatars 400 --density 4 --frames 10 --engines none", folder);
+  auto [out, json] = run_bench("--avatars 400 --density 4 --frames 10 --engines none", folder);
   EXPECT_THAT(out, HasSubstr("frames 1 to 2 "));
   EXPECT_THAT(out, HasSubstr("frames 8 to 10 "));
   ASSERT_EQ(json["quarters"].size(), 4u);
@@ -51,9 +51,9 @@ TEST(BenchCommand, TellsHowTheLoadGrowsWhileTheCrowdMixes) {
   EXPECT_LT(json["quarters"][0]["pairs"], json["quarters"][3]["pairs"]);
 }
 
-TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
+TEST(BenchCommand, RunsThePlazaAtItsOwnDensity) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--crowd plaza --avatars 200 --frames 3 --engines none", folder);
+  auto [out, json] = run_bench("--crowd plaza --avatars 200 --frames 3 --engines none", folder);
   EXPECT_THAT(out, HasSubstr("plaza: 200 avatars"));
   EXPECT_EQ(json["crowd"], "plaza");
   EXPECT_GT(json["density_per_m2"].get<double>(), 0.05);
@@ -61,15 +61,15 @@ TEST(BenchCommand, ThePlazaSteersAndHasItsOwnDensity) {
   EXPECT_EQ(shell("throng bench --crowd plaza --density 2 --engines none", folder).exit_code, 2);
 }
 
-TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
+TEST(BenchCommand, ComparesOrSkipsEveryEngine) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--avatars 60 --density 4 --frames 2", folder);
+  auto [out, json] = run_bench("--avatars 60 --density 4 --frames 2", folder);
   for (const bench::EngineKind& kind : bench::engine_kinds()) {
     const auto& rows = kind.make != nullptr ? json["engines"] : json["skipped"];
-    bool named = false;
+    bool is_listed = false;
     for (const auto& row : rows) {
       if (row["name"] != std::string(kind.name)) continue;
-      named = true;
+      is_listed = true;
       if (kind.make != nullptr) {
         EXPECT_TRUE(row["agrees"].get<bool>()) << kind.name;
         EXPECT_GT(row["ms"].get<double>(), 0) << kind.name;
@@ -80,11 +80,11 @@ TEST(BenchCommand, EveryEngineIsComparedOrNamedWithTheReason) {
         EXPECT_EQ(row["reason"].get<std::string>(), std::string(kind.missing));
       }
     }
-    EXPECT_TRUE(named) << kind.name << " is neither compared nor named as skipped";
+    EXPECT_TRUE(is_listed) << kind.name << " is neither compared nor listed as skipped";
   }
 }
 
-TEST(BenchCommand, CsvGrowsByTheRowsOfEachRun) {
+TEST(BenchCommand, AppendsRowsToCsv) {
   const ScratchFolder folder;
   const std::string line = "throng bench --avatars 50 --frames 1 --engines none --csv b.csv";
   ASSERT_EQ(shell(line + "\n" + line, folder).exit_code, 0);
@@ -93,29 +93,29 @@ TEST(BenchCommand, CsvGrowsByTheRowsOfEachRun) {
   EXPECT_TRUE(csv.starts_with("avatars,per_m2,threads,")) << csv;
 }
 
-TEST(BenchCommand, AgedAndFreshDoTheSameWork) {
+TEST(BenchCommand, CountsEqualWorkForAgedAndFresh) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--avatars 100 --frames 2 --engines none --age 30", folder);
+  auto [out, json] = run_bench("--avatars 100 --frames 2 --engines none --age 30", folder);
   EXPECT_EQ(json["walked_frames"], 30);
   EXPECT_GT(json["throng"]["aged_work"].get<uint64_t>(), 0u);
   EXPECT_EQ(json["throng"]["aged_work"], json["throng"]["fresh_work"]);
 }
 
-TEST(BenchCommand, PartsPrintsTheMatrixOfAVolume) {
+TEST(BenchCommand, PrintsTheFalsePositiveMatrix) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--avatars 40 --density 4 --frames 1 --parts obb", folder);
+  auto [out, json] = run_bench("--avatars 40 --density 4 --frames 1 --false-positives obb", folder);
   EXPECT_THAT(out, HasSubstr("obb, part by part"));
   EXPECT_EQ(json["matrix"].size(), 15u * 16 / 2);
   EXPECT_EQ(json["volumes"]["ordop26"]["missed"], 0);
 }
 
-TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
+TEST(BenchCommand, TimesSteeringModelsNextToRvo2) {
   const ScratchFolder folder;
-  auto [out, json] = bench_told("--steering --avatars 1000 --frames 2", folder);
-  EXPECT_THAT(out, HasSubstr("It did not run here"));
+  auto [out, json] = run_bench("--steering --avatars 1000 --frames 2", folder);
+  EXPECT_THAT(out, HasSubstr("RVO2 did not run here"));
   ASSERT_EQ(json["steering"].size(), 3u);
   EXPECT_EQ(json["steering"][0]["model"], "orca");
-  EXPECT_EQ(json["steering"][1]["model"], "speed");
+  EXPECT_EQ(json["steering"][1]["model"], "collision_free_speed");
   EXPECT_EQ(json["steering"][2]["model"], "heuristic");
   for (const auto& row : json["steering"]) {
     EXPECT_EQ(row["people"], 1000);
@@ -124,7 +124,7 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
     EXPECT_GT(row["frame_ms"].get<double>(), 0);
     EXPECT_EQ(row["rvo2_ms"], 1.08);
   }
-  // It is known for one core and for some numbers of people.
+  // The reference time is known for one core and certain numbers of people only.
   for (const char* others : {"--avatars 50", "--avatars 1000 --threads 2"}) {
     const Outcome other =
         shell(std::string("throng bench --steering --frames 1 --json s.json ") + others, folder);
@@ -134,20 +134,20 @@ TEST(BenchCommand, SteeringTimesEachModelBesideWhatIsKnownOfRvo2) {
   }
 }
 
-TEST(BenchCommand, TakesAModelOfYourOwn) {
+TEST(BenchCommand, AcceptsACustomModel) {
   const ScratchFolder folder;
   const std::string robot =
       repository("tests/kinematics/fixtures/humanoid_description/urdf/humanoid.urdf");
   auto [out, json] =
-      bench_told("--avatars 60 --density 4 --frames 2 --engines none --model " + robot, folder);
+      run_bench("--avatars 60 --density 4 --frames 2 --engines none --model " + robot, folder);
   EXPECT_THAT(out, HasSubstr("humanoid.urdf: 60 avatars"));
   EXPECT_GT(json["throng"]["pairs"].get<int>(), 0);
-  auto [parts, matrix] =
-      bench_told("--avatars 30 --density 4 --frames 1 --parts ordop26 --model " + robot, folder);
+  auto [parts, matrix] = run_bench(
+      "--avatars 30 --density 4 --frames 1 --false-positives ordop26 --model " + robot, folder);
   EXPECT_EQ(matrix["matrix"].size(), 19u * 20 / 2);
   for (const auto& volume : matrix["volumes"]) EXPECT_EQ(volume["missed"], 0);
   const std::string one = repository("tests/kinematics/fixtures/single.urdf");
-  EXPECT_GT(bench_told("--avatars 60 --density 4 --frames 2 --engines none --model " + one, folder)
+  EXPECT_GT(run_bench("--avatars 60 --density 4 --frames 2 --engines none --model " + one, folder)
                 .json["throng"]["pairs"]
                 .get<int>(),
             0);
@@ -157,8 +157,8 @@ TEST(BenchCommand, TakesAModelOfYourOwn) {
   EXPECT_EQ(shell("throng bench --crowd plaza --model " + one, folder).exit_code, 2);
 }
 
-/// The example's engine on exported frames; what it found is then spoilt in each way that there is.
-TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
+/// Runs the example's engine on exported frames and then falsifies its result in several ways.
+TEST(BenchCommand, ChecksPairsOfAnotherProgram) {
   const ScratchFolder folder;
   const Outcome exported =
       shell("throng bench --export f --avatars 80 --density 4 --frames 2", folder);
@@ -176,40 +176,40 @@ TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
   ASSERT_EQ(shell("custom_engine f", folder).exit_code, 0);
   const Outcome agreed = shell("throng bench --check f/found.csv", folder);
   EXPECT_EQ(agreed.exit_code, 0) << agreed.out;
-  EXPECT_THAT(agreed.out, HasSubstr("0 missing, 0 that are none\nthey agree"));
+  EXPECT_THAT(agreed.out, HasSubstr("0 missing, 0 unexpected\nthey agree"));
 
-  const auto judged = [&](const std::string& text) {
-    std::ofstream(folder / "f/spoilt.csv") << text;
-    return shell("throng bench --check f/spoilt.csv", folder);
+  const auto checked = [&](const std::string& text) {
+    std::ofstream(folder / "f/altered.csv") << text;
+    return shell("throng bench --check f/altered.csv", folder);
   };
   const size_t second = pairs.find('\n', pairs.find('\n') + 1) + 1;
   const std::string header = "frame,a,b\n",
                     first = pairs.substr(header.size(), second - header.size());
-  const Outcome left_out = judged(header + pairs.substr(second));
-  EXPECT_EQ(left_out.exit_code, 1);
-  EXPECT_THAT(left_out.out, HasSubstr("1 missing, 0 that are none\nfirst missing: frame 0, "));
-  const Outcome twice = judged(pairs + first);
+  const Outcome incomplete = checked(header + pairs.substr(second));
+  EXPECT_EQ(incomplete.exit_code, 1);
+  EXPECT_THAT(incomplete.out, HasSubstr("1 missing, 0 unexpected\nfirst missing: frame 0, "));
+  const Outcome twice = checked(pairs + first);
   EXPECT_EQ(twice.exit_code, 1);
-  EXPECT_THAT(twice.out, HasSubstr("0 missing, 0 that are none, 1 twice\nfirst twice: frame 0, "));
-  const Outcome beyond = judged(pairs + "1,0,1\n");
+  EXPECT_THAT(twice.out, HasSubstr("0 missing, 0 unexpected, 1 twice\nfirst twice: frame 0, "));
+  const Outcome beyond = checked(pairs + "1,0,1\n");
   EXPECT_EQ(beyond.exit_code, 1);
-  EXPECT_THAT(beyond.out, HasSubstr("first not a pair: frame 1, 0 (pelvis of 0) and 1 ("));
+  EXPECT_THAT(beyond.out, HasSubstr("first unexpected: frame 1, 0 (pelvis of 0) and 1 ("));
 
-  // Parts: boxes may be reported that do not touch, and none that touches may be missing.
+  // Boxes of parts may overlap without contact; a touching pair must not be missing.
   std::string parts = pairs;
   parts.replace(0, header.size(), "frame,part_a,part_b\n");
-  EXPECT_EQ(judged(parts).exit_code, 0);
+  EXPECT_EQ(checked(parts).exit_code, 0);
   const size_t last = touching.rfind('\n', touching.size() - 2) + 1;
-  const Outcome missed = judged(touching.substr(0, last));
+  const Outcome missed = checked(touching.substr(0, last));
   EXPECT_EQ(missed.exit_code, 1);
   EXPECT_THAT(missed.out, HasSubstr("1 of these missing"));
 
   for (const auto& [text, expected] : std::map<std::string, std::string>{
-           {"a,b\n", "f/spoilt.csv:1: expected frame,a,b or frame,part_a,part_b, found 'a,b'"},
-           {header + "0,1\n", "f/spoilt.csv:2: expected three whole numbers, FRAME,A,B"},
-           {header + "0,1,-2\n", "f/spoilt.csv:2: expected three whole numbers"},
-           {header + "0,1,2,3\n", "f/spoilt.csv:2: expected three whole numbers"}}) {
-    const Outcome refused = judged(text);
+           {"a,b\n", "f/altered.csv:1: expected frame,a,b or frame,part_a,part_b, found 'a,b'"},
+           {header + "0,1\n", "f/altered.csv:2: expected three whole numbers, FRAME,A,B"},
+           {header + "0,1,-2\n", "f/altered.csv:2: expected three whole numbers"},
+           {header + "0,1,2,3\n", "f/altered.csv:2: expected three whole numbers"}}) {
+    const Outcome refused = checked(text);
     EXPECT_EQ(refused.exit_code, 2) << text;
     EXPECT_THAT(refused.err, HasSubstr(expected));
     EXPECT_EQ(line_count(refused.err), 1);
@@ -219,11 +219,11 @@ TEST(BenchCommand, JudgesWhatAnotherProgramFinds) {
   EXPECT_EQ(shell("throng bench --check none.csv", folder).exit_code, 2);
 }
 
-TEST(BenchCommand, RefusesWhatItDoesNotKnow) {
+TEST(BenchCommand, RejectsInvalidOptions) {
   const ScratchFolder folder;
   for (const char* options :
-       {"--engines fcll", "--simd mmx", "--parts cube", "--avatars 1", "--density 0", "--age 0",
-        "--engines fcl,", "--steering --age 3", "--steering --crowd plaza",
+       {"--engines fcll", "--simd mmx", "--false-positives cube", "--avatars 1", "--density 0",
+        "--age 0", "--engines fcl,", "--steering --age 3", "--steering --crowd plaza",
         "--steering --csv a.csv", "--steering --engines fcl", "--steering --pair-search grid"}) {
     const Outcome run = shell(std::string("throng bench ") + options, folder);
     EXPECT_EQ(run.exit_code, 2) << options << ": " << run.err;

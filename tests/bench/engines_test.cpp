@@ -1,4 +1,4 @@
-// What a time may be printed for: engines that list the same pairs as every box against every box.
+// Tests that all engines list the same pairs as brute force: only then their times are printed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class BenchCrowd : public testing::Test {
   Crowd crowd;
 };
 
-TEST_F(BenchCrowd, ReferenceIsEveryBoxAgainstEveryBox) {
+TEST_F(BenchCrowd, ReferenceEqualsBruteForce) {
   CrowdBoxes boxes(crowd, crowd.body_type());
   for (int frame = 0; frame < 3; ++frame) {
     for (int step = 0; step < 30; ++step) crowd.advance();
@@ -43,7 +43,7 @@ TEST_F(BenchCrowd, ReferenceIsEveryBoxAgainstEveryBox) {
   }
 }
 
-TEST_F(BenchCrowd, BoxesAreTightAroundThePlacedVertices) {
+TEST_F(BenchCrowd, BoundsPlacedVerticesTightly) {
   const auto type = crowd.body_type();
   CrowdBoxes boxes(crowd, type);
   const BoxList list = boxes.compute();
@@ -64,14 +64,14 @@ TEST_F(BenchCrowd, BoxesAreTightAroundThePlacedVertices) {
   }
 }
 
-TEST_F(BenchCrowd, EveryEngineListsThePairsOfBruteForceWhileItsStructureFollows) {
+TEST_F(BenchCrowd, EnginesMatchBruteForceInEveryFrame) {
   CrowdBoxes boxes(crowd, crowd.body_type());
   for (const EngineKind& kind : engine_kinds()) {
     if (kind.make == nullptr) continue;
     for (const int threads : {1, 2}) {
       const std::unique_ptr<Engine> engine = kind.make(threads);
       engine->build(boxes.compute());
-      std::vector<BoxPair> found = {{7, 7}};  // to be replaced
+      std::vector<BoxPair> found = {{7, 7}};  // must be replaced
       for (int frame = 0; frame < 20; ++frame) {
         crowd.advance();
         const BoxList list = boxes.compute();
@@ -86,7 +86,7 @@ TEST_F(BenchCrowd, EveryEngineListsThePairsOfBruteForceWhileItsStructureFollows)
   }
 }
 
-TEST(BenchComparison, ComparesEveryEngineThatIsBuiltIn) {
+TEST(BenchComparison, ComparesAllBuiltInEngines) {
   const BenchResult result = compare({.avatars = 60,
                                       .per_m2 = 4,
                                       .frames = 3,
@@ -107,7 +107,7 @@ TEST(BenchComparison, ComparesEveryEngineThatIsBuiltIn) {
   EXPECT_EQ(result.ratio_fastest() > 0, !result.engines.empty());
 }
 
-TEST(BenchComparison, OnlyAgreeingEnginesCount) {
+TEST(BenchComparison, IgnoresEnginesThatDisagree) {
   BenchResult result;
   result.engines.resize(2);
   result.engines[0] = {.name = "wrong", .ms = {1, 1, 1}, .agrees = false, .ratio = 2};
@@ -119,7 +119,7 @@ TEST(BenchComparison, OnlyAgreeingEnginesCount) {
   EXPECT_EQ(result.ratio_fcl(), 0);
 }
 
-TEST(BenchAgeing, OurWorkIsThatOfAFreshStructure) {
+TEST(BenchAgeing, DoesTheWorkOfAFreshStructure) {
   const AgeingResult result = age({.avatars = 80, .per_m2 = 4, .frames = 3, .engines = built_in()},
                                   40, [](const std::string&) {});
   EXPECT_GT(result.fresh_work, 1000u);
@@ -128,11 +128,11 @@ TEST(BenchAgeing, OurWorkIsThatOfAFreshStructure) {
   for (const AgedEngine& engine : result.engines) EXPECT_TRUE(engine.agrees) << engine.name;
 }
 
-TEST(BenchSpread, IsOfTheSortedValues) {
-  const TimeStats odd = time_stats_of({5, 1, 3});
-  EXPECT_EQ(odd.min, 1);
-  EXPECT_EQ(odd.median, 3);
-  EXPECT_EQ(odd.p95, 5);
+TEST(TimeStats, UsesSortedValues) {
+  const TimeStats stats = time_stats_of({5, 1, 3});
+  EXPECT_EQ(stats.min, 1);
+  EXPECT_EQ(stats.median, 3);
+  EXPECT_EQ(stats.p95, 5);
   EXPECT_EQ(time_stats_of({4, 2}).median, 3);
   EXPECT_EQ(time_stats_of({}).median, 0);
 }

@@ -1,4 +1,4 @@
-// The false-positive table: no volume misses, tighter ones report less, and the sums add up.
+// Tests the false-positive table: no misses, fewer reports of tighter volumes, consistent sums.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -26,7 +26,7 @@ class FalsePositiveTable : public testing::Test {
   }
 };
 
-TEST_F(FalsePositiveTable, NoVolumeMissesATouchingPair) {
+TEST_F(FalsePositiveTable, HasNoMissedPair) {
   EXPECT_GT(table().touching, 50u);
   for (const VolumeReport& volume : table().volumes) {
     EXPECT_EQ(volume.missed, 0u) << volume.name;
@@ -34,18 +34,18 @@ TEST_F(FalsePositiveTable, NoVolumeMissesATouchingPair) {
   }
 }
 
-TEST_F(FalsePositiveTable, MoreDirectionsReportLess) {
+TEST_F(FalsePositiveTable, ReportsLessWithMoreDirections) {
   EXPECT_GE(reported("ordop14"), reported("ordop18"));
   EXPECT_GE(reported("ordop18"), reported("ordop26"));
   EXPECT_GE(reported("aabb"), reported("aabb_vertices"));
   EXPECT_GE(reported("aabb_vertices"), reported("kdop14_vertices"));
   EXPECT_GE(reported("kdop26"), reported("kdop26_vertices"));
   EXPECT_GT(reported("sphere"), reported("ordop26"));
-  // Its margins are not those of the volume alone, so a pair more or less is possible.
+  // Its margins are not those of the volume alone: a pair more or less is possible.
   EXPECT_LT(reported("pipeline"), reported("ordop14"));
 }
 
-TEST_F(FalsePositiveTable, MatrixAddsUpToTheTable) {
+TEST_F(FalsePositiveTable, MatrixSumsToTheTable) {
   PartCell sum;
   for (size_t a = 0; a < table().parts.size(); ++a)
     for (size_t b = 0; b < table().parts.size(); ++b) {

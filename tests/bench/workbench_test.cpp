@@ -1,5 +1,5 @@
-// The workbench: volumes of the project keep the law on it, a volume that misses is caught with the
-// pair that shows it, and what a volume leaves out is made up for.
+// Tests the workbench: project volumes have no misses, a miss is reported with its pair, and
+// missing functions of a volume are replaced.
 #include "bench/workbench/workbench.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using bench::TestedVolumeOf;
 
 constexpr uint64_t kSeed = 20266;
 
-/// Too small by a tenth of its radius.
+/// Radius too small by a tenth.
 struct ThinSphere : Sphere {
   static Fitted fit(std::span<const Eigen::Vector3f> points) {
     Fitted sphere = Sphere::fit(points);
@@ -26,7 +26,7 @@ struct ThinSphere : Sphere {
   }
 };
 
-/// Nothing but a fit and a test.
+/// Has only a fit and a test.
 struct BareSphere {
   static Sphere::Fitted fit(std::span<const Eigen::Vector3f> points) { return Sphere::fit(points); }
   static bool overlaps(const bench::PosedPart<Sphere::Fitted>& a,
@@ -37,7 +37,7 @@ struct BareSphere {
   }
 };
 
-/// Many at once; of every seventh pair it says what `kWrong` says.
+/// Tests many pairs at once; for every seventh pair it returns `kWrong`.
 template <bool kWrong>
 struct KernelSphere : Sphere {
   static void overlaps_many(std::span<const Placed> placed,
@@ -59,7 +59,7 @@ NoMissResult law_of(const bench::TestedVolume& volume, uint64_t pairs, int threa
   return sum;
 }
 
-TEST(Workbench, TheVolumesOfTheProjectKeepTheLaw) {
+TEST(Workbench, FindsNoMissInProjectVolumes) {
   for (const bench::TestedVolume* volume : bench::project_volumes()) {
     const NoMissResult sum = law_of(*volume, 1000, 1);
     EXPECT_EQ(sum.missed, 0u) << volume->name() << ": " << sum.first_miss->where;
@@ -68,11 +68,11 @@ TEST(Workbench, TheVolumesOfTheProjectKeepTheLaw) {
   }
 }
 
-TEST(Workbench, CatchesAVolumeThatIsTooSmallAndShowsThePair) {
+TEST(Workbench, ReportsTheMissedPairOfASmallVolume) {
   const NoMissResult sum = law_of(TestedVolumeOf<ThinSphere>("thin"), 20'000, 2);
   EXPECT_GT(sum.missed, 0u);
   ASSERT_TRUE(sum.first_miss);
-  // The pair stands for itself: its triangles touch, and the volume says that it is apart.
+  // The pair reproduces the miss: its triangles touch, and the volume reports it as apart.
   const bench::Miss& miss = *sum.first_miss;
   TriangleCounters counters;
   EXPECT_TRUE(solids_touch({miss.shape_a.points, miss.shape_a.triangles}, miss.a.pose, miss.a.scale,
@@ -86,7 +86,7 @@ TEST(Workbench, CatchesAVolumeThatIsTooSmallAndShowsThePair) {
   EXPECT_NE(bench::to_text(miss).find("seed 20266"), std::string::npos);
 }
 
-TEST(Workbench, SamePairsForAnyNumberOfThreads) {
+TEST(Workbench, DrawsTheSamePairsForAnyThreadCount) {
   const TestedVolumeOf<ThinSphere> thin("thin");
   const NoMissResult one = law_of(thin, 5000, 1), three = law_of(thin, 5000, 3);
   EXPECT_EQ(one.tested, three.tested);
@@ -96,7 +96,7 @@ TEST(Workbench, SamePairsForAnyNumberOfThreads) {
   EXPECT_EQ(bench::to_text(*one.first_miss), bench::to_text(*three.first_miss));
 }
 
-TEST(Workbench, AFitAndATestAreEnough) {
+TEST(Workbench, NeedsOnlyFitAndTest) {
   const NoMissResult bare = law_of(TestedVolumeOf<BareSphere>("bare"), 5000, 1);
   const NoMissResult whole = law_of(TestedVolumeOf<Sphere>("sphere"), 5000, 1);
   EXPECT_EQ(bare.tested, whole.tested);
@@ -104,12 +104,12 @@ TEST(Workbench, AFitAndATestAreEnough) {
   EXPECT_EQ(bare.missed, 0u);
 }
 
-TEST(Workbench, AKernelHasToAgreeWithItsTest) {
+TEST(Workbench, DetectsADifferingKernel) {
   EXPECT_EQ(law_of(TestedVolumeOf<KernelSphere<false>>("kernel"), 5000, 1).differing, 0u);
   EXPECT_GT(law_of(TestedVolumeOf<KernelSphere<true>>("kernel"), 5000, 1).differing, 0u);
 }
 
-TEST(Workbench, PutsAVolumeBesideThoseOfTheProject) {
+TEST(Workbench, ComparesAVolumeWithProjectVolumes) {
   WorkbenchOptions options{.proximity_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
   const WorkbenchResult result = try_volume(TestedVolumeOf<BareSphere>("bare"), options);
   EXPECT_TRUE(result.has_no_misses());
@@ -123,7 +123,7 @@ TEST(Workbench, PutsAVolumeBesideThoseOfTheProject) {
     uint64_t passed = 0;
     for (const bench::PartCell& cell : counted.matrix) passed += cell.passed;
     EXPECT_EQ(counted.matrix_volume, "bare");
-    EXPECT_EQ(passed, counted.volumes.front().reported);  // the sphere's
+    EXPECT_EQ(passed, counted.volumes.front().reported);  // those of the sphere, an equal volume
   }
   const std::string text = to_text(result);
   EXPECT_NE(text.find("bare: 0 of "), std::string::npos);

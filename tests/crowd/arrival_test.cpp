@@ -1,5 +1,5 @@
-// Arrival: every agent arrives at a goal that it can walk to, however shallow the goal is, and is
-// stranded at once before one that it cannot.
+// Tests of arrival: agents reach every goal with a path to it, however shallow, and are stranded at
+// once otherwise.
 #include "crowd/navigation/arrival.h"
 
 #include <gtest/gtest.h>
@@ -18,10 +18,10 @@
 namespace throng::arrival_test {
 namespace {
 
-constexpr int kStepsASecond = 20;
+constexpr int kStepsPerSecond = 20;
 constexpr int kMaxDuration_s = 120;
 constexpr int kPeople = 24;
-/// Of each kind of goal, depth and model.
+/// Runs per kind of goal, depth and model.
 constexpr uint64_t kSeeds = 1;
 constexpr std::array<double, 9> kDepths_m = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5};
 
@@ -32,7 +32,7 @@ struct Plan {
   bool is_reached = true;
 };
 
-/// Goals so deep on a ground of 12 m by 9 m, whose people start in its north.
+/// Goals of one depth on a ground of 12 m by 9 m with agents in its north.
 std::vector<Plan> plans(double depth_m) {
   const Obstacle wall = box(6, 0.9, 12, 0.2);  // up to y = 1
   const auto along = [&](double y) { return Rectangle{{2, y}, {10, y + depth_m}}; };
@@ -65,7 +65,7 @@ std::vector<Plan> plans(double depth_m) {
 Scene scene_of(const Plan& plan, SteeringKind model, uint64_t seed) {
   Scene scene;
   scene.seed = seed;
-  scene.step_s = 1.0 / kStepsASecond;
+  scene.step_s = 1.0 / kStepsPerSecond;
   scene.ground = {{0, 0}, {12, 9}};
   scene.steering.model = model;
   scene.obstacles = plan.obstacles;
@@ -82,19 +82,19 @@ int stranded(const SmallWorld& world) {
   return people;
 }
 
-/// Steps until so many have left, at most for `longest_s`; returns the time.
-double leave(SmallWorld& world, uint64_t people, int longest_s = kMaxDuration_s) {
+/// Steps until this number has left, at most for `max_s`; returns the time.
+double leave(SmallWorld& world, uint64_t people, int max_s = kMaxDuration_s) {
   int step = 0;
-  for (; step < longest_s * kStepsASecond && world.crowd.population().counters().left < people;
+  for (; step < max_s * kStepsPerSecond && world.crowd.population().counters().left < people;
        ++step)
     world.crowd.step();
-  return step / double{kStepsASecond};
+  return step / double{kStepsPerSecond};
 }
 
-class Goals : public testing::TestWithParam<SteeringKind> {};
+class Arrival : public testing::TestWithParam<SteeringKind> {};
 
-TEST_P(Goals, AreReachedHoweverShallowOrLeaveAllStrandedAtOnce) {
-  double longest_s = 0;
+TEST_P(Arrival, ReachesShallowGoalsOrStrandsAllAtOnce) {
+  double max_s = 0;
   int runs = 0;
   for (const double depth_m : kDepths_m)
     for (const Plan& plan : plans(depth_m))
@@ -108,15 +108,15 @@ TEST_P(Goals, AreReachedHoweverShallowOrLeaveAllStrandedAtOnce) {
           continue;
         }
         EXPECT_EQ(stranded(world), 0);
-        longest_s = std::max(longest_s, leave(world, kPeople));
+        max_s = std::max(max_s, leave(world, kPeople));
         EXPECT_EQ(world.crowd.population().counters().left, kPeople);
       }
   printf("goals %s: %d runs, all arrived within %.1f s\n", std::string(name_of(GetParam())).c_str(),
-         runs, longest_s);
+         runs, max_s);
 }
 
-/// Between two walls, and between a wall and the corner of a box that is turned by 45 degrees.
-TEST_P(Goals, AreReachedThroughOpeningsOfABodysWidth) {
+/// Between two walls, and between a wall and the corner of a box turned by 45 degrees.
+TEST_P(Arrival, ReachesGoalsThroughOpeningsOfBodyWidth) {
   for (const double width_m : {0.52, 0.57, 0.6, 0.65, 0.8})
     for (const bool is_turned : {false, true}) {
       SCOPED_TRACE(testing::Message() << width_m << " m wide" << (is_turned ? ", turned box" : ""));
@@ -134,7 +134,7 @@ TEST_P(Goals, AreReachedThroughOpeningsOfABodysWidth) {
     }
 }
 
-/// How many stay.
+/// Number of staying agents.
 int staying(const SmallWorld& world) {
   int people = 0;
   for (uint32_t id = 0; id < world.crowd.size(); ++id)
@@ -142,7 +142,7 @@ int staying(const SmallWorld& world) {
   return people;
 }
 
-TEST_P(Goals, HoldNobodyWhoStaysBehindOthersThatStay) {
+TEST_P(Arrival, StopsAgentsBehindStayingOnes) {
   for (const double depth_m : {0.02, 0.3, 0.5})
     for (const Plan& plan : plans(depth_m)) {
       if (!plan.is_reached) continue;
@@ -151,14 +151,15 @@ TEST_P(Goals, HoldNobodyWhoStaysBehindOthersThatStay) {
       Scene scene = scene_of(plan, GetParam(), 3);
       scene.groups[0].on_arrival = OnArrival::kStay;
       SmallWorld world(scene, 1);
-      for (int step = 0; step < kMaxDuration_s * kStepsASecond && staying(world) < kPeople; ++step)
+      for (int step = 0; step < kMaxDuration_s * kStepsPerSecond && staying(world) < kPeople;
+           ++step)
         world.crowd.step();
       EXPECT_EQ(staying(world), kPeople);
     }
 }
 
-/// Cells are 1 m wide there, and the first free one before a wall lies up to 1.7 m off.
-TEST_P(Goals, AreReachedOnAGroundWithCoarseCells) {
+/// Cells are 1 m wide here, and the first free one before a wall is up to 1.7 m away.
+TEST_P(Arrival, ReachesGoalsOnCoarseCells) {
   for (const Plan& plan : plans(0.01)) {
     if (plan.name != "wall" && plan.name != "walled_corner") continue;
     SCOPED_TRACE(plan.name);
@@ -170,19 +171,19 @@ TEST_P(Goals, AreReachedOnAGroundWithCoarseCells) {
   }
 }
 
-TEST_P(Goals, AreReachedAlikeForEveryNumberOfThreadsAndAfterACheckpoint) {
+TEST_P(Arrival, IsIndependentOfThreadsAndCheckpoints) {
   for (const char* const name : {"wall", "middle", "short_edge"})
     for (const Plan& plan : plans(0.1)) {
       if (plan.name != name) continue;
       SCOPED_TRACE(name);
       Scene scene = scene_of(plan, GetParam(), 4);
       scene.groups[0].on_arrival = OnArrival::kStay;
-      expect_same_walk(scene, 6 * kStepsASecond + 3, 10 * kStepsASecond);
+      expect_same_walk(scene, 6 * kStepsPerSecond + 3, 10 * kStepsPerSecond);
     }
 }
 
-/// In a corner or a door of 1 m those who go on meet those who come, which is another matter.
-TEST_P(Goals, OnTheWayAreReachedHoweverShallow) {
+/// Without corners and a door of 1 m, where departing agents meet arriving ones.
+TEST_P(Arrival, ReachesShallowWaypoints) {
   for (const double depth_m : {0.01, 0.1, 0.3})
     for (const Plan& plan : plans(depth_m)) {
       if (!plan.is_reached || plan.name == "door" || plan.name.ends_with("corner")) continue;
@@ -200,7 +201,7 @@ TEST_P(Goals, OnTheWayAreReachedHoweverShallow) {
     }
 }
 
-TEST_P(Goals, AreReachedByDiscsOfEverySize) {
+TEST_P(Arrival, ReachesGoalsForEveryDiscSize) {
   for (const double radius_m : {0.1, 0.4, 0.8})
     for (const double depth_m : {0.01, 0.1, 0.3, 0.5})
       for (const Plan& plan : plans(depth_m)) {
@@ -217,7 +218,7 @@ TEST_P(Goals, AreReachedByDiscsOfEverySize) {
       }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Goals,
+INSTANTIATE_TEST_SUITE_P(Models, Arrival,
                          testing::Values(SteeringKind::kHeuristic, SteeringKind::kOrca,
                                          SteeringKind::kCollisionFreeSpeed),
                          [](const auto& each) { return std::string(name_of(each.param)); });

@@ -1,4 +1,4 @@
-// How people walk: alone, head on, in a throng, beside walls.
+// Tests of walking: alone, head-on, in crowds and along walls.
 #include "crowd/crowd.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ uint64_t hash_of(const Crowd& crowd) {
   return hash.value();
 }
 
-TEST(Crowd, SomebodyAloneWalksAtTheFreeSpeed) {
+TEST(Crowd, WalksALoneAgentAtItsDesiredSpeed) {
   Scene scene;
   scene.ground = {{0, 0}, {44, 2}};
   scene.groups = {group(1, {{0.5, 0.5}, {1.5, 1.5}}, {{{42, 0}, {44, 2}}})};
@@ -48,7 +48,7 @@ TEST(Crowd, SomebodyAloneWalksAtTheFreeSpeed) {
   EXPECT_NEAR(40 / seconds, 1.33, 0.01) << "40 m took " << seconds << " s";
 }
 
-TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
+TEST(Crowd, TurnsHeadsBeforeBodiesAndWithinTheirLimit) {
   // East, then north round the corner of a wall.
   Scene scene;
   scene.ground = {{0, 0}, {12, 12}};
@@ -68,12 +68,12 @@ TEST(Crowd, HeadsTurnToTheWayBeforeTheBodyDoesAndNoFartherThanTheyCan) {
       before = world.crowd.headings()[0].y();
     }
   }
-  EXPECT_LT(looked, 0.1) << "nobody looks aside on a straight way";
-  EXPECT_GT(max, 0.2) << "to the left, where the way goes on";
+  EXPECT_LT(looked, 0.1) << "agents look ahead on a straight path";
+  EXPECT_GT(max, 0.2) << "to the left, where the path continues";
   EXPECT_LT(before, 0.95) << "while the body has not turned north yet";
 }
 
-TEST(Crowd, WhatIsWalkedIsTheWayBetweenPositions) {
+TEST(Crowd, ReportsDisplacementsBetweenPositions) {
   SmallWorld world(crossing(2, 40), 1);
   for (int step = 0; step < 200; ++step) {
     const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
@@ -85,7 +85,7 @@ TEST(Crowd, WhatIsWalkedIsTheWayBetweenPositions) {
   }
 }
 
-TEST(Crowd, TwoWhoMeetHeadOnPassEachOther) {
+TEST(Crowd, LetsHeadOnAgentsPass) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene;
@@ -104,11 +104,11 @@ TEST(Crowd, TwoWhoMeetHeadOnPassEachOther) {
     }
     EXPECT_GT(world.crowd.positions_m()[0].x(), 17) << "the first did not get past";
     EXPECT_LT(world.crowd.positions_m()[1].x(), 3) << "the second did not get past";
-    EXPECT_GT(nearest_m, 0.36) << "they ran into each other";
+    EXPECT_GT(nearest_m, 0.36) << "the discs overlap too much";
   }
 }
 
-TEST(Crowd, NobodyEntersOrCrossesAWall) {
+TEST(Crowd, KeepsAgentsOutOfWalls) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     SmallWorld world(crossing(seed, 600), 2);
@@ -121,7 +121,7 @@ TEST(Crowd, NobodyEntersOrCrossesAWall) {
       for (size_t i = 0; i < before.size(); ++i) {
         const Eigen::Vector2d& now = world.crowd.positions_m()[i];
         nearest_m = std::min(nearest_m, walkable.clearance_m(now));
-        ASSERT_FALSE(walkable.crosses(before[i], now)) << "person " << i << " step " << step;
+        ASSERT_FALSE(walkable.crosses(before[i], now)) << "agent " << i << ", step " << step;
       }
       ASSERT_GE(nearest_m, 0) << "step " << step;
     }
@@ -129,7 +129,7 @@ TEST(Crowd, NobodyEntersOrCrossesAWall) {
   }
 }
 
-TEST(Crowd, WalksTheSameForEveryNumberOfThreadsByEveryModel) {
+TEST(Crowd, IsIndependentOfThreadsForEveryModel) {
   for (const SteeringKind model : all_steering_kinds()) {
     for (const bool density_dependent_speed : {false, true}) {
       SCOPED_TRACE(testing::Message()
@@ -147,7 +147,7 @@ TEST(Crowd, WalksTheSameForEveryNumberOfThreadsByEveryModel) {
   }
 }
 
-TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
+TEST(Crowd, IsIndependentOfSimdTargetForEveryModel) {
   for (const SteeringKind model : all_steering_kinds()) {
     for (const bool density_dependent_speed : {false, true}) {
       SCOPED_TRACE(testing::Message()
@@ -165,7 +165,7 @@ TEST(Crowd, WalksTheSameOnEverySimdTargetAndByEveryModel) {
   }
 }
 
-TEST(Crowd, TheModelsWalkDifferently) {
+TEST(Crowd, DependsOnTheModel) {
   std::set<uint64_t> hashes;
   for (const SteeringKind model : all_steering_kinds())
     for (const bool density_dependent_speed : {false, true}) {
@@ -178,8 +178,7 @@ TEST(Crowd, TheModelsWalkDifferently) {
   EXPECT_EQ(hashes.size(), 2 * all_steering_kinds().size());
 }
 
-/// Round a corner each keeps to a side of their own: the way is that of somebody beside them.
-TEST(Crowd, WhoeverKeepsToASideWalksAsSomebodyBesideThemDoes) {
+TEST(Journeys, ApplyTheLateralOffset) {
   Scene scene;
   scene.ground = {{0, 0}, {40, 40}};
   scene.obstacles = {box(14, 26, 28, 28)};
@@ -198,7 +197,8 @@ TEST(Crowd, WhoeverKeepsToASideWalksAsSomebodyBesideThemDoes) {
     side.offset_m = offset_m;
     const Eigen::Vector2d own = journeys.direction(0, at_m, side);
     EXPECT_EQ(own, journeys.direction(0, side.beside_m(at_m, direction)));
-    // Beside the latest way as long as it goes on, and beside the shortest where it turned.
+    // The place is offset from the latest direction while that stays, otherwise from the shortest
+    // path.
     EXPECT_EQ(journeys.direction(0, at_m, {offset_m, direction}), own);
     EXPECT_EQ(journeys.direction(0, at_m, {offset_m, -direction}), own);
     EXPECT_EQ(journeys.direction(0, at_m, {0, -direction}), direction);
@@ -207,7 +207,7 @@ TEST(Crowd, WhoeverKeepsToASideWalksAsSomebodyBesideThemDoes) {
   EXPECT_GT(turned, 100);
 }
 
-/// Flow over x = 0, people a second, from the 10th to the 40th.
+/// Flow over x = 0 (people per second) between the 10th and the 40th agent.
 double flow_through_a_door(int people, uint64_t seed) {
   Scene scene;
   scene.seed = seed;
@@ -225,14 +225,15 @@ double flow_through_a_door(int people, uint64_t seed) {
     if (first_s == 0 && through >= 10) first_s = step * scene.step_s;
     if (through >= 40) last_s = step * scene.step_s;
   }
-  EXPECT_GT(last_s, 0) << "40 of " << people << " never got through";
+  EXPECT_GT(last_s, 0) << "fewer than 40 of " << people << " passed";
   return 30 / (last_s - first_s);
 }
 
-/// However many press behind, a door of 1 m carries what is observed: from 1.2 a second (Weidmann
-/// 1993) to 15 % more than the mean of experiments (1.86; analysis/validation/empirical_tables.h).
-TEST(Crowd, AJamPressesNobodyThroughADoor) {
-  // Thirty people say it to a tenth; the experiments' mean is that of many more.
+/// A door of 1 m must carry at least 1.2 people per second (Weidmann 1993), however large the crowd
+/// behind it. The upper bound is 15 % above the mean of experiments (1.86;
+/// analysis/validation/empirical_tables.h).
+TEST(Crowd, LimitsDoorFlowInAJam) {
+  // Enough seeds for the mean: one run of 40 agents is accurate to a tenth.
   constexpr uint64_t kSeeds = 24;
   double few = 0, many = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -247,9 +248,8 @@ TEST(Crowd, AJamPressesNobodyThroughADoor) {
   EXPECT_LT(many, 1.3 * few);
 }
 
-/// Density slows people as Weidmann observed; those who keep no gap by themselves walk at their
-/// free speed without it.
-TEST(Crowd, DensitySpeedSlowsAStream) {
+/// Density slows agents as Weidmann observed; models without a time gap otherwise keep their speed.
+TEST(Crowd, SlowsStreamsByDensity) {
   const auto mean_speed = [](double density_per_m2, bool density_dependent_speed) {
     Scene scene;
     scene.seed = 4;
@@ -266,7 +266,7 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
       world.crowd.step();
       if (step < 180) continue;
       for (size_t i = 0; i < world.crowd.size(); ++i) {
-        // The middle of the stream: neither its thin front nor those at the start.
+        // Only the middle of the stream, without its thin front and its start.
         const double x = world.crowd.positions_m()[i].x();
         if (x < 8 || x > 20) continue;
         walked_m += world.crowd.displacements_m()[i];
@@ -283,8 +283,8 @@ TEST(Crowd, DensitySpeedSlowsAStream) {
   EXPECT_NEAR(at_2, 0.61, 0.2);
 }
 
-/// In a passage too narrow to overtake, a crowd in haste behind somebody slow.
-TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
+/// A crowd behind a slow agent in a passage too narrow to overtake.
+TEST(Crowd, PushesNoAgentFasterThanItWalks) {
   for (const bool density_dependent_speed : {false, true}) {
     SCOPED_TRACE(testing::Message() << "density_dependent_speed " << density_dependent_speed);
     Scene scene;
@@ -300,12 +300,12 @@ TEST(Crowd, ThoseBehindPushNobodyFasterThanOneWalks) {
     const double from_m = world.crowd.positions_m()[0].x();
     for (int step = 0; step < 20 * 60; ++step) world.crowd.step();
     const double mean_mps = (world.crowd.positions_m()[0].x() - from_m) / 20;
-    std::printf("[ figures ] free speed 0.4 m/s, walked at %.3f m/s\n", mean_mps);
-    EXPECT_LT(mean_mps, 1.2 * 0.4 + 0.005) << "people speed up by a fifth at most";
+    std::printf("[ figures ] desired speed 0.4 m/s, walked at %.3f m/s\n", mean_mps);
+    EXPECT_LT(mean_mps, 1.2 * 0.4 + 0.005) << "agents speed up by a fifth at most";
   }
 }
 
-TEST(Crowd, HeadingsAreUnitAndTurnNoFasterThanTheLimit) {
+TEST(Crowd, KeepsHeadingsUnitAndTurnRatesLimited) {
   SmallWorld world(crossing(3, 400), 1);
   std::vector<Eigen::Vector2d> before(world.crowd.headings().begin(), world.crowd.headings().end());
   for (int step = 0; step < 300; ++step) {
@@ -324,7 +324,7 @@ struct Plaza {
   double seconds;
 };
 
-TEST(Crowd, EverybodyDecidesTenTimesASecondAndAStepHasItsShareOfThem) {
+TEST(Crowd, SpreadsTenDecisionsPerSecondOverSteps) {
   for (const double steps_a_second : {30.0, 60.0}) {
     Scene scene = load_scene("plaza");
     scene.step_s = 1 / steps_a_second;
@@ -342,7 +342,7 @@ TEST(Crowd, EverybodyDecidesTenTimesASecondAndAStepHasItsShareOfThem) {
   }
 }
 
-/// The bundled plaza: discs hardly overlap, nobody spins. Returns the longest stall.
+/// Checks overlaps and heading rates of the bundled plaza. Returns the longest stall (s).
 double expect_plaza_keeps_moving(const Plaza& plaza) {
   SCOPED_TRACE(testing::Message() << "seed " << plaza.seed << ", " << plaza.seconds << " s");
   Scene scene = load_scene("plaza");
@@ -358,7 +358,7 @@ double expect_plaza_keeps_moving(const Plaza& plaza) {
   const SteeringCounters& counters = world.crowd.counters();
   std::printf(
       "[ figures ] plaza, seed %d, %.0f s: deepest overlap %.3f m, longest stall %.1f s, mean "
-      "heading rate %.3f rad/s, %.1f sweeps a decision, at most %d\n",
+      "heading rate %.3f rad/s, %.1f sweeps per decision, at most %d\n",
       static_cast<int>(plaza.seed), plaza.seconds, deepest_m, stall_s,
       counters.mean_heading_rate_radps(), counters.mean_sweeps(), counters.max_sweeps);
   EXPECT_LT(deepest_m, 0.05);
@@ -367,11 +367,11 @@ double expect_plaza_keeps_moving(const Plaza& plaza) {
   return stall_s;
 }
 
-TEST(Crowd, APlazaKeepsMovingForFiveMinutes) { EXPECT_LT(expect_plaza_keeps_moving({1, 300}), 5); }
+TEST(Crowd, KeepsAPlazaMovingForFiveMinutes) { EXPECT_LT(expect_plaza_keeps_moving({1, 300}), 5); }
 
-/// A knot of ten people may take some seconds to come undone, but it is rare and it does. The
-/// median of nine seeds differs by 0.3 s from that of nine others.
-TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
+/// A knot of ten agents may rarely last some seconds. The medians of two sets of nine seeds differ
+/// by 0.3 s.
+TEST(Crowd, KeepsAPlazaMovingForEverySeed) {
   std::vector<double> stalls_s;
   const uint64_t last = test::is_nightly() ? 28 : 8;
   for (uint64_t seed = 2; seed <= last; ++seed)
@@ -381,14 +381,14 @@ TEST(Crowd, APlazaKeepsMovingWhateverTheSeed) {
   EXPECT_LT(stalls_s.back(), 8);
 }
 
-TEST(Spawn, NobodyStandsInAnObstacleOrInAnotherPerson) {
+TEST(Spawn, PlacesAgentsClearOfObstaclesAndEachOther) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const SmallWorld world(crossing(seed, 1600), 1);
     const std::vector<AgentSpec>& people = world.spawned.people;
     int unplaced = 0;
     for (const int count : world.spawned.unplaced) unplaced += count;
-    EXPECT_EQ(people.size() + static_cast<size_t>(unplaced), 1600u) << "somebody vanished";
+    EXPECT_EQ(people.size() + static_cast<size_t>(unplaced), 1600u) << "an agent is missing";
     for (size_t i = 0; i < people.size(); ++i) {
       ASSERT_GE(world.map.walkable().clearance_m(people[i].position_m), people[i].radius_m);
       for (size_t j = 0; j < i; ++j)
@@ -398,7 +398,7 @@ TEST(Spawn, NobodyStandsInAnObstacleOrInAnotherPerson) {
   }
 }
 
-TEST(Spawn, SaysHowManyItCouldNotPlace) {
+TEST(Spawn, ReportsUnplacedAgents) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 10}};
   scene.groups = {group(50, {{1, 1}, {3, 3}}, {{{15, 1}, {18, 9}}})};
@@ -407,7 +407,7 @@ TEST(Spawn, SaysHowManyItCouldNotPlace) {
   ASSERT_EQ(world.spawned.notes.size(), 1u);
   EXPECT_GT(world.spawned.unplaced[0], 20);
   const std::string expected =
-      "group 'packed': placed " + std::to_string(world.crowd.size()) + " of 50 people";
+      "group 'packed': placed " + std::to_string(world.crowd.size()) + " of 50 agents";
   EXPECT_EQ(world.spawned.notes[0].substr(0, expected.size()), expected);
 }
 

@@ -1,4 +1,4 @@
-// A small world for steering tests: ground, boxes, people, no files.
+// SmallWorld is a crowd for steering tests: ground, boxes and agents, no files.
 #pragma once
 
 #include <memory>
@@ -46,7 +46,7 @@ struct SmallWorld {
   Crowd crowd;
 };
 
-/// The plan of the bundled plaza, without models: four groups cross among obstacles.
+/// The plan of the bundled plaza without models: four groups cross among obstacles.
 inline Scene crossing(uint64_t seed, int people) {
   Scene scene;
   scene.seed = seed;

@@ -1,5 +1,4 @@
-// Groups that say how close together they stand: as many as asked, bodies clear of each other, no
-// grid to be seen, and nobody starts with a jerk.
+// Tests of dense placement: all bodies placed, without overlap, lattice or jerks at the start.
 #include "crowd/dense_placement.h"
 
 #include <gtest/gtest.h>
@@ -11,10 +10,10 @@
 #include "scenes/file/density.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng::close_standing_test {
+namespace throng::dense_placement_test {
 namespace {
 
-/// A crowd of a density on 6 m x 6 m in the middle of a hall, which looks north and stays.
+/// A crowd of a density on 6 m x 6 m in the middle of a hall that faces north and stays.
 Scene close(double per_m2, uint64_t seed, SteeringKind model = SteeringKind::kOrca) {
   Scene scene;
   scene.seed = seed;
@@ -35,7 +34,7 @@ std::vector<StandingBody> bodies_of(const SpawnResult& spawned) {
   return bodies;
 }
 
-TEST(CloseStanding, AsManyStandAsAreAskedAndNoBodyIsInAnother) {
+TEST(DensePlacement, PlacesAllBodiesWithoutOverlap) {
   for (const double per_m2 : {0.5, 2.0, 4.0, 6.0})
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       SCOPED_TRACE(testing::Message() << per_m2 << " per m2, seed " << seed);
@@ -49,8 +48,8 @@ TEST(CloseStanding, AsManyStandAsAreAskedAndNoBodyIsInAnother) {
     }
 }
 
-/// Of a row of a lattice the next neighbours lie in few directions and at few distances.
-TEST(CloseStanding, ShowsNoGrid) {
+/// In a lattice the nearest neighbours lie in few directions and at few distances.
+TEST(DensePlacement, ShowsNoLattice) {
   for (const double per_m2 : {1.0, 4.0, 6.0})
     for (uint64_t seed = 1; seed <= 3; ++seed) {
       SCOPED_TRACE(testing::Message() << per_m2 << " per m2, seed " << seed);
@@ -66,8 +65,8 @@ TEST(CloseStanding, ShowsNoGrid) {
               (next == nullptr || (other.position_m - person.position_m).norm() <
                                       (next->position_m - person.position_m).norm()))
             next = &other;
-        // Where bodies touch, the nearest is ahead or behind: seen in units of the body, directions
-        // are even.
+        // Touching bodies have their nearest ahead or behind; in units of the body directions are
+        // even.
         const Eigen::Vector2d offset = next->position_m - person.position_m;
         const double angle = std::atan2(offset.y() / 0.15, offset.x() / 0.26);
         sectors[static_cast<size_t>(std::floor((angle / (2 * M_PI) + 1) * 12)) % 12] += 1;
@@ -80,7 +79,7 @@ TEST(CloseStanding, ShowsNoGrid) {
     }
 }
 
-TEST(CloseStanding, IsTheSameForTheSameSeedOnly) {
+TEST(DensePlacement, DependsOnTheSeed) {
   const auto places = [](uint64_t seed) {
     SmallWorld world(close(6, seed), 1);
     std::vector<Eigen::Vector2d> all;
@@ -91,12 +90,12 @@ TEST(CloseStanding, IsTheSameForTheSameSeedOnly) {
   EXPECT_NE(places(3), places(4));
 }
 
-TEST(CloseStanding, KeepsOffWallsAndOthersAndCountsFreeGroundOnly) {
+TEST(DensePlacement, KeepsClearanceAndCountsFreeGroundOnly) {
   Scene scene = close(5, 1);
   scene.obstacles = {box(0, 0, 3, 1), box(-3, 1, 0.3, 4)};
   scene.groups.insert(scene.groups.begin(), group(6, {{-3, -3}, {3, 3}}, {{{-9, -9}, {9, -8}}}));
   const double area_m2 = standing_area_m2(scene, scene.groups[1].spawn);
-  // A margin of 0.22 m around both boxes, corners round: found by hand.
+  // A margin of 0.22 m around both boxes, with round corners: computed by hand.
   EXPECT_NEAR(area_m2, 36 - (3.44 * 1.44 - 0.042) - (0.37 * 4.22 - 0.01), 0.05);
   scene.groups[1].count = static_cast<int>(count_by_density(scene, scene.groups[1]));
   EXPECT_EQ(scene.groups[1].count, static_cast<int>(std::lround(5 * area_m2)));
@@ -106,12 +105,12 @@ TEST(CloseStanding, KeepsOffWallsAndOthersAndCountsFreeGroundOnly) {
     EXPECT_GE(world.map.walkable().clearance_m(person.position_m), 0.2) << "person " << i;
     for (size_t k = 0; k < 6 && i >= 6; ++k)
       EXPECT_GE((person.position_m - world.spawned.people[k].position_m).norm(), 0.35)
-          << "person " << i << " on " << k;
+          << "agent " << i << " on " << k;
   }
 }
 
-/// Of a room that is full to its walls nobody is left out for standing at one.
-TEST(CloseStanding, FillsARoomToItsWalls) {
+/// No body may be rejected for standing at a wall of a full room.
+TEST(DensePlacement, FillsARoomToItsWalls) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = close(1.9, seed);
@@ -124,14 +123,14 @@ TEST(CloseStanding, FillsARoomToItsWalls) {
   }
 }
 
-/// Steering discs overlap by far at first: nobody is thrown apart for it, standing or setting out.
-TEST(CloseStanding, NobodyStartsWithAJerk) {
+/// Steering discs overlap widely at first: no agent may jump, standing or setting out.
+TEST(DensePlacement, StartsWithoutJerks) {
   for (const SteeringKind model : all_steering_kinds())
     for (const double per_m2 : {4.0, 6.0}) {
       SCOPED_TRACE(testing::Message() << name_of(model) << ", " << per_m2 << " per m2, seed 2");
       SmallWorld world(close(per_m2, 2, model), 2);
       const Crowd& crowd = world.crowd;
-      // Over a tenth of a second, while everybody stands and in the six seconds after.
+      // Acceleration over a tenth of a second, while all stand and in the six seconds after.
       std::vector<double> standing_mps2, walking_mps2;
       double farthest_m = 0;
       std::vector<Eigen::Vector2d> before(crowd.size(), Eigen::Vector2d::Zero());
@@ -158,7 +157,7 @@ TEST(CloseStanding, NobodyStartsWithAJerk) {
           std::string(name_of(model)).c_str(), per_m2, standing, farthest_m, walking);
       EXPECT_LT(standing, 1);
       EXPECT_LT(farthest_m, 0.1);
-      // As the models walk anyhow: collision-free speed takes up any velocity at once.
+      // The collision-free speed model changes velocities at once in any case.
       if (model == SteeringKind::kOrca) {
         EXPECT_LT(walking, 7);
       } else if (model == SteeringKind::kHeuristic) {
@@ -167,7 +166,7 @@ TEST(CloseStanding, NobodyStartsWithAJerk) {
     }
 }
 
-TEST(CloseStanding, WhoStandsStaysAsClose) {
+TEST(DensePlacement, KeepsStandingAgentsClose) {
   for (const SteeringKind model : all_steering_kinds()) {
     Scene scene = close(6, 4, model);
     scene.groups[0].premovement_s = {100, 0, 100, 100};
@@ -181,10 +180,10 @@ TEST(CloseStanding, WhoStandsStaysAsClose) {
   }
 }
 
-TEST(CloseStanding, WhoHasRoomAgainTakesIt) {
+TEST(DensePlacement, GrowsDiscsWhereThereIsRoom) {
   SmallWorld world(close(6, 1), 1);
   for (int step = 0; step < 60 * 40; ++step) world.crowd.step();
-  // They walk to and fro in the south by now: discs are apart.
+  // They walk in the south by now: discs are apart.
   const Crowd& crowd = world.crowd;
   EXPECT_LT(crowd.counters().max_overlap_m, 0.05);
   int close_pairs = 0;
@@ -195,4 +194,4 @@ TEST(CloseStanding, WhoHasRoomAgainTakesIt) {
 }
 
 }  // namespace
-}  // namespace throng::close_standing_test
+}  // namespace throng::dense_placement_test

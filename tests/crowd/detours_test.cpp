@@ -1,4 +1,4 @@
-// Detours: ways bend round where a crowd is slow, as far as that is worth it, and never back.
+// Tests of detours: directions avoid slow crowds while that saves time, and never lead back.
 #include "crowd/detours.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 using Walkers = std::vector<Detours::AgentSample>;
 const Eigen::Vector2d kStand = Eigen::Vector2d::Zero();
 
-/// Ground of 40 m by 40 m, whose upper side everybody goes to.
+/// Ground of 40 m by 40 m; the goal is its upper side.
 Scene field_of(std::vector<Obstacle> obstacles = {}) {
   Scene scene;
   scene.ground = {{0, 0}, {40, 40}};
@@ -29,7 +29,7 @@ Scene field_of(std::vector<Obstacle> obstacles = {}) {
   return scene;
 }
 
-/// So many per m2 of an area.
+/// Agents at this density in an area.
 Walkers crowd(const Rectangle& area, double per_m2, const Eigen::Vector2d& relative_velocity) {
   Walkers walkers;
   const double apart_m = 1 / std::sqrt(per_m2);
@@ -47,7 +47,7 @@ struct Field {
     look_at(walkers);
   }
 
-  /// As ways are after the same people have been looked at for a while.
+  /// Updates the detours until they are constant.
   void look_at(const Walkers& walkers) {
     for (uint64_t period = 0; period < 20 * Detours::kRound; ++period)
       detours.update(
@@ -59,7 +59,8 @@ struct Field {
   Eigen::Vector2d detoured(const Eigen::Vector2d& place_m, double delay_weight = 1) const {
     return detours.detoured_direction(0, place_m, straight(place_m), delay_weight);
   }
-  /// To the goal in steps, as whoever follows bent ways goes; the end of it if that is never.
+  /// Walks to the goal in steps along detoured directions; returns the path, ending early without
+  /// arrival.
   std::vector<Eigen::Vector2d> follow(Eigen::Vector2d place_m) const {
     std::vector<Eigen::Vector2d> places_m = {place_m};
     for (int step = 0; step < 2000 && !scene.groups[0].goals[0].contains(place_m); ++step) {
@@ -80,13 +81,13 @@ double left_of_straight(const Field& field, const Eigen::Vector2d& place_m) {
   return straight.x() * detoured.y() - straight.y() * detoured.x();
 }
 
-TEST(Detours, InALooseCrowdWaysAreAsInAnEmptyScene) {
+TEST(Detours, IgnoreLooseCrowds) {
   const Field field(field_of(), crowd({{0, 0}, {40, 40}}, 0.5, kStand));
   EXPECT_FALSE(field.detours.is_detoured(0));
   EXPECT_EQ(field.detoured({20, 10}), field.straight({20, 10}));
 }
 
-TEST(Detours, WhoComesUpToACrowdThatStandsGoesRoundItByTheNearerSide) {
+TEST(Detours, LeadRoundStandingCrowdsByTheNearerSide) {
   const Rectangle block{{14, 18}, {26, 24}};
   Field field(field_of(), crowd(block, 3, kStand));
   EXPECT_GT(left_of_straight(field, {16, 12}), 0.3);
@@ -101,12 +102,12 @@ TEST(Detours, WhoComesUpToACrowdThatStandsGoesRoundItByTheNearerSide) {
   }
 }
 
-TEST(Detours, NobodyGoesFarRoundWhatIsSoonPassed) {
+TEST(Detours, AvoidLongDetoursAroundSmallCrowds) {
   const Field field(field_of(), crowd({{2, 18}, {38, 20}}, 3, kStand));
   EXPECT_NEAR(left_of_straight(field, {20, 8}), 0, 0.2);
 }
 
-TEST(Detours, ThoseWhoWalkTheSameWayAreInNobodysWayThoseWhoComeTowardsOneAre) {
+TEST(Detours, CountOncomingAgentsOnly) {
   const Rectangle block{{14, 18}, {26, 24}};
   Field field(field_of(), crowd(block, 3, {0, 1}));
   EXPECT_NEAR(left_of_straight(field, {16, 12}), 0, 0.02);
@@ -114,27 +115,27 @@ TEST(Detours, ThoseWhoWalkTheSameWayAreInNobodysWayThoseWhoComeTowardsOneAre) {
   EXPECT_GT(left_of_straight(field, {16, 12}), 0.3);
 }
 
-TEST(Detours, WhoStandsInTheCrowdFollowsTheWayAsItIs) {
+TEST(Detours, KeepPlainDirectionsInsideTheCrowd) {
   const Field field(field_of(), crowd({{8, 14}, {32, 26}}, 3, kStand));
   EXPECT_GT(left_of_straight(field, {14, 9}), 0.1);
   EXPECT_NEAR(left_of_straight(field, {14, 20}), 0, 0.01);
 }
 
-TEST(Detours, AreForgottenWhenTheCrowdIsGone) {
+TEST(Detours, EndWhenTheCrowdIsGone) {
   Field field(field_of(), crowd({{14, 18}, {26, 24}}, 3, kStand));
   ASSERT_TRUE(field.detours.is_detoured(0));
   field.look_at({});
   EXPECT_FALSE(field.detours.is_detoured(0));
 }
 
-TEST(Detours, ACrowdBehindAWallIsInNobodysWay) {
-  // Two halls beside each other, with a wall of 0.2 m between them that is no cell's border.
+TEST(Detours, IgnoreCrowdsBehindWalls) {
+  // Two halls with a wall of 0.2 m between them that does not coincide with a cell border.
   Field field(field_of({box(20.3, 16, 0.2, 32)}), crowd({{20.5, 0}, {40, 34}}, 3, kStand));
   ASSERT_TRUE(field.detours.is_detoured(0));
   for (int y = 2; y < 28; ++y) EXPECT_NEAR(left_of_straight(field, {16, y}), 0, 0.02) << "at " << y;
 }
 
-/// Boxes and people by chance.
+/// Random boxes and agents.
 Field random_field(uint64_t seed) {
   uint32_t draws = 0;
   const auto draw = [&](double low, double high) {
@@ -155,7 +156,7 @@ Field random_field(uint64_t seed) {
   return Field(field_of(std::move(boxes)), walkers);
 }
 
-TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
+TEST(Detours, GiveUnitDirectionsThatNeverLeadBack) {
   int detoured = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -177,7 +178,7 @@ TEST(Detours, ABentWayIsOneAndNeverLeadsBack) {
   EXPECT_GT(detoured, 5000);
 }
 
-/// What the ways through a block that stands cost, by brute force: all ways of two straight pieces.
+/// Least cost of a path with one corner through a standing block, by brute force.
 double min_cost(const Rectangle& block, double costs, const Eigen::Vector2d& from_m) {
   const auto cost = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     constexpr int kPieces = 200;
@@ -197,8 +198,8 @@ double min_cost(const Rectangle& block, double costs, const Eigen::Vector2d& fro
   return min;
 }
 
-TEST(Detours, CostHardlyMoreThanTheBestThereIs) {
-  constexpr double kStands = 1 / 0.15;  // what a metre among people who stand counts
+TEST(Detours, CostLittleMoreThanTheBestPath) {
+  constexpr double kStands = 1 / 0.15;  // cost of a metre among standing agents
   double sum = 0, best = 0, straight = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -223,23 +224,23 @@ TEST(Detours, CostHardlyMoreThanTheBestThereIs) {
   EXPECT_LT(sum, 0.75 * straight);
 }
 
-/// Everybody goes down a wide way and round its corner.
+/// A stream along a wide corridor and round its corner.
 Scene wide_corner(uint64_t seed) {
   Scene scene;
   scene.seed = seed;
   scene.step_s = 0.05;
   scene.ground = {{0, 0}, {30, 45}};
-  scene.obstacles = {box(25, 32.5, 10, 25)};  // what is left is 20 m wide
+  scene.obstacles = {box(25, 32.5, 10, 25)};  // leaves 20 m
   scene.groups = {group(400, {{1, 30}, {19, 44}}, {{{28, 0}, {30, 20}}})};
   scene.groups[0].on_arrival = OnArrival::kLeave;
   return scene;
 }
 
-TEST(Detours, ACrowdUsesTheWholeOfAWideCorner) {
+TEST(Detours, SpreadACrowdOverAWideCorner) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     SmallWorld world(wide_corner(seed), 2);
-    std::vector<double> away_m;  // from the inner edge, of who passes it
+    std::vector<double> away_m;  // distance of passing agents from the inner edge
     for (int step = 0; step < 150 * 20; ++step) {
       const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
                                                 world.crowd.positions_m().end());
@@ -261,11 +262,11 @@ TEST(Detours, ACrowdUsesTheWholeOfAWideCorner) {
   }
 }
 
-TEST(Detours, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
+TEST(Detours, AreIndependentOfThreadsAndCheckpoints) {
   for (uint64_t seed = 1; seed <= 3; ++seed) expect_same_walk(wide_corner(seed), 15 * 20 + 7, 200);
 }
 
-TEST(Detours, ADamagedCheckpointIsRefused) {
+TEST(Detours, RejectDamagedCheckpoints) {
   Field field(field_of(), crowd({{14, 18}, {26, 24}}, 3, kStand));
   Archive out;
   field.detours.archive(out);

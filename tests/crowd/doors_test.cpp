@@ -1,5 +1,5 @@
-// Groups that set out on a cue, and doors: they open and close when the scene says so, people wait
-// before closed ones, and none shuts on anybody.
+// Tests of triggers and doors: doors follow their triggers, agents wait before closed ones, and no
+// door shuts on an agent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 namespace throng::doors_test {
 namespace {
 
-constexpr int kStepsASecond = 30;
+constexpr int kStepsPerSecond = 30;
 
-/// Two rooms of 8 m and a wall between them with a gap of 1.2 m; everybody wants to the east.
-Scene two_rooms(uint64_t seed, int people) {
+/// Two rooms of 8 m with a gap of 1.2 m in the wall between them; all agents walk east.
+Scene two_halls(uint64_t seed, int people) {
   Scene scene;
   scene.seed = seed;
-  scene.step_s = 1.0 / kStepsASecond;
+  scene.step_s = 1.0 / kStepsPerSecond;
   scene.ground = {{-8, -4}, {8, 4}};
   scene.obstacles = {box(0, -2.3, 0.3, 3.4), box(0, 2.3, 0.3, 3.4)};
   scene.groups = {group(people, {{-7, -3}, {-3, 3}}, {{{5, -3}, {7.5, 3}}})};
@@ -31,7 +31,7 @@ Door door(std::vector<TriggerRule> opens, std::vector<TriggerRule> closes) {
 }
 
 void walk(SmallWorld& world, double seconds) {
-  for (int step = 0; step < seconds * kStepsASecond; ++step) world.crowd.step();
+  for (int step = 0; step < seconds * kStepsPerSecond; ++step) world.crowd.step();
 }
 
 int in_the_east(const SmallWorld& world) {
@@ -49,10 +49,10 @@ class Doors : public testing::TestWithParam<SteeringKind> {
   }
 };
 
-TEST_P(Doors, PeopleWaitBeforeAClosedOneCalmlyAndGoOnWhenItOpens) {
+TEST_P(Doors, HoldAgentsUntilTheyOpen) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Scene scene = with_model(two_rooms(seed, 24));
+    Scene scene = with_model(two_halls(seed, 24));
     scene.doors = {door({{25, "", 0}}, {})};
     SmallWorld world(scene, 2);
     walk(world, 15);
@@ -72,26 +72,26 @@ TEST_P(Doors, PeopleWaitBeforeAClosedOneCalmlyAndGoOnWhenItOpens) {
       faces_door += world.crowd.headings()[id].dot(-place.normalized()) > 0.5;
     }
     EXPECT_EQ(in_the_east(world), 0);
-    EXPECT_GT(min_gap_m, 0) << "somebody leans on the door";
+    EXPECT_GT(min_gap_m, 0) << "an agent touches the door";
     EXPECT_LT(nearest_m, 1);
-    EXPECT_LT(farthest_m, 5) << "somebody stays far from the door";
-    EXPECT_LT(moved_m, 0.4) << "somebody does not stand still";
+    EXPECT_LT(farthest_m, 5) << "an agent stays far from the door";
+    EXPECT_LT(moved_m, 0.4) << "an agent does not stand still";
     EXPECT_GE(faces_door, 22);
-    EXPECT_LT(world.crowd.counters().longest_stall_s, 3) << "who waits is not stuck";
+    EXPECT_LT(world.crowd.counters().longest_stall_s, 3) << "waiting agents are not stuck";
     walk(world, 50);
     EXPECT_EQ(world.crowd.population().counters().left, 24u);
   }
 }
 
-TEST_P(Doors, NoneShutsOnAnybody) {
+TEST_P(Doors, NeverShutOnAgents) {
   int stood_in = 0;
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Scene scene = with_model(two_rooms(seed, 40));
+    Scene scene = with_model(two_halls(seed, 40));
     scene.doors = {door({}, {{6.0 + 0.3 * static_cast<double>(seed), "", 0}})};
     SmallWorld world(scene, 1);
     bool was_closing = false;
-    for (int step = 0; step < 30 * kStepsASecond; ++step) {
+    for (int step = 0; step < 30 * kStepsPerSecond; ++step) {
       world.crowd.step();
       was_closing |= world.map.doors()[0] == DoorState::kClosing;
       if (world.map.doors()[0] != DoorState::kShut) continue;
@@ -106,16 +106,16 @@ TEST_P(Doors, NoneShutsOnAnybody) {
     const int left = static_cast<int>(world.crowd.population().counters().left);
     EXPECT_GT(left, 0);
     EXPECT_LT(left, 40);
-    EXPECT_EQ(in_the_east(world), left) << "gone people stay where they left";
+    EXPECT_EQ(in_the_east(world), left) << "agents keep the position at which they left";
   }
-  EXPECT_GT(stood_in, 0) << "nobody stood in any of them";
+  EXPECT_GT(stood_in, 0) << "no agent stood in any door";
 }
 
-TEST_P(Doors, WhoFindsOneClosedTakesAnotherUnlessThatIsFar) {
+TEST_P(Doors, SendAgentsToAnotherDoorUnlessItIsFar) {
   for (const double far_m : {5.0, 60.0}) {
     SCOPED_TRACE(testing::Message() << "the other door " << far_m << " m off");
     Scene scene;
-    scene.step_s = 1.0 / kStepsASecond;
+    scene.step_s = 1.0 / kStepsPerSecond;
     scene.ground = {{-8, -4}, {8, far_m + 4}};
     // From the south edge to the first gap, between the gaps, and to the north edge.
     scene.obstacles = {box(0, -2.3, 0.3, 3.4), box(0, far_m / 2, 0.3, far_m - 1.2),
@@ -129,8 +129,8 @@ TEST_P(Doors, WhoFindsOneClosedTakesAnotherUnlessThatIsFar) {
   }
 }
 
-TEST(DoorCues, AtTheSameMomentClosingComesSecondAndLaterOnesCount) {
-  Scene scene = two_rooms(1, 1);
+TEST(DoorTriggers, CloseAfterOpeningAtEqualTimes) {
+  Scene scene = two_halls(1, 1);
   scene.groups[0].premovement_s = {100, 0, 100, 100};
   scene.doors = {door({{1, "", 0}, {3, "", 0}}, {{2, "", 0}, {3, "", 0}})};
   SmallWorld world(scene, 1);
@@ -143,9 +143,9 @@ TEST(DoorCues, AtTheSameMomentClosingComesSecondAndLaterOnesCount) {
   EXPECT_EQ(world.map.doors()[0], DoorState::kShut);
 }
 
-/// Sixteen people go east, and ten who stand in the east wait for them.
+/// Sixteen agents walk east, and ten that stand in the east wait for them.
 Scene exchange(uint64_t seed) {
-  Scene scene = two_rooms(seed, 16);
+  Scene scene = two_halls(seed, 16);
   scene.groups.push_back(group(10, {{1, 2}, {4, 3.6}}, {{{-7.5, -3}, {-5, 3}}}));
   scene.groups[1].name = "second";
   scene.groups[1].on_arrival = OnArrival::kLeave;
@@ -155,16 +155,16 @@ Scene exchange(uint64_t seed) {
   return scene;
 }
 
-TEST_P(Doors, AGroupSetsOutWhenAnotherHasBeenWhereItWaitsFor) {
+TEST_P(Doors, StartAGroupAfterAnotherHasVisitedItsGoal) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = with_model(exchange(seed));
     scene.groups[1].sources = {{{{4.5, 2}, {6, 3.6}}, 3, 1, 0, false}};
     SmallWorld world(scene, 1);
     double all_out_s = -1, sets_out_s = -1;
-    for (int step = 0; step < 90 * kStepsASecond; ++step) {
+    for (int step = 0; step < 90 * kStepsPerSecond; ++step) {
       world.crowd.step();
-      const double now_s = static_cast<double>(step) / kStepsASecond;
+      const double now_s = static_cast<double>(step) / kStepsPerSecond;
       bool all_out = true, one_walks = false;
       for (uint32_t id = 0; id < 16; ++id) all_out &= world.crowd.journeys().has_visited(id, 1);
       for (uint32_t id = 16; id < world.crowd.size(); ++id)
@@ -178,13 +178,13 @@ TEST_P(Doors, AGroupSetsOutWhenAnotherHasBeenWhereItWaitsFor) {
   }
 }
 
-TEST_P(Doors, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
+TEST_P(Doors, AreIndependentOfThreadsAndCheckpoints) {
   Scene scene = with_model(exchange(7));
   scene.doors = {
       door({{4, "", 0}}, {{1, "first", 1}}),
   };
   scene.doors[0].opens.push_back({3, "first", 1});
-  expect_same_walk(scene, 12 * kStepsASecond, 20 * kStepsASecond);
+  expect_same_walk(scene, 12 * kStepsPerSecond, 20 * kStepsPerSecond);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Doors,

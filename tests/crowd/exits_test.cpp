@@ -1,5 +1,4 @@
-// Exits: of several, people take the one where they expect to be through first, each with patience
-// of their own.
+// Tests of exits: agents take the exit with the least expected time, with individual patience.
 #include "crowd/exits.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +14,7 @@
 namespace throng::exits_test {
 namespace {
 
-constexpr int kStepsASecond = 20;
+constexpr int kStepsPerSecond = 20;
 constexpr double kHall_m = 24;
 constexpr double kDepth_m = 12;
 
@@ -24,14 +23,14 @@ struct Opening {
   double width_m = 1;
 };
 
-/// A hall of 24 m by 12 m that people leave by doors in its southern wall. Behind the wall a strip
-/// of 3 m runs from door to door: the goal is an area before each of them, or all of it.
+/// A hall of 24 m by 12 m with doors in its southern wall. Behind it a strip of 3 m connects the
+/// doors: the goal is an area before each of them, or the whole strip.
 enum class Outside { kAreas, kStrip };
 Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<Opening>& doors,
            Outside outside = Outside::kAreas) {
   Scene scene;
   scene.seed = seed;
-  scene.step_s = 1.0 / kStepsASecond;
+  scene.step_s = 1.0 / kStepsPerSecond;
   scene.ground = {{0, -3.2}, {kHall_m, kDepth_m}};
   double from = 0;
   Goal exits;
@@ -53,15 +52,15 @@ Scene hall(uint64_t seed, int people, const Rectangle& spawn, const std::vector<
 }
 
 const std::vector<Opening> kTwoDoors = {{4, 1}, {20, 1}};
-const Rectangle kNearHalf = {{0.3, 0.3}, {12, kDepth_m - 0.3}};
+const Rectangle kWesternHalf = {{0.3, 0.3}, {12, kDepth_m - 0.3}};
 
-/// Runs a hall until all have left, and knows by which door, and how often they thought better.
+/// Runs a hall until all have left; records the doors used and changes of choice.
 struct Leaving {
   Leaving(const Scene& scene, const std::vector<Opening>& doors) : world(scene, 2) {
     const uint32_t people = static_cast<uint32_t>(world.crowd.size());
     std::vector<uint32_t> chosen(people, Journeys::kNoExit);
     changes.assign(people, 0);
-    for (int step = 0; step < 300 * kStepsASecond; ++step) {
+    for (int step = 0; step < 300 * kStepsPerSecond; ++step) {
       const std::vector<Eigen::Vector2d> before(world.crowd.positions_m().begin(),
                                                 world.crowd.positions_m().end());
       world.crowd.step();
@@ -75,7 +74,7 @@ struct Leaving {
                 std::abs(doors[door].middle_m - place.x()))
               door = i;
           ++by_door[door];
-          by_another += chosen[id] != door;
+          by_other_door += chosen[id] != door;
         }
         if (now >= Journeys::kOpen) continue;
         changes[id] += chosen[id] < Journeys::kOpen && chosen[id] != now;
@@ -93,13 +92,13 @@ struct Leaving {
 
   SmallWorld world;
   std::map<size_t, int> by_door;
-  int by_another = 0;  ///< than the one they had chosen
+  int by_other_door = 0;  ///< through another door than the chosen one
   std::vector<int> changes;
-  int apart = 0;  ///< how often somebody headed for another exit than the first of the party
+  int apart = 0;  ///< times that an agent heads for another exit than the first of its group
   double seconds = 0;
 };
 
-class Choice : public testing::TestWithParam<std::tuple<SteeringKind, Outside>> {
+class ExitChoice : public testing::TestWithParam<std::tuple<SteeringKind, Outside>> {
  protected:
   Scene scene(uint64_t seed, int people, const Rectangle& spawn,
               const std::vector<Opening>& doors) const {
@@ -113,27 +112,27 @@ class Choice : public testing::TestWithParam<std::tuple<SteeringKind, Outside>> 
   }
 };
 
-TEST_P(Choice, TheNearExitIsTakenWhileThereIsNoQueue) {
+TEST_P(ExitChoice, TakesTheNearExitWithoutAQueue) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Leaving few = leave(seed, 6, kNearHalf, kTwoDoors);
+    const Leaving few = leave(seed, 6, kWesternHalf, kTwoDoors);
     EXPECT_EQ(few.through(0), 6);
     EXPECT_EQ(std::count(few.changes.begin(), few.changes.end(), 0), 6);
   }
 }
 
-TEST_P(Choice, AThirdAtLeastTakesTheFarExitWhenTheNearOneIsCrowded) {
+TEST_P(ExitChoice, SendsAThirdToTheFarExitInACrowd) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Leaving many = leave(seed, 180, kNearHalf, kTwoDoors);
+    const Leaving many = leave(seed, 180, kWesternHalf, kTwoDoors);
     EXPECT_EQ(many.left(), many.world.crowd.size());
     EXPECT_GE(many.through(1), 60);
     EXPECT_GE(many.through(0), 60);
-    EXPECT_LE(many.by_another, 4) << "they went out by the near door on their way to the far one";
+    EXPECT_LE(many.by_other_door, 4) << "they left by the near door while walking to the far one";
   }
 }
 
-TEST_P(Choice, ExitsAlikeAreUsedAlike) {
+TEST_P(ExitChoice, UsesEqualExitsEqually) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Leaving all = leave(seed, 160, {{4, 4}, {20, 11}}, kTwoDoors);
@@ -142,7 +141,7 @@ TEST_P(Choice, ExitsAlikeAreUsedAlike) {
   }
 }
 
-TEST_P(Choice, AWiderExitIsUsedByMore) {
+TEST_P(ExitChoice, SendsMoreToAWiderExit) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Leaving all = leave(seed, 260, {{2, 2}, {22, 11.7}}, {{4, 0.8}, {20, 2.4}});
@@ -151,22 +150,22 @@ TEST_P(Choice, AWiderExitIsUsedByMore) {
   }
 }
 
-TEST_P(Choice, OfThreeExitsNoneIsLeftOutAndAllAreEmptyAtAboutTheSameTime) {
+TEST_P(ExitChoice, BalancesThreeExits) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Leaving all = leave(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}, {12, 1}, {21, 1}});
     EXPECT_EQ(all.left(), all.world.crowd.size());
     for (size_t door = 0; door < 3; ++door) EXPECT_GE(all.through(door), 30) << door;
-    // By the near one alone it takes twice as long at least.
+    // With only the near exit it takes at least twice as long.
     const Leaving one = leave(seed, 240, {{0.3, 1}, {10, 11.7}}, {{3, 1}});
     EXPECT_LT(all.seconds, 0.6 * one.seconds);
   }
 }
 
-TEST_P(Choice, NobodyDithers) {
+TEST_P(ExitChoice, ChangesRarely) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Leaving many = leave(seed, 180, kNearHalf, kTwoDoors);
+    const Leaving many = leave(seed, 180, kWesternHalf, kTwoDoors);
     int sum = 0;
     for (const int each : many.changes) sum += each;
     EXPECT_LE(*std::max_element(many.changes.begin(), many.changes.end()), 3);
@@ -174,33 +173,33 @@ TEST_P(Choice, NobodyDithers) {
   }
 }
 
-TEST_P(Choice, CompanionsHeadForOneExit) {
+TEST_P(ExitChoice, KeepsSocialGroupsTogether) {
   int changed = 0;
   for (const uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
-    Scene crowded = scene(seed, 160, kNearHalf, kTwoDoors);
+    Scene crowded = scene(seed, 160, kWesternHalf, kTwoDoors);
     crowded.groups[0].social_groups = {1, {1, 1, 1}};
     const Leaving leaving(crowded, kTwoDoors);
     const Journeys& journeys = leaving.world.crowd.journeys();
-    int parties = 0;
+    int group_count = 0;
     for (uint32_t id = 0; id < leaving.changes.size(); ++id) {
-      parties += journeys.first_member(id) == id;
+      group_count += journeys.first_member(id) == id;
       changed += leaving.changes[id];
     }
     EXPECT_EQ(leaving.left(), 160u);
     EXPECT_GT(leaving.through(1), 40);
-    EXPECT_GT(parties, 40);
+    EXPECT_GT(group_count, 40);
     EXPECT_EQ(leaving.apart, 0);
   }
-  EXPECT_GT(changed, 0);  // they think better of it together
+  EXPECT_GT(changed, 0);  // they change their choice together
 }
 
-TEST_P(Choice, IsTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
-  const Scene scene = this->scene(4, 150, kNearHalf, kTwoDoors);
-  expect_same_walk(scene, 12 * kStepsASecond + 3, 15 * kStepsASecond + 3);
+TEST_P(ExitChoice, IsIndependentOfThreadsAndCheckpoints) {
+  const Scene scene = this->scene(4, 150, kWesternHalf, kTwoDoors);
+  expect_same_walk(scene, 12 * kStepsPerSecond + 3, 15 * kStepsPerSecond + 3);
 }
 
-TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
+TEST_P(ExitChoice, SendsAThirdToADoorInTheOppositeWall) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = this->scene(seed, 160, {{0.3, 0.3}, {12, 8}}, {{4, 1}});
@@ -210,7 +209,7 @@ TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
     scene.groups[0].goals[0].areas.push_back({{1, kDepth_m + 2}, {kHall_m - 1, kDepth_m + 3}});
     SmallWorld world(scene, 2);
     ASSERT_EQ(world.map.exits().size(), 2u);
-    for (int step = 0; step < 200 * kStepsASecond; ++step) world.crowd.step();
+    for (int step = 0; step < 200 * kStepsPerSecond; ++step) world.crowd.step();
     EXPECT_EQ(world.crowd.population().counters().left, world.crowd.size());
     int north = 0;
     for (const Eigen::Vector2d& place : world.crowd.positions_m()) north += place.y() > kDepth_m;
@@ -219,7 +218,7 @@ TEST_P(Choice, ADoorInTheOppositeWallIsTakenByAThirdAtLeast) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Choice,
+INSTANTIATE_TEST_SUITE_P(Models, ExitChoice,
                          testing::Combine(testing::Values(SteeringKind::kOrca,
                                                           SteeringKind::kHeuristic),
                                           testing::Values(Outside::kAreas, Outside::kStrip)),
@@ -229,9 +228,9 @@ INSTANTIATE_TEST_SUITE_P(Models, Choice,
                                                                                     : "_strip");
                          });
 
-TEST(ExitWays, OneDoorIsNoChoice) {
+TEST(Exits, NeedAtLeastTwoDoors) {
   for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
-    SmallWorld world(hall(1, 5, kNearHalf, {{4, 1}}, outside), 1);
+    SmallWorld world(hall(1, 5, kWesternHalf, {{4, 1}}, outside), 1);
     EXPECT_TRUE(world.map.exits().empty());
     world.crowd.step();
     for (uint32_t id = 0; id < 5; ++id)
@@ -239,7 +238,7 @@ TEST(ExitWays, OneDoorIsNoChoice) {
   }
 }
 
-/// A ground of 24 m by 20 m with a goal along its south, and what stands on it.
+/// A ground of 24 m by 20 m with obstacles and a goal along its south.
 std::vector<Exit> exits_among(std::vector<Obstacle> obstacles) {
   Scene scene;
   scene.ground = {{0, 0}, {kHall_m, 20}};
@@ -248,7 +247,7 @@ std::vector<Exit> exits_among(std::vector<Obstacle> obstacles) {
   return SmallWorld(scene, 1).map.exits();
 }
 
-TEST(ExitWays, DoorsBeforeAGoalAreExitsAndColumnsAreNot) {
+TEST(Exits, AreDoorsBeforeAGoalButNotColumns) {
   // A wall from west to east at y, with doors.
   const auto wall = [](double y, const std::vector<Opening>& doors) {
     std::vector<Obstacle> out;
@@ -278,7 +277,7 @@ TEST(ExitWays, DoorsBeforeAGoalAreExitsAndColumnsAreNot) {
   }
 }
 
-TEST(ExitWays, OfBundledScenesAreTheirDoorsAndAreas) {
+TEST(Exits, AreDoorsAndAreasOfBundledScenes) {
   const std::map<std::string, size_t> expected = {
       {"evacuation", 6},
       {"concert", 2},
@@ -294,9 +293,9 @@ TEST(ExitWays, OfBundledScenesAreTheirDoorsAndAreas) {
   }
 }
 
-TEST(ExitWays, LeadThroughTheirOwnDoor) {
+TEST(Exits, LeadThroughTheirDoors) {
   for (const Outside outside : {Outside::kAreas, Outside::kStrip}) {
-    const SmallWorld world(hall(1, 1, kNearHalf, kTwoDoors, outside), 1);
+    const SmallWorld world(hall(1, 1, kWesternHalf, kTwoDoors, outside), 1);
     ASSERT_EQ(world.map.exits().size(), 2u);
     for (uint64_t draw = 0; draw < 50; ++draw)
       for (size_t exit = 0; exit < 2; ++exit) {
@@ -309,7 +308,7 @@ TEST(ExitWays, LeadThroughTheirOwnDoor) {
   }
 }
 
-TEST(DistanceHistogram, KnowsHowManyAreAhead) {
+TEST(DistanceHistogram, CountsAgentsAhead) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     DistanceHistogram histogram;
@@ -326,7 +325,7 @@ TEST(DistanceHistogram, KnowsHowManyAreAhead) {
       histogram.add(distance_m, 1);
     }
     for (const float distance_m : {0.0f, 3.2f, 30.0f, 55.0f, 64.0f, 300.0f, 2000.0f}) {
-      // As exact as the bins: those nearer by one more, and those not farther by one more.
+      // Up to the bins' resolution: counts with the distance one bin shorter and one bin longer.
       const float bin_m = distance_m < 64 ? 0.5f : distance_m < 570 ? 4.0f : 2000.0f;
       const auto nearer = std::count_if(distances_m.begin(), distances_m.end(),
                                         [&](float each) { return each < distance_m - bin_m; });

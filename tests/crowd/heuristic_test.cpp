@@ -1,5 +1,4 @@
-// What people do who look for the way that brings them farthest: laws of one decision, and what a
-// crowd of such people does where others do not.
+// Tests of the heuristic: properties of one decision, and behaviour of crowds.
 #include "crowd/steering/heuristic.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ namespace {
 constexpr float kFree_mps = 1.34f;
 constexpr float kPeriod_s = 0.1f;
 
-struct Someone {
+struct TestAgent {
   Eigen::Vector2f at_m, velocity_mps, preferred_mps;
   float impatience = 0, catch_up = 0;
 };
@@ -30,16 +29,16 @@ struct Wall {
   float clearance_m;
 };
 
-/// A decision of the first of some people; walls are the first one's.
+/// A decision of the first agent; the walls are its own.
 struct Moment {
-  std::vector<Someone> people;
+  std::vector<TestAgent> people;
   std::vector<Wall> walls;
 
   std::vector<Eigen::Vector2f> decide(size_t begin = 0, size_t end = 1,
                                       SteeringFunction model = decide_heuristic_scalar) const {
     const size_t count = people.size();
     std::vector<NeighbourState> published;
-    for (const Someone& each : people) {
+    for (const TestAgent& each : people) {
       const float length = each.preferred_mps.norm();
       published.push_back({.x_m = each.at_m.x(),
                            .y_m = each.at_m.y(),
@@ -102,14 +101,14 @@ Moment random_moment(uint64_t seed) {
   const double half_m = static_cast<double>(uniform(seed, 1, 0.4, 5));
   for (uint64_t i = 0; i < count; ++i) {
     const uint64_t id = 10 + 8 * i;
-    Someone each;
+    TestAgent each;
     each.at_m = {uniform(seed, id, -half_m, half_m), uniform(seed, id + 1, -half_m, half_m)};
     each.velocity_mps = polar(uniform(seed, id + 2, 0, 1.5), uniform(seed, id + 3, -3.14, 3.14));
     each.preferred_mps = polar(uniform(seed, id + 4, 0, 1) < 0.2f ? 0 : kFree_mps,
                                uniform(seed, id + 5, -3.14, 3.14));
     if (uniform(seed, id + 7, 0, 1) < 0.2f) each.impatience = uniform(seed, 900 + i, 0, 1);
     if (uniform(seed, id + 7, 0, 1) < 0.4f) each.catch_up = uniform(seed, 950 + i, 0, 1);
-    // Some stand in one place.
+    // Some agents share a place.
     if (i > 0 && uniform(seed, id + 6, 0, 1) < 0.05f) each.at_m = moment.people.back().at_m;
     moment.people.push_back(each);
   }
@@ -120,7 +119,7 @@ Moment random_moment(uint64_t seed) {
   return moment;
 }
 
-TEST(Heuristic, SomebodyAloneWalksOnAtTheFreeSpeed) {
+TEST(Heuristic, KeepsTheDesiredSpeedAlone) {
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     const Eigen::Vector2f preferred = polar(kFree_mps, uniform(seed, 0, -3.14, 3.14));
     const Moment moment{{{{0, 0}, preferred, preferred}}, {}};
@@ -128,7 +127,7 @@ TEST(Heuristic, SomebodyAloneWalksOnAtTheFreeSpeed) {
   }
 }
 
-TEST(Heuristic, SomebodyWhoWantsNowhereAndIsAloneStaysOrStops) {
+TEST(Heuristic, StopsAloneWithoutAPreferredVelocity) {
   const Moment stands{{{{0, 0}, {0, 0}, {0, 0}}}, {}};
   EXPECT_EQ(stands.decide().front().norm(), 0);
   Eigen::Vector2f velocity(1, 0);
@@ -136,7 +135,7 @@ TEST(Heuristic, SomebodyWhoWantsNowhereAndIsAloneStaysOrStops) {
   EXPECT_LE(velocity.norm(), 1e-3f);
 }
 
-TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
+TEST(Heuristic, LimitsSpeedAccelerationAndWallApproach) {
   for (uint64_t seed = 1; seed <= 3000; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Moment moment = random_moment(seed);
@@ -155,7 +154,7 @@ TEST(Heuristic, NoVelocityIsTooFastTooSuddenOrInAWall) {
   }
 }
 
-TEST(Heuristic, NobodyTurnsIntoAWayFasterThanFeetFollow) {
+TEST(Heuristic, LimitsSidewaysAcceleration) {
   constexpr float kMaxSpeed_mps = heuristic::kTuning.across_mps2 * kPeriod_s;
   float max_mps = 0;
   for (uint64_t seed = 1; seed <= 200; ++seed) {
@@ -170,24 +169,24 @@ TEST(Heuristic, NobodyTurnsIntoAWayFasterThanFeetFollow) {
   EXPECT_GT(max_mps, 0.99f * kMaxSpeed_mps);
 }
 
-/// Somebody walks slowly, and somebody fast comes up a metre behind, a little to the right.
-Eigen::Vector2f overtaken(bool is_in_crowd, bool comes_somebody) {
+/// The first agent walks slowly; a fast one comes up a metre behind, a little to the right.
+Eigen::Vector2f overtaken(bool is_in_crowd, bool is_overtaken) {
   const Eigen::Vector2f slowly(0.7f, 0);
   Moment moment{{{{0, 0}, slowly, slowly}}, {}};
-  if (comes_somebody) moment.people.push_back({{-1, -0.05f}, {kFree_mps, 0}, {kFree_mps, 0}});
-  // Three to each side, so far off that they are in nobody's way.
+  if (is_overtaken) moment.people.push_back({{-1, -0.05f}, {kFree_mps, 0}, {kFree_mps, 0}});
+  // Three to each side, far enough to block no direction.
   for (const float angle_rad : {1.4f, 1.5f, 1.6f, -1.4f, -1.5f, -1.6f})
     if (is_in_crowd) moment.people.push_back({polar(3, angle_rad), slowly, slowly});
   return moment.decide().front();
 }
 
-TEST(Heuristic, InACrowdNobodyMakesWayForWhoComesFromBehind) {
+TEST(Heuristic, IgnoresAgentsFromBehindInACrowd) {
   EXPECT_EQ(overtaken(true, true), overtaken(true, false));
   EXPECT_GT(overtaken(false, true).y(), overtaken(false, false).y() + 0.01f)
-      << "where there is room, people do";
+      << "with room, agents avoid it";
 }
 
-TEST(Heuristic, WhoWaitsKeepsItsPlaceUntilOthersAreVeryNear) {
+TEST(Heuristic, KeepsWaitingAgentsInPlace) {
   const auto pushed_mps = [](float apart_m) {
     const Moment moment{{{{0, 0}, {0, 0}, {0, 0}}, {{apart_m, 0}, {0, 0}, {0, 0}}}, {}};
     return -moment.decide().front().x();
@@ -196,7 +195,7 @@ TEST(Heuristic, WhoWaitsKeepsItsPlaceUntilOthersAreVeryNear) {
   EXPECT_GT(pushed_mps(0.45f), 0);
 }
 
-TEST(Heuristic, WhoeverIsStuckGoesRoundOnTheLeftIfNoWayLeadsRoundOnTheRight) {
+TEST(Heuristic, PassesOnTheLeftWhenStuck) {
   const auto to_left_mps = [](float impatience) {
     const Moment moment{{{{0, 0}, {0, 0}, {kFree_mps, 0}, impatience},
                          {{0.45f, 0.02f}, {0, 0}, {0, 0}},
@@ -207,19 +206,19 @@ TEST(Heuristic, WhoeverIsStuckGoesRoundOnTheLeftIfNoWayLeadsRoundOnTheRight) {
   EXPECT_GT(to_left_mps(1), to_left_mps(0) + 0.05f);
 }
 
-TEST(Heuristic, AChoiceDoesNotDependOnWhoElseIsInTheBlock) {
+TEST(Heuristic, IsIndependentOfTheBlock) {
   for (uint64_t seed = 1; seed <= 200; ++seed) {
     Moment moment = random_moment(seed);
     moment.walls.clear();
     const size_t count = moment.people.size();
     const std::vector<Eigen::Vector2f> all = moment.decide(0, count);
     for (size_t i = 0; i < count; ++i)
-      EXPECT_EQ(moment.decide(i, i + 1).front(), all[i]) << "seed " << seed << ", person " << i;
+      EXPECT_EQ(moment.decide(i, i + 1).front(), all[i]) << "seed " << seed << ", agent " << i;
   }
 }
 
-/// By both models' lanes of people, whose planes contradict each other now and then.
-TEST(Heuristic, EverySimdTargetDecidesAsTheDefinitionDoesToTheBit) {
+/// Covers the lanes of both models; some planes contradict each other.
+TEST(Heuristic, IsBitwiseEqualOnEverySimdTarget) {
   for (const SimdTarget target : simd_targets_of_this_machine())
     for (uint64_t seed = 1; seed <= 2000; ++seed) {
       const Moment moment = random_moment(seed);
@@ -232,17 +231,17 @@ TEST(Heuristic, EverySimdTargetDecidesAsTheDefinitionDoesToTheBit) {
     }
 }
 
-TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
+TEST(Heuristic, IsRotationInvariant) {
   for (uint64_t seed = 1; seed <= 500; ++seed) {
     const Moment moment = random_moment(seed);
-    // By a quarter, which loses no bit.
+    // By a quarter turn, which is exact.
     const auto turned = [](const Eigen::Vector2f& v) { return Eigen::Vector2f(-v.y(), v.x()); };
     Moment quarter = moment;
-    for (Someone& each : quarter.people)
+    for (TestAgent& each : quarter.people)
       each = {turned(each.at_m), turned(each.velocity_mps), turned(each.preferred_mps),
               each.impatience, each.catch_up};
     for (Wall& wall : quarter.walls) wall.away = turned(wall.away);
-    bool one_place = false;  // two in one place part along x
+    bool one_place = false;  // agents at one place separate along x
     for (size_t i = 1; i < moment.people.size(); ++i)
       one_place = one_place || moment.people[i].at_m == moment.people[0].at_m;
     if (one_place) continue;
@@ -251,31 +250,31 @@ TEST(Heuristic, ATurnedSceneIsWalkedTurned) {
   }
 }
 
-/// How fast somebody who stands sets out behind one so far ahead who walks off at 0.1 m/s.
+/// Speed at which a standing agent sets out behind one that walks off at 0.1 m/s.
 float sets_out_mps(float ahead_m, float catch_up) {
   const Eigen::Vector2f preferred(kFree_mps, 0);
-  // Walls to both sides leave no way past.
+  // Walls on both sides leave no room to pass.
   const Moment moment{
       {{{0, 0}, {0, 0}, preferred, 0, catch_up}, {{ahead_m, 0}, {0.06f, 0}, preferred}},
       {{{0, 1}, 0.03f}, {{0, -1}, 0.03f}}};
   return moment.decide().front().x();
 }
 
-TEST(Heuristic, WhoeverIsEagerFollowsMoreCloselySomebodyWhoWalksOff) {
-  const float calm_mps = sets_out_mps(0.6f, 0), eager_mps = sets_out_mps(0.6f, 1);
+TEST(Heuristic, FollowsCloserWithCatchUp) {
+  const float calm_mps = sets_out_mps(0.6f, 0), catch_up_mps = sets_out_mps(0.6f, 1);
   EXPECT_GT(calm_mps, 0);
-  EXPECT_GT(eager_mps, 1.3f * calm_mps);
+  EXPECT_GT(catch_up_mps, 1.3f * calm_mps);
   const float between_mps = sets_out_mps(0.6f, 0.05f);
   EXPECT_GT(between_mps, calm_mps);
-  EXPECT_LT(between_mps, eager_mps);
+  EXPECT_LT(between_mps, catch_up_mps);
 }
 
-TEST(Heuristic, NobodyHurriesAfterSomebodyTheyAllButTouch) {
+TEST(Heuristic, IgnoresCatchUpAtContact) {
   EXPECT_EQ(sets_out_mps(0.3f, 1), sets_out_mps(0.3f, 0));
 }
 
-TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {
-  // Walls to both sides, half a metre apart, leave no way past.
+TEST(Heuristic, StopsBehindAStandingAgentInANarrowPassage) {
+  // Walls on both sides, half a metre apart, leave no room to pass.
   Eigen::Vector2f at(0, 0), velocity(kFree_mps, 0);
   const Eigen::Vector2f other(5, 0);
   for (int i = 0; i < 100; ++i) {
@@ -289,8 +288,8 @@ TEST(Heuristic, BehindSomebodyWhoStandsInANarrowWayPeopleStop) {
   EXPECT_LT(other.x() - at.x(), 0.9f) << "stopped far away";
 }
 
-/// Walks everybody for so long; returns how near two of them came.
-float walk(std::vector<Someone>& people, double seconds) {
+/// Walks all agents for a time; returns the least distance of two.
+float walk(std::vector<TestAgent>& people, double seconds) {
   float min_m = 1e9f;
   const auto decisions = static_cast<int>(seconds / static_cast<double>(kPeriod_s));
   for (int i = 0; i < decisions; ++i) {
@@ -306,50 +305,50 @@ float walk(std::vector<Someone>& people, double seconds) {
   return min_m;
 }
 
-/// Two who walk from where they are to where the other one was.
+/// Two agents that walk to each other's start.
 float nearest_m(float lateral_m) {
-  std::vector<Someone> two = {{{0, 0}, {kFree_mps, 0}, {kFree_mps, 0}},
-                              {{10, lateral_m}, {-kFree_mps, 0}, {-kFree_mps, 0}}};
+  std::vector<TestAgent> two = {{{0, 0}, {kFree_mps, 0}, {kFree_mps, 0}},
+                                {{10, lateral_m}, {-kFree_mps, 0}, {-kFree_mps, 0}}};
   const float min = walk(two, 10);
   EXPECT_GT(two[0].at_m.x(), two[1].at_m.x()) << "they never passed, lateral " << lateral_m;
   return min;
 }
 
-TEST(Heuristic, TwoHeadOnPassAsRecordedPeopleDo) {
+TEST(Heuristic, PassesHeadOnAtRecordedDistances) {
   // Recorded people are 0.4 m abreast when they pass, 1 in 100 nearer.
   for (int i = -10; i <= 10; ++i)
     EXPECT_GE(nearest_m(0.06f * static_cast<float>(i)), 0.4f) << "lateral " << 6 * i << " cm";
 }
 
-TEST(Heuristic, WhoSeesPeopleComeKeepsToTheRight) {
-  for (const float theirs : {-1.0f, 1.0f}) {
-    const Eigen::Vector2f own(kFree_mps, 0), other(theirs * kFree_mps, 0);
-    // Far enough aside of the way that nobody has to be passed.
+TEST(Heuristic, KeepsRightOfOncomingAgents) {
+  for (const float others_sign : {-1.0f, 1.0f}) {
+    const Eigen::Vector2f own(kFree_mps, 0), other(others_sign * kFree_mps, 0);
+    // Far enough to the side that no agent has to be passed.
     const Moment moment{{{{0, 0}, own, own},
                          {{3, 2.0f}, other, other},
                          {{3, -2.0f}, other, other},
                          {{4, 2.0f}, other, other}},
                         {}};
     const float left_mps = moment.decide().front().y();
-    if (theirs < 0) {
+    if (others_sign < 0) {
       EXPECT_LT(left_mps, -0.1f);
     } else {
-      EXPECT_NEAR(left_mps, 0, 1e-5) << "of those who go the same way nobody takes notice";
+      EXPECT_NEAR(left_mps, 0, 1e-5) << "agents of the same direction have no effect";
     }
   }
 }
 
-TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
+TEST(Heuristic, ResolvesCrossingsFromAllSides) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    std::vector<Someone> people;
+    std::vector<TestAgent> people;
     for (uint64_t i = 0; i < 10; ++i) {
       const Eigen::Vector2f from = polar(uniform(seed, i, 5, 9), 0.628f * static_cast<float>(i));
       const Eigen::Vector2f preferred = -kFree_mps * from.normalized();
       people.push_back({from, preferred, preferred});
     }
     EXPECT_GE(walk(people, 20), 0.3f);
-    for (const Someone& each : people)
+    for (const TestAgent& each : people)
       EXPECT_GT(each.at_m.dot(each.preferred_mps), 3) << "did not get to the other side";
   }
 }
@@ -360,9 +359,9 @@ TEST(Heuristic, PeopleFromAllSidesGetPastEachOtherWithoutWalkingThroughBodies) {
 namespace throng::validation::heuristic_test {
 namespace {
 
-/// People whose wishes lagged behind their way swung to and fro before such a door for ever; so did
-/// those of the last three seeds, whose field led them straight aside to its middle.
-TEST(HeuristicCrowd, SomebodyAloneGetsThroughANarrowDoor) {
+/// Preferred velocities that lag behind the direction cause oscillation before such a door. In the
+/// last three seeds the field leads straight aside to its middle.
+TEST(HeuristicCrowd, PassesANarrowDoorAlone) {
   for (const double half_m : {0.3, 0.35})
     for (const uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 89, 140, 197}) {
       Plan plan =
@@ -376,7 +375,7 @@ TEST(HeuristicCrowd, SomebodyAloneGetsThroughANarrowDoor) {
     }
 }
 
-TEST(HeuristicCrowd, FastPeopleOvertakeSlowOnes) {
+TEST(HeuristicCrowd, OvertakesSlowAgents) {
   for (uint64_t seed = 11; seed <= 12; ++seed) {
     Outcome outcome;
     EXPECT_TRUE(
@@ -385,14 +384,14 @@ TEST(HeuristicCrowd, FastPeopleOvertakeSlowOnes) {
   }
 }
 
-TEST(HeuristicCrowd, TwoWaysInOneCorridorFormLanesAndFlow) {
+TEST(HeuristicCrowd, FormsWalkingLanesInACorridor) {
   Outcome outcome;
   const std::vector<double> flows = measure_counterflow(2, SteeringKind::kHeuristic, 3, outcome);
   for (const double flow : flows) EXPECT_GE(flow, 0.8) << "seed 3";
   EXPECT_EQ(outcome.wall_crossings, 0);
 }
 
-TEST(HeuristicCrowd, AWiderDoorLetsMorePeopleThrough) {
+TEST(HeuristicCrowd, PassesMoreAgentsThroughAWiderDoor) {
   Outcome outcome;
   double before = 0;
   for (const double width_m : {0.6, 1.2, 2.2}) {

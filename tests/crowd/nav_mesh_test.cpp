@@ -1,4 +1,4 @@
-// The navigation mesh and the flow fields tell the same ways.
+// Tests of the navigation mesh: its paths agree with the flow fields.
 #include "crowd/navigation/nav_mesh.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 NavMesh mesh_of(const Scene& scene) { return NavMesh(scene.ground, Walkable(scene).footprints()); }
 
-TEST(NavMesh, GoesStraightWhereNothingIsInTheWay) {
+TEST(NavMesh, FindsStraightPaths) {
   Scene scene;
   scene.ground = {{-10, -5}, {10, 5}};
   const Path path = mesh_of(scene).path(Eigen::Vector2d(-8, -3), Eigen::Vector2d(7, 4));
@@ -29,7 +29,7 @@ TEST(NavMesh, GoesStraightWhereNothingIsInTheWay) {
   EXPECT_NEAR(path.length_m(), std::hypot(15, 7), 1e-3);
 }
 
-TEST(NavMesh, TurnsAtTheCornersOfAWallAndKeepsABodyAway) {
+TEST(NavMesh, KeepsABodyMarginAtCorners) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
   scene.obstacles = {box(10, 8, 0.2, 16)};
@@ -46,7 +46,7 @@ TEST(NavMesh, TurnsAtTheCornersOfAWallAndKeepsABodyAway) {
   EXPECT_NEAR(path.length_m(), 2 * std::hypot(7, 14.2), 0.3);
 }
 
-/// Two boxes that leave a gap in a wall across the ground, which is turned and shifted against the
+/// Two boxes with a gap between them, as a wall across the ground, turned and shifted against the
 /// cells.
 Scene gap_in_a_wall(double width_m, double thick_m, double shift_m, double turn_rad) {
   Scene scene;
@@ -60,33 +60,33 @@ Scene gap_in_a_wall(double width_m, double thick_m, double shift_m, double turn_
   return scene;
 }
 
-TEST(NavMesh, WhereADiscOf44CentimetresFitsIsAWayAndWhere40FitIsNone) {
+TEST(NavMesh, OpensGapsFor44ButNotFor40Centimetres) {
   for (const double width_m : {0.20, 0.30, 0.35, 0.40, 0.44, 0.45, 0.5, 0.6, 0.7, 0.8, 0.9, 1.2})
     for (const double thick_m : {0.02, 0.2, 1.0})
       for (const double shift_m : {0.0, 0.03, 0.1, 0.11, 0.15})
         for (const double turn_rad : {0.0, 0.1, 0.4, 0.7854, 1.2}) {
           if (turn_rad > 1 && thick_m > 0.5) continue;  // its ends leave the ground
-          // With every change the widths that differ most in what they say.
+          // By default only the widths near the threshold.
           if (!test::is_nightly() && (width_m < 0.35 || width_m > 0.6)) continue;
-          // Along the cells' diagonal a centimetre more is needed.
+          // Along the diagonal of the cells a centimetre more is needed.
           if (turn_rad > 0.5 && width_m == 0.44) continue;
           Workers workers(1);
           const NavigationMap map(gap_in_a_wall(width_m, thick_m, shift_m, turn_rad), workers);
-          const bool is_way = width_m > 0.42;
+          const bool is_open = width_m > 0.42;
           const std::string which =
               ::testing::PrintToString(std::vector<double>{width_m, thick_m, shift_m, turn_rad});
           const Stop& stop = map.route(0)[0];
-          EXPECT_EQ(stop.field->reaches({-4.5, 0.1}), is_way) << which;
-          // At the edges of a very thin wall the mesh sees 2 cm more room than there is. People go
-          // by the field.
+          EXPECT_EQ(stop.field->reaches({-4.5, 0.1}), is_open) << which;
+          // At the edges of a very thin wall the mesh has 2 cm more room than there is. Agents
+          // follow the field.
           if (width_m == 0.40 && thick_m < 0.1) continue;
           EXPECT_EQ(map.nav_mesh().path(Eigen::Vector2d(-4.5, 0.1), stop.goal.areas).arrives,
-                    is_way)
+                    is_open)
               << which;
         }
 }
 
-TEST(NavMesh, KnowsTheWayOnGroundsOfAnyShape) {
+TEST(NavMesh, FindsPathsOnGroundsOfAnyShape) {
   for (const auto& [x, y] : {std::pair{0.1, 0.1},
                              {0.1, 5.0},
                              {3.0, 0.12},
@@ -103,7 +103,7 @@ TEST(NavMesh, KnowsTheWayOnGroundsOfAnyShape) {
   }
 }
 
-TEST(NavMesh, RefusesWhatIsNoGround) {
+TEST(NavMesh, RejectsInvalidGrounds) {
   const double infinite = std::numeric_limits<double>::infinity();
   for (const Rectangle& ground : {Rectangle{{0, 0}, {0, 5}}, Rectangle{{1, 1}, {0, 0}},
                                   Rectangle{{0, 0}, {infinite, 1}}, Rectangle{{NAN, 0}, {1, 1}}})
@@ -113,8 +113,8 @@ TEST(NavMesh, RefusesWhatIsNoGround) {
   EXPECT_EQ(NavMesh({{0, 0}, {5, 5}}, {}).piece_at({NAN, 1}), -1);
 }
 
-TEST(NavMesh, AgreesWithFlowFieldsAboutWaysAndTheirLengths) {
-  int asked = 0, differently = 0, ways_found = 0;
+TEST(NavMesh, AgreesWithFlowFields) {
+  int asked = 0, differently = 0, paths_found = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene;
@@ -137,24 +137,24 @@ TEST(NavMesh, AgreesWithFlowFieldsAboutWaysAndTheirLengths) {
       const bool field_leads = stop.field->reaches(from);
       const Path path = map.nav_mesh().path(from, stop.goal.areas);
       ++asked;
-      ways_found += field_leads && path.arrives;
+      paths_found += field_leads && path.arrives;
       if (!field_leads || !path.arrives) {
         differently += field_leads != path.arrives;
         continue;
       }
-      // The field ends at the rim of the goal, the path in its middle; metres beside walls count
-      // longer in the field, whose directions are of first order.
+      // The field ends at the rim of the goal, the path in its middle. Metres along walls cost more
+      // in the field, whose directions are of first order.
       const double field_m = stop.field->distance_m(from);
       differently += path.length_m() > field_m + 2.5 || path.length_m() < 0.6 * field_m - 0.5;
     }
   }
-  // A gap wider than 0.4 m, which nobody passes, and below 0.8 m, which everybody does, may be a
-  // way to one and none to the other.
-  EXPECT_GT(ways_found, 200);
+  // A gap between 0.4 m (never passable) and 0.8 m (always passable) may be open in one of them
+  // only.
+  EXPECT_GT(paths_found, 200);
   EXPECT_LE(differently, asked / 25) << "of " << asked;
 }
 
-TEST(NavMesh, PiecesAreWhatAWallDivides) {
+TEST(NavMesh, DividesPiecesAtWalls) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 10}};
   scene.obstacles = {box(10, 5, 0.1, 10)};
@@ -165,10 +165,10 @@ TEST(NavMesh, PiecesAreWhatAWallDivides) {
   const Path path = mesh.path(Eigen::Vector2d(2, 5), Eigen::Vector2d(18, 5));
   EXPECT_FALSE(path.arrives);
   ASSERT_FALSE(path.corners_m.empty());
-  EXPECT_NEAR(path.corners_m.back().x(), 9.75, 0.2) << "as near as the wall allows";
+  EXPECT_NEAR(path.corners_m.back().x(), 9.75, 0.2) << "at the wall";
 }
 
-TEST(NavMesh, IsTheSameEveryTimeItIsBuilt) {
+TEST(NavMesh, IsReproducible) {
   const Scene scene = crossing(1, 0);
   const NavMesh first = mesh_of(scene);
   const NavMesh second = mesh_of(scene);

@@ -1,4 +1,4 @@
-// The grid against looking at everybody.
+// Tests of the neighbour grid against brute force.
 #include "crowd/neighbours/neighbour_grid.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace throng::neighbour_grid_test {
 namespace {
 
-/// The nearest slots by (distance, slot), from looking at everybody.
+/// The nearest slots by (distance, slot), by brute force.
 std::vector<uint32_t> brute_force(const NeighbourGrid& grid, uint32_t own, float reach_m) {
   std::vector<std::pair<float, uint32_t>> all;
   for (uint32_t slot = 0; slot < grid.order().size(); ++slot) {
@@ -40,13 +40,13 @@ std::vector<Eigen::Vector2d> scatter(uint64_t seed, size_t count, const Rectangl
   return points;
 }
 
-TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
+TEST(NeighbourGrid, MatchesBruteForceOnEveryTarget) {
   for (const SimdTarget target : simd_targets_of_this_machine()) {
     for (uint64_t seed = 1; seed <= 40; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << name_of(target));
       const Rectangle ground{{-4, 2}, {-4 + static_cast<double>(seed), 2 + 12.3}};
       const std::vector<Eigen::Vector2d> points = scatter(seed, 30 * seed % 400 + 2, ground);
-      // Cells for as many people as there are, for few, and for many: wide and narrow ones.
+      // Wide and narrow cells: for the actual number of agents, for few and for many.
       for (const size_t expected_people : {points.size(), size_t{3}, size_t{5000}}) {
         NeighbourGrid grid(ground, expected_people, target);
         grid.rebuild(points);
@@ -69,7 +69,7 @@ TEST(NeighbourGrid, FindsWhatLookingAtEverybodyFindsOnEveryTarget) {
   }
 }
 
-TEST(NeighbourGrid, FindsThemWhereTheyHaveWalkedTo) {
+TEST(NeighbourGrid, FindsMovedAgents) {
   for (const SimdTarget target : simd_targets_of_this_machine())
     for (uint64_t seed = 1; seed <= 20; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << name_of(target));
@@ -104,7 +104,7 @@ TEST(NeighbourGrid, FindsThemWhereTheyHaveWalkedTo) {
     }
 }
 
-TEST(NeighbourGrid, WhoIsAbsentHasNoSlot) {
+TEST(NeighbourGrid, OmitsAbsentAgents) {
   const Rectangle ground{{0, 0}, {30, 20}};
   NeighbourGrid grid(ground, 300);
   std::vector<uint8_t> present(300);
@@ -114,7 +114,7 @@ TEST(NeighbourGrid, WhoIsAbsentHasNoSlot) {
   for (const uint32_t id : grid.order()) EXPECT_NE(id % 3, 0u);
 }
 
-TEST(NeighbourGrid, OrderHoldsEverybodyOnce) {
+TEST(NeighbourGrid, OrdersEachAgentOnce) {
   const Rectangle ground{{0, 0}, {30, 20}};
   NeighbourGrid grid(ground, 500);
   for (const uint64_t seed : {3u, 4u}) {  // the second rebuild starts from used arrays

@@ -1,4 +1,4 @@
-// The linear program against dense sampling of the velocities, and avoidance against moving discs.
+// Tests of ORCA: the linear program against dense sampling, and avoidance against moving discs.
 #include "crowd/steering/orca.h"
 
 #include <gtest/gtest.h>
@@ -13,11 +13,11 @@ namespace throng::orca_test {
 namespace {
 
 constexpr float kMaxSpeed_mps = 1.6f;
-/// What single precision and kTiny_mps leave.
+/// Rounding of single precision and kTiny_mps.
 constexpr float kRounding_mps = 3e-5f;
 constexpr int kRings = 120;
 constexpr int kSpokes = 240;
-/// No velocity of the disc is farther from a sample than this.
+/// Largest distance of a velocity in the disc from the nearest sample.
 constexpr float kSpacing_mps = 0.5f * (kMaxSpeed_mps / kRings + 6.3f * kMaxSpeed_mps / kSpokes);
 
 struct Case {
@@ -48,8 +48,8 @@ float worst(std::span<const HalfPlane> planes, const Eigen::Vector2f& v) {
   return value;
 }
 
-/// What sampling finds: the nearest to the wish that meets all planes, and the least worst
-/// violation of soft planes among those that meet the hard ones.
+/// Results of sampling: the feasible velocity nearest to the preferred one, and the least worst
+/// violation of soft planes within the hard ones.
 struct Sampled {
   bool feasible = false;
   float nearest_mps = 1e9f;
@@ -75,7 +75,7 @@ Sampled sample(const Case& c) {
   return out;
 }
 
-TEST(Orca, ChosenVelocityIsTheNearestFeasibleOne) {
+TEST(Orca, ChoosesTheNearestFeasibleVelocity) {
   int feasible = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -87,14 +87,14 @@ TEST(Orca, ChosenVelocityIsTheNearestFeasibleOne) {
     EXPECT_LE(worst(c.planes, v), kRounding_mps);
     EXPECT_LE(v.norm(), kMaxSpeed_mps + kRounding_mps);
     const float found_mps = (v - c.preferred_mps).norm();
-    // No sample may be nearer; and where the feasible set is not a sliver, samples come near.
+    // No sample may be nearer. Samples come near unless the feasible set is a sliver.
     EXPECT_LE(found_mps, oracle.nearest_mps + kRounding_mps)
         << "a sample is nearer by " << found_mps - oracle.nearest_mps << " m/s";
   }
   EXPECT_GT(feasible, 150) << "the cases no longer exercise the feasible branch";
 }
 
-TEST(Orca, InfeasiblePlanesAreViolatedAsLittleAsPossible) {
+TEST(Orca, MinimisesViolationsOfInfeasiblePlanes) {
   int infeasible = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -115,8 +115,8 @@ TEST(Orca, InfeasiblePlanesAreViolatedAsLittleAsPossible) {
   EXPECT_GT(infeasible, 150) << "the cases no longer exercise the infeasible branch";
 }
 
-/// Two discs that both choose on the border of what avoid() allows do not meet within the horizon.
-TEST(Orca, TwoWhoBothObeyDoNotCollideWithinTheHorizon) {
+/// Two discs that choose on the border of avoidance_plane() do not meet within the horizon.
+TEST(Orca, AvoidsCollisionsWithinTheHorizon) {
   int collisions_if_ignored = 0;
   for (uint64_t seed = 1; seed <= 5000; ++seed) {
     Encounter a;
@@ -149,7 +149,7 @@ TEST(Orca, TwoWhoBothObeyDoNotCollideWithinTheHorizon) {
   EXPECT_GT(collisions_if_ignored, 100) << "too few cases would have collided at all";
 }
 
-TEST(Orca, OverlappingDiscsPartWithinAStep) {
+TEST(Orca, SeparatesOverlappingDiscsWithinAStep) {
   Encounter e;
   e.offset_m = {0.3f, 0};
   e.own_velocity_mps = e.other_velocity_mps = Eigen::Vector2f::Zero();
@@ -157,11 +157,11 @@ TEST(Orca, OverlappingDiscsPartWithinAStep) {
   e.step_s = 0.1f;
   const HalfPlane plane = avoidance_plane(e);
   EXPECT_NEAR(plane.normal.x(), -1, 1e-6);
-  // Half of the 0.14 m that are missing, in 0.1 s.
+  // Half of the missing 0.14 m, in 0.1 s.
   EXPECT_NEAR(plane.offset_mps, 0.7, 1e-5);
 }
 
-TEST(Orca, StandingStillMeetsEveryWall) {
+TEST(Orca, AllowsStandingStillAtEveryWall) {
   for (const float clearance_m : {-0.2f, 0.0f, 0.1f, 2.0f}) {
     const HalfPlane wall = wall_plane(Eigen::Vector2f::UnitY(), clearance_m, 0.5f);
     EXPECT_LE(wall.violation_mps(Eigen::Vector2f::Zero()), 0)

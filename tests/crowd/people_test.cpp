@@ -1,5 +1,4 @@
-// The people of a crowd: speeds and heights of every age, and ages as often as a group asks for
-// them.
+// Tests of people: speeds and heights by age, and frequencies of ages.
 #include "crowd/people.h"
 
 #include <fmt/format.h>
@@ -29,11 +28,11 @@ double mean_of(const Distribution& distribution, Purpose purpose) {
   return sum / static_cast<double>(kDraws);
 }
 
-TEST(People, OfEveryAgeWalkAndStandAsTheirAgeDoes) {
+TEST(People, FollowTheDistributionsOfTheirAge) {
   for (size_t i = 0; i < kAgeCount; ++i) {
     const AgeGroup& age = age_group(static_cast<Age>(i));
     SCOPED_TRACE(fmt::format("{}, seed {}", age.name, kSeed));
-    // Five standard errors, and what cutting an unsymmetric range off moves the mean by.
+    // Five standard errors, plus the shift of the mean by truncating an asymmetric range.
     const auto allowed = [](const Distribution& d) {
       return (5 / std::sqrt(static_cast<double>(kDraws)) + 0.03) * d.std_dev;
     };
@@ -43,7 +42,7 @@ TEST(People, OfEveryAgeWalkAndStandAsTheirAgeDoes) {
   }
 }
 
-TEST(People, AreOfEachAgeAsOftenAsItsShare) {
+TEST(People, HaveAgesByShare) {
   const AgeShares shares = {0, 1, 0, 3, 4, 0};
   std::map<Age, int> drawn;
   for (uint64_t id = 0; id < kDraws; ++id) ++drawn[draw_age(shares, kSeed, id)];
@@ -55,7 +54,7 @@ TEST(People, AreOfEachAgeAsOftenAsItsShare) {
   }
 }
 
-TEST(People, OfAMixAreOfSeveralAgesAndOthersOfOne) {
+TEST(People, HaveSeveralAgesInAMixOnly) {
   EXPECT_FALSE(ages_of("old").has_value());
   EXPECT_FALSE(only_age(*ages_of("mixed")).has_value());
   for (size_t i = 0; i < kAgeCount; ++i) {
@@ -66,7 +65,7 @@ TEST(People, OfAMixAreOfSeveralAgesAndOthersOfOne) {
   }
 }
 
-/// Everybody of a bundled scene whose groups are all changed alike.
+/// All agents of a bundled scene with a change applied to each group.
 template <typename Change>
 std::vector<AgentSpec> people_of(const Change& change) {
   Scene scene = load_scene("corridor");
@@ -76,7 +75,7 @@ std::vector<AgentSpec> people_of(const Change& change) {
   return spawn(scene, map).people;
 }
 
-TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
+TEST(People, TakeTheAgesOfTheirGroup) {
   const std::vector<AgentSpec> adults = people_of([](Group&) {});
   const std::vector<AgentSpec> children =
       people_of([](Group& group) { group.ages = *ages_of("children"); });
@@ -94,7 +93,7 @@ TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
     EXPECT_LE(child.height_m, 1.6);
     EXPECT_EQ(child.desired_speed_mps, 1);
   }
-  // A mix draws the age besides: an adult of it is the adult of a group of adults.
+  // A mix draws the age separately: its adults equal those of a group of adults.
   const std::vector<AgentSpec> mixed =
       people_of([](Group& group) { group.ages = {1, 1, 0, 0, 0, 0}; });
   int alike = 0;
@@ -103,13 +102,13 @@ TEST(People, OfAGroupAreOfItsAgesUnlessItSaysOtherwise) {
   EXPECT_GT(alike, 20);
 }
 
-TEST(People, WalkInEachStyleAsOftenAsItsShare) {
+TEST(People, HaveGaitStylesByShare) {
   std::map<GaitStyle, int> drawn;
   const StyleShares& shares = age_group(Age::kAdult).styles;
   double sum = 0;
   for (const double share : shares) sum += share;
   for (uint64_t id = 0; id < kDraws; ++id) ++drawn[draw_style(shares, kSeed, id)];
-  ASSERT_EQ(drawn.size(), kGaitStyleCount) << "a crowd has people of every style";
+  ASSERT_EQ(drawn.size(), kGaitStyleCount) << "a crowd has agents of every style";
   for (const auto& [style, count] : drawn) {
     const double share = shares[static_cast<size_t>(style)] / sum;
     const double deviation = std::sqrt(kDraws * share * (1 - share));
@@ -118,23 +117,23 @@ TEST(People, WalkInEachStyleAsOftenAsItsShare) {
   }
 }
 
-TEST(People, OfAGroupWalkInItsStylesUnlessDriven) {
+TEST(People, TakeTheGaitStylesOfTheirGroupUnlessExternal) {
   const std::vector<AgentSpec> marching =
       people_of([](Group& group) { group.gait_styles = styles_of("stiff"); });
   for (const AgentSpec& person : marching) EXPECT_EQ(person.style, GaitStyle::kStiff);
-  const std::vector<AgentSpec> driven =
+  const std::vector<AgentSpec> external =
       people_of([](Group& group) { group.control_channel = "MINE"; });
-  for (const AgentSpec& person : driven) EXPECT_EQ(person.style, GaitStyle::kPlain);
+  for (const AgentSpec& person : external) EXPECT_EQ(person.style, GaitStyle::kPlain);
 }
 
-TEST(People, StylesNameTheRun) {
+TEST(People, ChangeTheRunIdWithGaitStyles) {
   Scene scene = load_scene("corridor");
   const uint64_t by_age = content_hash_of(scene);
   scene.groups[0].gait_styles = age_group(Age::kAdult).styles;
   EXPECT_NE(content_hash_of(scene), by_age);
 }
 
-TEST(People, AgesNameTheRun) {
+TEST(People, ChangeTheRunIdWithAges) {
   Scene scene = load_scene("corridor");
   const uint64_t adults = content_hash_of(scene);
   scene.groups[0].ages = *ages_of("elderly");

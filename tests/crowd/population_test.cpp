@@ -1,5 +1,5 @@
-// People who come and go: everybody is outside, inside or gone, nobody appears on top of another,
-// everybody arrives or is reported.
+// Tests of population: each agent is outside, inside or gone; none is placed on another; each
+// arrives or is reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,12 +11,12 @@
 #include "scenes/scenes.h"
 #include "tests/crowd/crowd_world.h"
 
-namespace throng::traffic_test {
+namespace throng::population_test {
 namespace {
 
-/// A room in the west, a door of 1 m, a room in the east; people start and come in the west and
+/// A room in the west, a door of 1 m, a room in the east. Agents start and enter in the west and
 /// leave by one of two exits in the east.
-Scene two_rooms(uint64_t seed, int at_start, int later) {
+Scene two_halls(uint64_t seed, int at_start, int later) {
   Scene scene;
   scene.name = "two rooms";
   scene.seed = seed;
@@ -38,10 +38,10 @@ uint64_t sum(const PopulationCounters& counters) {
   return counters.entered + counters.waiting_to_enter + counters.scheduled;
 }
 
-TEST(Population, EverybodyIsOutsideInsideOrGoneAndAllGetThroughTheDoor) {
+TEST(Population, CountsEachAgentOnceThroughADoor) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    SmallWorld world(two_rooms(seed, 20, 30), 2);
+    SmallWorld world(two_halls(seed, 20, 30), 2);
     const PopulationCounters& now = world.crowd.population().counters();
     ASSERT_EQ(world.crowd.size(), 50u);
     uint64_t entered = now.entered;
@@ -59,7 +59,7 @@ TEST(Population, EverybodyIsOutsideInsideOrGoneAndAllGetThroughTheDoor) {
   }
 }
 
-/// The speed of each person of the source in the step in which it enters.
+/// Speed of each agent of the source in the step in which it enters.
 std::vector<double> entering_speeds_mps(const Scene& scene) {
   SmallWorld world(scene, 1);
   std::vector<uint8_t> known(world.crowd.population().present().begin(),
@@ -82,10 +82,10 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-TEST(Population, PeopleEnterAtTheirSpeedOrAsThoseAheadLetThemOrAsTold) {
+TEST(Population, AdmitsAgentsAtTheSpeedTheyHaveOrOthersAllow) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Scene scene = two_rooms(seed, 0, 10);
+    Scene scene = two_halls(seed, 0, 10);
     scene.obstacles.clear();
     scene.groups[0].sources[0].area = {{-7.9, -0.5}, {-7.6, 0.5}};
     const std::vector<double> free_mps = entering_speeds_mps(scene);
@@ -96,7 +96,7 @@ TEST(Population, PeopleEnterAtTheirSpeedOrAsThoseAheadLetThemOrAsTold) {
     EXPECT_NEAR(mean_of(entering_speeds_mps(scene)), 0.4, 0.1);
     scene.groups[0].sources[0].enters_mps.reset();
 
-    // Those who stand right before the source, at most a metre ahead.
+    // Agents that stand at most a metre before the source.
     Group standing = group(12, {{-7.2, -1}, {-6.7, 1}}, {{{-7.2, -1}, {-6.7, 1}}});
     standing.name = "standing";
     standing.on_arrival = OnArrival::kStay;
@@ -108,8 +108,8 @@ TEST(Population, PeopleEnterAtTheirSpeedOrAsThoseAheadLetThemOrAsTold) {
   }
 }
 
-TEST(Population, NobodyStartsOrEntersInsideAWallHoweverNarrowTheDisc) {
-  Scene scene = two_rooms(3, 40, 40);
+TEST(Population, KeepsNarrowDiscsOutOfWalls) {
+  Scene scene = two_halls(3, 40, 40);
   scene.obstacles.push_back(box(-5, 0, 2.5, 8, 0.3));
   scene.groups[0].radius_m = 0.05;
   scene.groups[0].sources[0].rate_per_s = 50;
@@ -126,7 +126,7 @@ TEST(Population, NobodyStartsOrEntersInsideAWallHoweverNarrowTheDisc) {
       if (known[id] != 0 || world.crowd.population().present()[id] == 0) continue;
       known[id] = 1;
       ++entered;
-      // A centimetre that those who have just entered may have walked.
+      // Allows a centimetre walked since entry.
       EXPECT_GT(clearance_m(id), 0.125 * world.spawned.people[id].height_m / 1.7 - 0.06);
     }
     world.crowd.step();
@@ -134,10 +134,10 @@ TEST(Population, NobodyStartsOrEntersInsideAWallHoweverNarrowTheDisc) {
   EXPECT_GT(entered, 60);
 }
 
-TEST(Population, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
+TEST(Population, AdmitsIntoFreeSpaceOnly) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    Scene scene = two_rooms(seed, 30, 150);
+    Scene scene = two_halls(seed, 30, 150);
     scene.groups[0].sources[0].rate_per_s = 100;  // more than the room takes
     SmallWorld world(scene, 1);
     const Crowd& crowd = world.crowd;
@@ -160,9 +160,9 @@ TEST(Population, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
         ++entries;
         for (uint32_t other = 0; other < crowd.size(); ++other) {
           if (other == id || crowd.population().present()[other] == 0) continue;
-          // Placed clear of others, then everybody has made one step.
+          // Placed clear of others, then all have made one step.
           const double apart_m = (crowd.positions_m()[other] - place).norm();
-          ASSERT_GT(apart_m, 0.2) << id << " came in on top of " << other << ", step " << step;
+          ASSERT_GT(apart_m, 0.2) << id << " entered on " << other << ", step " << step;
         }
       }
     }
@@ -171,10 +171,10 @@ TEST(Population, NobodyEntersWhereSomebodyStandsAndNobodyCrossesAWall) {
   }
 }
 
-TEST(Population, IsTheSameForEveryNumberOfThreads) {
+TEST(Population, IsIndependentOfThreads) {
   std::vector<Eigen::Vector2d> expected;
   for (const int threads : {1, 2, 5}) {
-    SmallWorld world(two_rooms(3, 60, 200), threads);
+    SmallWorld world(two_halls(3, 60, 200), threads);
     for (int step = 0; step < 600; ++step) world.crowd.step();
     const std::vector<Eigen::Vector2d> found(world.crowd.positions_m().begin(),
                                              world.crowd.positions_m().end());
@@ -183,9 +183,9 @@ TEST(Population, IsTheSameForEveryNumberOfThreads) {
   }
 }
 
-TEST(Population, SteadySourcesEmitAtTheirRateAndRandomOnesOnAverage) {
+TEST(Population, EmitsAtTheRateOfSources) {
   for (const bool random : {false, true}) {
-    Scene scene = two_rooms(2, 0, 400);
+    Scene scene = two_halls(2, 0, 400);
     scene.groups[0].sources[0].is_poisson = random;
     scene.groups[0].sources[0].rate_per_s = 4;
     SmallWorld world(scene, 1);
@@ -194,13 +194,13 @@ TEST(Population, SteadySourcesEmitAtTheirRateAndRandomOnesOnAverage) {
       EXPECT_GE(person.enters_s, last_s) << "ids of a source come in order";
       last_s = person.enters_s;
     }
-    // 400 exponential gaps of 0.25 s: 100 s, give or take 5 (one sigma).
+    // 400 exponential gaps of 0.25 s: 100 s with a standard deviation of 5 s.
     EXPECT_NEAR(last_s, 1 + 400 / 4.0, random ? 20 : 0.26);
   }
 }
 
-TEST(Population, WhoHasADelayStandsUntilThenAndGoesOnTime) {
-  Scene scene = two_rooms(1, 1, 0);
+TEST(Population, HoldsAgentsForTheirPremovementTime) {
+  Scene scene = two_halls(1, 1, 0);
   scene.groups[0].sources.clear();
   for (const double premovement_s : {0.0, 3.0, 10.0}) {
     scene.groups[0].premovement_s = {premovement_s, 0, premovement_s, premovement_s};
@@ -216,7 +216,7 @@ TEST(Population, WhoHasADelayStandsUntilThenAndGoesOnTime) {
   }
 }
 
-TEST(Journeys, WaypointsArePassedGoalsWaitedAtAndTheLastStayedAt) {
+TEST(Journeys, PassWaypointsWaitAtGoalsAndStayAtTheLast) {
   Scene scene;
   scene.step_s = 1.0 / 30;
   scene.ground = {{0, 0}, {30, 6}};
@@ -239,14 +239,14 @@ TEST(Journeys, WaypointsArePassedGoalsWaitedAtAndTheLastStayedAt) {
       EXPECT_LT(x, 18) << "carried out of the goal while slowing down";
     }
   }
-  EXPECT_GT(passed_mps, 0.5) << "a point on the way is walked through";
+  EXPECT_GT(passed_mps, 0.5) << "a waypoint is passed without stopping";
   EXPECT_NEAR(waited_s, 5, 0.15) << "at the second goal, to a decision";
   EXPECT_EQ(world.crowd.journeys().state(0), JourneyState::kStaying);
   EXPECT_GT(world.crowd.positions_m()[0].x(), 24);
   EXPECT_LT(world.crowd.velocities_mps()[0].norm(), 0.05);
 }
 
-TEST(Journeys, WhoCannotReachAGoalIsToldOfWithPlaceAndReason) {
+TEST(Journeys, ReportStrandedAgentsWithPlaceAndCause) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 10}};
   // A closed cell around the second goal.
@@ -266,12 +266,12 @@ TEST(Journeys, WhoCannotReachAGoalIsToldOfWithPlaceAndReason) {
   EXPECT_EQ(strandings[0].people, 3);
   EXPECT_EQ(strandings[0].stop, 1u);
   EXPECT_THAT(describe(strandings[0], scene),
-              testing::MatchesRegex("group 'lost': 3 people cannot reach goal 2 from .* m; the way "
-                                    "ends at .* m at '(west|south|north)'"));
+              testing::MatchesRegex("group 'lost': 3 people cannot reach goal 2 from .* m; the "
+                                    "path ends at .* m at '(west|south|north)'"));
 }
 
-TEST(Journeys, WhoWaitsBehindOthersOfTheSameWayQueuesAndDoesNotStall) {
-  SmallWorld world(two_rooms(4, 60, 0), 2);
+TEST(Journeys, CountQueuingAgentsAsNotStalled) {
+  SmallWorld world(two_halls(4, 60, 0), 2);
   uint64_t queuing = 0;
   double stall_s = 0;
   for (int step = 0; step < 30 * 60; ++step) {
@@ -280,11 +280,11 @@ TEST(Journeys, WhoWaitsBehindOthersOfTheSameWayQueuesAndDoesNotStall) {
     stall_s = std::max(stall_s, world.crowd.counters().longest_stall_s);
   }
   EXPECT_GT(queuing, 15u) << "sixty people at a door of 1 m";
-  EXPECT_LT(stall_s, 15) << "of those in front";
+  EXPECT_LT(stall_s, 15) << "only agents in front can stall";
   EXPECT_EQ(world.crowd.population().counters().left, 60u);
 }
 
-TEST(Simulation, PairsOfWhoLeavesEndAndIdsStay) {
+TEST(Simulation, EndsPairsOfLeavingAgentsAndKeepsIds) {
   Scene scene = load_scene("bottleneck");
   scene.groups[0].count = 60;
   scene.duration_s = 45;
@@ -322,4 +322,4 @@ TEST(Simulation, PairsOfWhoLeavesEndAndIdsStay) {
 }
 
 }  // namespace
-}  // namespace throng::traffic_test
+}  // namespace throng::population_test

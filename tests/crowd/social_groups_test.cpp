@@ -1,6 +1,5 @@
-// Companions: they start and enter beside each other, stay together through crowds, doors and round
-// corners, walk abreast in the open and in file where it is narrow, and wait for each other, but
-// not for ever.
+// Tests of social groups: members start and enter together, stay together, walk abreast or in file,
+// and wait for each other for a limited time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,16 +12,16 @@
 #include "tests/crowd/crowd_world.h"
 #include "tests/scenes/same_walk.h"
 
-namespace throng::companions_test {
+namespace throng::social_groups_test {
 namespace {
 
-constexpr int kStepsASecond = 30;
+constexpr int kStepsPerSecond = 30;
 constexpr SocialGroupRule kAllInPairs{1, {1, 0, 0}};
 constexpr SocialGroupRule kAllInThrees{1, {0, 1, 0}};
 constexpr SocialGroupRule kAllInFours{1, {0, 0, 1}};
 
-/// Ids by party.
-std::vector<std::vector<uint32_t>> parties_of(const SmallWorld& world) {
+/// Ids by social group.
+std::vector<std::vector<uint32_t>> groups_of(const SmallWorld& world) {
   std::map<uint32_t, std::vector<uint32_t>> by_number;
   for (uint32_t id = 0; id < world.spawned.people.size(); ++id)
     if (world.spawned.people[id].social_group != AgentSpec::kAlone)
@@ -36,7 +35,7 @@ bool walks(const SmallWorld& world, uint32_t id) {
   return world.crowd.journeys().state(id) == JourneyState::kWalking;
 }
 
-/// How far somebody is from the nearest companion who walks; nothing if there is none.
+/// Distance to the nearest walking member; none without one.
 std::optional<double> nearest_m(const SmallWorld& world, const std::vector<uint32_t>& social_group,
                                 uint32_t id) {
   std::optional<double> min;
@@ -48,13 +47,12 @@ std::optional<double> nearest_m(const SmallWorld& world, const std::vector<uint3
   return min;
 }
 
-/// Person-seconds (in steps) of people with companions who walk, and of these how many within 3 m
-/// of one.
+/// Person-steps of walking members, and those within 3 m of another.
 struct Togetherness {
   int steps = 0, near = 0;
 
-  void look(const SmallWorld& world, const std::vector<std::vector<uint32_t>>& parties) {
-    for (const std::vector<uint32_t>& social_group : parties)
+  void look(const SmallWorld& world, const std::vector<std::vector<uint32_t>>& groups) {
+    for (const std::vector<uint32_t>& social_group : groups)
       for (const uint32_t id : social_group) {
         if (!walks(world, id)) continue;
         const std::optional<double> away_m = nearest_m(world, social_group, id);
@@ -66,31 +64,29 @@ struct Togetherness {
   double share() const { return static_cast<double>(near) / steps; }
 };
 
-class CompanionsOf : public testing::TestWithParam<SteeringKind> {
+class SocialGroupsByModel : public testing::TestWithParam<SteeringKind> {
  protected:
   Scene with_model(Scene scene) const {
     scene.steering.model = GetParam();
-    scene.step_s = 1.0 / kStepsASecond;
+    scene.step_s = 1.0 / kStepsPerSecond;
     return scene;
   }
-  /// For docs/scenes.md.
   static void print(const char* what, double value) {
-    fmt::print("companions {} {} {:.3f}\n", name_of(GetParam()), what, value);
+    fmt::print("social_groups {} {} {:.3f}\n", name_of(GetParam()), what, value);
   }
 };
 
-Scene open_square(uint64_t seed, const SocialGroupRule& companions, int people) {
+Scene open_square(uint64_t seed, const SocialGroupRule& rule, int people) {
   Scene scene;
   scene.seed = seed;
   scene.ground = {{-30, -12}, {30, 12}};
   scene.groups = {group(people, {{-29, -11}, {-20, 11}}, {{{20, -11}, {29, 11}}})};
   scene.groups[0].on_arrival = OnArrival::kLeave;
-  scene.groups[0].social_groups = companions;
+  scene.groups[0].social_groups = rule;
   return scene;
 }
 
-/// Of neighbours in a row: how far apart, how far off from exactly abreast, and how far those in
-/// the middle are behind.
+/// Means over neighbours in a row: distance, angle to abreast, and lag of the inner ones.
 struct RowMeasure {
   double distance_m = 0, off_deg = 0, behind_m = 0;
   int pairs = 0, inner = 0;
@@ -98,11 +94,11 @@ struct RowMeasure {
 
 RowMeasure measure_rows(SmallWorld& world, double from_s, double to_s) {
   RowMeasure m;
-  const auto parties = parties_of(world);
-  for (int step = 0; step < to_s * kStepsASecond; ++step) {
+  const auto groups = groups_of(world);
+  for (int step = 0; step < to_s * kStepsPerSecond; ++step) {
     world.crowd.step();
-    if (step < from_s * kStepsASecond) continue;
-    for (const std::vector<uint32_t>& social_group : parties) {
+    if (step < from_s * kStepsPerSecond) continue;
+    for (const std::vector<uint32_t>& social_group : groups) {
       if (!std::all_of(social_group.begin(), social_group.end(),
                        [&](uint32_t id) { return walks(world, id); }))
         continue;
@@ -127,17 +123,17 @@ RowMeasure measure_rows(SmallWorld& world, double from_s, double to_s) {
   return m;
 }
 
-TEST_P(CompanionsOf, WalkAbreastInTheOpenAndThreeInAFlatV) {
-  // Moussaid et al. (2010) and Zanlungo et al. (2014) observed 0.75 to 0.8 m from one to the next.
-  for (const SocialGroupRule& companions : {kAllInPairs, kAllInThrees, kAllInFours}) {
+TEST_P(SocialGroupsByModel, WalkAbreastAndThreesInAFlatV) {
+  // Moussaid et al. (2010) and Zanlungo et al. (2014) observed 0.75 to 0.8 m between neighbours.
+  for (const SocialGroupRule& rule : {kAllInPairs, kAllInThrees, kAllInFours}) {
     double mean_m = 0;
     for (uint64_t seed = 1; seed <= 3; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed);
-      SmallWorld world(with_model(open_square(seed, companions, 24)), 1);
+      SmallWorld world(with_model(open_square(seed, rule, 24)), 1);
       const RowMeasure m = measure_rows(world, 5, 25);
       EXPECT_GT(m.distance_m, 0.7);
       EXPECT_LT(m.distance_m, 0.9);
-      EXPECT_LT(m.off_deg, companions.sizes[0] > 0 ? 10 : 20);
+      EXPECT_LT(m.off_deg, rule.sizes[0] > 0 ? 10 : 20);
       if (m.inner > 0) {
         EXPECT_GT(m.behind_m, 0.02) << "no V";
         EXPECT_LT(m.behind_m, 0.3);
@@ -148,16 +144,16 @@ TEST_P(CompanionsOf, WalkAbreastInTheOpenAndThreeInAFlatV) {
   }
 }
 
-TEST_P(CompanionsOf, StayTogetherThroughACrossingCrowd) {
+TEST_P(SocialGroupsByModel, StayTogetherInACrossingCrowd) {
   Togetherness found;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     Scene scene = with_model(crossing(seed, 160));
     for (Group& each : scene.groups) each.social_groups = SocialGroupRule{};
     SmallWorld world(scene, 2);
-    const auto parties = parties_of(world);
-    for (int step = 0; step < 60 * kStepsASecond; ++step) {
+    const auto groups = groups_of(world);
+    for (int step = 0; step < 60 * kStepsPerSecond; ++step) {
       world.crowd.step();
-      if (step % 10 == 0) found.look(world, parties);
+      if (step % 10 == 0) found.look(world, groups);
     }
     EXPECT_LT(world.crowd.counters().longest_stall_s, 10) << "seed " << seed;
   }
@@ -166,9 +162,9 @@ TEST_P(CompanionsOf, StayTogetherThroughACrossingCrowd) {
   print("crossing", found.share());
 }
 
-/// Two rooms and a door of so many metres, in a wall so thick; then 20 m more to go.
-Scene behind_a_door(uint64_t seed, double width_m, double thick_m,
-                    const SocialGroupRule& companions, int people) {
+/// Two rooms with a door in a wall of this thickness; then 20 m more to the goal.
+Scene behind_a_door(uint64_t seed, double width_m, double thick_m, const SocialGroupRule& rule,
+                    int people) {
   Scene scene;
   scene.seed = seed;
   scene.ground = {{-10, -4}, {25 + thick_m, 4}};
@@ -178,21 +174,22 @@ Scene behind_a_door(uint64_t seed, double width_m, double thick_m,
   scene.groups = {
       group(people, {{-9, -3.5}, {-3, 3.5}}, {{{22 + thick_m, -3}, {24 + thick_m, 3}}})};
   scene.groups[0].on_arrival = OnArrival::kLeave;
-  scene.groups[0].social_groups = companions;
+  scene.groups[0].social_groups = rule;
   return scene;
 }
 
-TEST_P(CompanionsOf, PassADoorTogetherAndAreTogetherBehindIt) {
+TEST_P(SocialGroupsByModel, PassADoorTogether) {
   Togetherness all, behind;
-  for (const SocialGroupRule& companions : {kAllInPairs, kAllInThrees, kAllInFours})
+  for (const SocialGroupRule& rule : {kAllInPairs, kAllInThrees, kAllInFours})
     for (uint64_t seed = 1; seed <= 3; ++seed) {
-      SmallWorld world(with_model(behind_a_door(seed, 1, 0.3, companions, 24)), 1);
-      const auto parties = parties_of(world);
+      SmallWorld world(with_model(behind_a_door(seed, 1, 0.3, rule, 24)), 1);
+      const auto groups = groups_of(world);
       for (int step = 0;
-           step < 120 * kStepsASecond && world.crowd.population().counters().present > 0; ++step) {
+           step < 120 * kStepsPerSecond && world.crowd.population().counters().present > 0;
+           ++step) {
         world.crowd.step();
-        all.look(world, parties);
-        for (const std::vector<uint32_t>& social_group : parties)
+        all.look(world, groups);
+        for (const std::vector<uint32_t>& social_group : groups)
           if (std::all_of(social_group.begin(), social_group.end(),
                           [&](uint32_t id) { return world.crowd.positions_m()[id].x() > 10; }))
             behind.look(world, {social_group});
@@ -204,13 +201,13 @@ TEST_P(CompanionsOf, PassADoorTogetherAndAreTogetherBehindIt) {
   print("door", all.share());
 }
 
-TEST_P(CompanionsOf, WalkInFileThroughANarrowPassage) {
-  for (const SocialGroupRule& companions : {kAllInPairs, kAllInThrees, kAllInFours})
+TEST_P(SocialGroupsByModel, WalkInFileInANarrowPassage) {
+  for (const SocialGroupRule& rule : {kAllInPairs, kAllInThrees, kAllInFours})
     for (uint64_t seed = 1; seed <= 3; ++seed) {
       SCOPED_TRACE(testing::Message() << "seed " << seed);
-      const int people = companions.sizes[1] > 0 ? 3 : 4;
-      SmallWorld world(with_model(behind_a_door(seed, 1, 6, companions, people)), 1);
-      const auto parties = parties_of(world);
+      const int people = rule.sizes[1] > 0 ? 3 : 4;
+      SmallWorld world(with_model(behind_a_door(seed, 1, 6, rule, people)), 1);
+      const auto groups = groups_of(world);
       Togetherness all;
       double along_m = 0, aside_m = 0;
       int count = 0;
@@ -218,10 +215,10 @@ TEST_P(CompanionsOf, WalkInFileThroughANarrowPassage) {
         const double x_m = world.crowd.positions_m()[id].x();
         return x_m > 1 && x_m < 5;
       };
-      for (int step = 0; step < 60 * kStepsASecond; ++step) {
+      for (int step = 0; step < 60 * kStepsPerSecond; ++step) {
         world.crowd.step();
-        all.look(world, parties);
-        for (const std::vector<uint32_t>& social_group : parties)
+        all.look(world, groups);
+        for (const std::vector<uint32_t>& social_group : groups)
           for (size_t i = 1; i < social_group.size(); ++i) {
             if (!is_inside(social_group[i]) || !is_inside(social_group[i - 1])) continue;
             const Eigen::Vector2d apart = world.crowd.positions_m()[social_group[i]] -
@@ -238,7 +235,7 @@ TEST_P(CompanionsOf, WalkInFileThroughANarrowPassage) {
     }
 }
 
-TEST_P(CompanionsOf, GoRoundACornerTogether) {
+TEST_P(SocialGroupsByModel, TurnACornerTogether) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene;
@@ -249,31 +246,32 @@ TEST_P(CompanionsOf, GoRoundACornerTogether) {
     scene.groups[0].on_arrival = OnArrival::kLeave;
     scene.groups[0].social_groups = SocialGroupRule{1, {1, 1, 1}};
     SmallWorld world(with_model(scene), 1);
-    const auto parties = parties_of(world);
+    const auto groups = groups_of(world);
     Togetherness all;
-    for (int step = 0; step < 90 * kStepsASecond; ++step) {
+    for (int step = 0; step < 90 * kStepsPerSecond; ++step) {
       world.crowd.step();
-      all.look(world, parties);
+      all.look(world, groups);
     }
     EXPECT_EQ(world.crowd.population().counters().present, 0u);
     EXPECT_GT(all.share(), 0.98);
   }
 }
 
-/// Somebody who is held where they are after so many seconds.
-TEST_P(CompanionsOf, WaitForWhoIsHeldUpButNotForEver) {
+/// One member is stopped after some seconds.
+TEST_P(SocialGroupsByModel, WaitForAStoppedMemberForALimitedTime) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     SmallWorld world(with_model(open_square(seed, kAllInThrees, 3)), 1);
-    ASSERT_EQ(parties_of(world).size(), 1u);
-    const uint32_t held = 1, other = 2;
+    ASSERT_EQ(groups_of(world).size(), 1u);
+    const uint32_t stopped = 1, other = 2;
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    for (int step = 0; step < 120 * kStepsASecond; ++step) {
+    for (int step = 0; step < 120 * kStepsPerSecond; ++step) {
       world.crowd.step();
-      const double now_s = static_cast<double>(step) / kStepsASecond;
-      if (now_s < 8) place = world.crowd.positions_m()[held];
+      const double now_s = static_cast<double>(step) / kStepsPerSecond;
+      if (now_s < 8) place = world.crowd.positions_m()[stopped];
       if (now_s >= 8)
-        world.crowd.override_motion(held, place, Eigen::Vector2d::UnitX(), Eigen::Vector2d::Zero());
+        world.crowd.override_motion(stopped, place, Eigen::Vector2d::UnitX(),
+                                    Eigen::Vector2d::Zero());
       const double ahead_m = (world.crowd.positions_m()[other] - place).norm();
       if (now_s > 14 && now_s < 35) {
         EXPECT_LT(ahead_m, 5) << "went on without after " << now_s << " s";
@@ -291,20 +289,20 @@ TEST_P(CompanionsOf, WaitForWhoIsHeldUpButNotForEver) {
   }
 }
 
-TEST_P(CompanionsOf, GoOnWhenADoorHasShutBetweenThem) {
+TEST_P(SocialGroupsByModel, ContinueWhenADoorDividesThem) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = with_model(behind_a_door(seed, 1, 0.3, kAllInFours, 8));
     scene.doors = {{"door", {0.15, -0.5}, {0.15, 0.5}, {}, {{6, "", 0}}}};
     SmallWorld world(scene, 1);
-    for (int step = 0; step < 120 * kStepsASecond; ++step) world.crowd.step();
+    for (int step = 0; step < 120 * kStepsPerSecond; ++step) world.crowd.step();
     int through = 0;
     for (uint32_t id = 0; id < 8; ++id) through += world.crowd.positions_m()[id].x() > 0.5;
     EXPECT_EQ(world.crowd.population().counters().left, static_cast<uint64_t>(through));
   }
 }
 
-TEST_P(CompanionsOf, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
+TEST_P(SocialGroupsByModel, AreIndependentOfThreadsAndCheckpoints) {
   Scene scene = with_model(crossing(7, 200));
   for (Group& each : scene.groups) each.social_groups = SocialGroupRule{0.8, {1, 1, 1}};
   scene.groups[0].sources = {{{{-14, 11}, {14, 14.5}}, 30, 4, 1, true}};
@@ -312,14 +310,14 @@ TEST_P(CompanionsOf, AreTheSameForEveryNumberOfThreadsAndAfterACheckpoint) {
   expect_same_walk(scene, 400, 400);
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, CompanionsOf,
+INSTANTIATE_TEST_SUITE_P(Models, SocialGroupsByModel,
                          testing::Values(SteeringKind::kOrca, SteeringKind::kCollisionFreeSpeed,
                                          SteeringKind::kHeuristic),
                          [](const auto& each) { return std::string(name_of(each.param)); });
 
-TEST(SocialGroupRule, AreAsManyAsAskedAndShareWhatTheyDo) {
+TEST(SocialGroups, FollowTheRuleAndShareSpeedAndDelay) {
   int people = 0, together = 0;
-  std::array<int, 5> parties_by_size{};
+  std::array<int, 5> groups_by_size{};
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     Scene scene;
     scene.seed = seed;
@@ -329,8 +327,8 @@ TEST(SocialGroupRule, AreAsManyAsAskedAndShareWhatTheyDo) {
     scene.groups[0].premovement_s = {3, 2, 0, 8};
     SmallWorld world(scene, 1);
     people += static_cast<int>(world.spawned.people.size());
-    for (const std::vector<uint32_t>& social_group : parties_of(world)) {
-      ++parties_by_size.at(social_group.size());
+    for (const std::vector<uint32_t>& social_group : groups_of(world)) {
+      ++groups_by_size.at(social_group.size());
       together += static_cast<int>(social_group.size());
       const AgentSpec& first = world.spawned.people[social_group[0]];
       EXPECT_EQ(social_group.back() - social_group.front(), social_group.size() - 1)
@@ -343,27 +341,27 @@ TEST(SocialGroupRule, AreAsManyAsAskedAndShareWhatTheyDo) {
     }
   }
   EXPECT_EQ(people, 5000);
-  // Three deviations of so many draws.
+  // Three standard deviations.
   EXPECT_NEAR(static_cast<double>(together) / people, 0.6, 0.04);
-  const double parties = parties_by_size[2] + parties_by_size[3] + parties_by_size[4];
-  EXPECT_NEAR(parties_by_size[2] / parties, 0.5, 0.05);
-  EXPECT_NEAR(parties_by_size[3] / parties, 0.3, 0.045);
+  const double groups = groups_by_size[2] + groups_by_size[3] + groups_by_size[4];
+  EXPECT_NEAR(groups_by_size[2] / groups, 0.5, 0.05);
+  EXPECT_NEAR(groups_by_size[3] / groups, 0.3, 0.045);
 }
 
-TEST(SocialGroupRule, EnterBesideEachOther) {
+TEST(SocialGroups, EnterTogether) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Scene scene = open_square(seed, kAllInPairs, 0);
-    scene.step_s = 1.0 / kStepsASecond;
+    scene.step_s = 1.0 / kStepsPerSecond;
     scene.groups[0].sources = {{{{-29, -11}, {-26, 11}}, 30, 2, 0, true}};
     SmallWorld world(scene, 1);
-    const auto parties = parties_of(world);
-    ASSERT_EQ(parties.size(), 15u);
+    const auto groups = groups_of(world);
+    ASSERT_EQ(groups.size(), 15u);
     std::vector<uint8_t> seen(30, 0);
     int near = 0, entered = 0;
-    for (int step = 0; step < 40 * kStepsASecond; ++step) {
+    for (int step = 0; step < 40 * kStepsPerSecond; ++step) {
       world.crowd.step();
-      for (const std::vector<uint32_t>& social_group : parties) {
+      for (const std::vector<uint32_t>& social_group : groups) {
         if (seen[social_group[0]] != 0 || world.crowd.population().present()[social_group[1]] == 0)
           continue;
         seen[social_group[0]] = 1;
@@ -378,13 +376,13 @@ TEST(SocialGroupRule, EnterBesideEachOther) {
   }
 }
 
-TEST(SocialGroupRule, ChooseTheirPlacesBesideEachOther) {
+TEST(SocialGroups, ChooseNearbyPlaces) {
   Scene scene = open_square(3, kAllInFours, 40);
   scene.groups[0].on_arrival = OnArrival::kStay;
-  scene.step_s = 1.0 / kStepsASecond;
+  scene.step_s = 1.0 / kStepsPerSecond;
   SmallWorld world(scene, 1);
-  for (int step = 0; step < 150 * kStepsASecond; ++step) world.crowd.step();
-  for (const std::vector<uint32_t>& social_group : parties_of(world))
+  for (int step = 0; step < 150 * kStepsPerSecond; ++step) world.crowd.step();
+  for (const std::vector<uint32_t>& social_group : groups_of(world))
     for (const uint32_t id : social_group) {
       EXPECT_EQ(world.crowd.journeys().state(id), JourneyState::kStaying);
       EXPECT_LT((world.crowd.positions_m()[id] - world.crowd.positions_m()[social_group[0]]).norm(),
@@ -393,4 +391,4 @@ TEST(SocialGroupRule, ChooseTheirPlacesBesideEachOther) {
 }
 
 }  // namespace
-}  // namespace throng::companions_test
+}  // namespace throng::social_groups_test

@@ -1,4 +1,4 @@
-// People who stand: they face what they wait for, turn to it in steps, breathe and shift weight.
+// Tests of standing people: they face what they wait for, turn in steps, breathe and shift weight.
 #include "avatars/stepping/standing.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ double angle_between(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
 }
 
-/// Of those who stand or creep in a queue: how fast they turn, and how far off their way they face.
+/// Turn rates and facing of agents that stand or creep in a queue.
 struct Queue {
   std::vector<double> turns_degps;
   double turned_rad = 0, standing_time_s = 0;
@@ -43,7 +43,7 @@ struct Queue {
   }
 };
 
-TEST(StandingPeople, WhoQueuesFacesTheWayAndTurnsSlowly) {
+TEST(StandingPeople, FaceAheadAndTurnSlowlyInQueues) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     Scene scene = load_scene("bottleneck");
     scene.seed = seed;
@@ -59,8 +59,8 @@ TEST(StandingPeople, WhoQueuesFacesTheWayAndTurnsSlowly) {
     const double fast = queue.turns_degps[queue.turns_degps.size() * 99 / 100];
     const double off = static_cast<double>(queue.off) / queue.faced;
     std::printf(
-        "seed %d: %.0f s of standing, 99 %% turn less than %.0f degrees/s, %.2f turns a minute, "
-        "%.1f %% face more than 45 degrees off the way\n",
+        "seed %d: %.0f s of standing, 99 %% turn less than %.0f degrees/s, %.2f turns per minute, "
+        "%.1f %% face more than 45 degrees off the path\n",
         static_cast<int>(seed), queue.standing_time_s, fast,
         queue.turned_rad / (360 * kDegree) / (queue.standing_time_s / 60), 100 * off);
     ASSERT_GT(queue.standing_time_s, 300);
@@ -69,7 +69,7 @@ TEST(StandingPeople, WhoQueuesFacesTheWayAndTurnsSlowly) {
   }
 }
 
-/// Twenty people who wait in the middle of a hall of 20 m.
+/// Twenty agents that wait in the middle of a hall of 20 m.
 Scene hall(double premovement_s, const Eigen::Vector2d& look_at_m) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
@@ -88,7 +88,7 @@ void expect_all_face(const SmallWorld& world, const Eigen::Vector2d& look_at_m, 
   }
 }
 
-TEST(StandingPeople, AnAudienceFacesTheStageFromTheStartAndWhereItStays) {
+TEST(StandingPeople, FaceTheStageFromTheStart) {
   const Eigen::Vector2d stage_m(10, 25);
   SmallWorld waiting(hall(100, stage_m), 1);
   expect_all_face(waiting, stage_m, 15);
@@ -101,9 +101,9 @@ TEST(StandingPeople, AnAudienceFacesTheStageFromTheStartAndWhereItStays) {
   expect_all_face(coming, stage_m, 26);
 }
 
-TEST(StandingPeople, OfAnAudience95PercentFaceTheStageWithin20Degrees) {
+TEST(StandingPeople, FaceTheStageWithin20DegreesIn95PercentOfCases) {
   for (const SteeringKind model : all_steering_kinds())
-    for (const double premovement_s : {0.0, 100.0}) {  // who comes and stays; who waits to set out
+    for (const double premovement_s : {0.0, 100.0}) {  // arriving; before setting out
       int near = 0, all = 0;
       for (uint64_t seed = 1; seed <= 5; ++seed) {
         Scene scene = hall(premovement_s, {10, 25});
@@ -127,7 +127,7 @@ TEST(StandingPeople, OfAnAudience95PercentFaceTheStageWithin20Degrees) {
     }
 }
 
-TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
+TEST(StandingPeople, TurnHeadFirstAndCompletely) {
   for (const double behind_deg : {20.0, 60.0, 120.0, 179.0}) {
     SCOPED_TRACE(testing::Message() << behind_deg << " degrees to the left");
     Scene scene = hall(100, {0, 0});
@@ -155,7 +155,7 @@ TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
       before = now;
     }
     if (behind_deg < 25) {
-      EXPECT_EQ(starts, 0) << "the head does it alone";
+      EXPECT_EQ(starts, 0) << "only the head turns";
       EXPECT_NEAR(static_cast<double>(crowd.head_yaws_rad()[0]), std::sin(angle), 0.01);
       continue;
     }
@@ -166,7 +166,7 @@ TEST(StandingPeople, ATurnBeginsWithTheHeadAndGoesThroughToTheEnd) {
   }
 }
 
-TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
+TEST(StandingPeople, FaceTheNextGoal) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
   scene.groups = {group(4, {{4, 9}, {6, 11}}, {{{8, 8}, {11, 11}}, {{9, 18}, {11, 20}}})};
@@ -180,18 +180,18 @@ TEST(StandingPeople, WhoWaitsAtAGoalFacesTheNextOne) {
 }
 
 /// The audience of a bundled scene before it sets out.
-Scene audience(bool yielding) {
+Scene audience(bool body_avoidance) {
   Scene scene = load_scene("evacuation");
-  scene.body_avoidance = yielding;
+  scene.body_avoidance = body_avoidance;
   scene.groups[0].premovement_s = {100, 0, 100, 100};
   std::vector<std::string> notes;
   scale_to(scene, 60, notes);
   return scene;
 }
 
-TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
-  for (const bool yielding : {true, false}) {
-    Simulation simulation(audience(yielding), {.postures = true});
+TEST(StandingPeople, BreatheAndShiftWeightUnlessDisabled) {
+  for (const bool body_avoidance : {true, false}) {
+    Simulation simulation(audience(body_avoidance), {.postures = true});
     const auto& kinematics = simulation.info().models.front()->kinematics;
     const auto lateral = static_cast<size_t>(kinematics.column_of("pelvis_lateral"));
     const auto arm = static_cast<size_t>(kinematics.column_of("left_shoulder_abduction"));
@@ -207,11 +207,11 @@ TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
       }
     }
     for (size_t id = 0; id < 60; ++id) {
-      if (yielding) {
+      if (body_avoidance) {
         EXPECT_GT(high_m[id] - low_m[id], 0.01f) << "person " << id << " never shifts weight";
         EXPECT_NEAR(high_rad[id] - low_rad[id], 0.01f, 0.001f) << "person " << id;
       } else {
-        // What keeps steering from symmetry is up to a millimetre a second, which the gait follows.
+        // Symmetry-breaking noise is up to a millimetre per second, which the gait follows.
         EXPECT_NEAR(high_m[id], low_m[id], 0.001f);
         EXPECT_NEAR(high_rad[id], low_rad[id], 0.001f);
       }
@@ -219,7 +219,7 @@ TEST(StandingPeople, BreatheAndShiftTheirWeightUnlessTheSceneSaysOtherwise) {
   }
 }
 
-TEST(StandingPeople, TakePosturesFromTheStartAndLeaveThemWhenTheySetOut) {
+TEST(StandingPeople, HoldPosturesUntilTheySetOut) {
   Scene scene = audience(true);
   scene.groups[0].premovement_s = {3, 0, 3, 3};
   Simulation simulation(scene, {.postures = true});
@@ -244,11 +244,11 @@ TEST(StandingPeople, TakePosturesFromTheStartAndLeaveThemWhenTheySetOut) {
   }
   EXPECT_GT(walking, 1000);
   std::sort(elbows_rad.begin(), elbows_rad.end());
-  EXPECT_GT(elbows_rad[55] - elbows_rad[5], 0.5f) << "all hold their arms alike";
+  EXPECT_GT(elbows_rad[55] - elbows_rad[5], 0.5f) << "all arm postures are equal";
   EXPECT_EQ(std::adjacent_find(elbows_rad.begin(), elbows_rad.end()), elbows_rad.end());
 }
 
-TEST(StandingPeople, WhoNeverStopsNeverTakesAPosture) {
+TEST(StandingPeople, HoldNoPosturesWhileWalking) {
   for (const char* name : {"plaza", "crossing"}) {
     Simulation simulation(load_scene(name), {});
     std::vector<uint8_t> has_stopped;
@@ -268,7 +268,7 @@ TEST(StandingPeople, WhoNeverStopsNeverTakesAPosture) {
   }
 }
 
-TEST(StandingPeople, TakePosturesWhereTheyStop) {
+TEST(StandingPeople, HoldPosturesWhereTheyStop) {
   Scene scene = hall(0, {10, 25});
   scene.groups[0].model = audience(true).groups[0].model;
   Simulation simulation(scene, {});
@@ -276,16 +276,16 @@ TEST(StandingPeople, TakePosturesWhereTheyStop) {
   for (int i = 0; i < 40 * 60; ++i) {
     const Frame& frame = simulation.step();
     for (size_t id = 0; id < 20; ++id) {
-      const AvoidancePosture& yield = simulation.bodies().avoidance[id];
-      standing += i == 40 * 60 - 1 && yield.standing > 0.99f;
-      before += i > 60 && frame.speeds_mps[id] > 0.5f && yield.standing > 0.5f;
+      const AvoidancePosture& avoidance = simulation.bodies().avoidance[id];
+      standing += i == 40 * 60 - 1 && avoidance.standing > 0.99f;
+      before += i > 60 && frame.speeds_mps[id] > 0.5f && avoidance.standing > 0.5f;
     }
   }
   EXPECT_GE(standing, 18);
   EXPECT_EQ(before, 0);
 }
 
-TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {
+TEST(StandingPeople, AreIndependentOfThreadsAndSimdTarget) {
   const auto run = [](int threads, SimdTarget simd) {
     SimulationOptions options;
     options.threads = threads;
@@ -304,8 +304,8 @@ TEST(StandingPeople, StandTheSameForAnyThreadsAndSimdTarget) {
     EXPECT_EQ(run(3, simd), reference) << name_of(simd);
 }
 
-/// Closer together than anybody would stand of their own accord.
-TEST(StandingPeople, NoContactOfPeopleWhoShiftTheirWeightIsMissed) {
+/// Closer than people stand voluntarily.
+TEST(StandingPeople, MissNoContactWhileShiftingWeight) {
   Scene scene = load_scene("evacuation");
   Group& group = scene.groups[0];
   group.count = 110;

@@ -1,4 +1,4 @@
-// Random numbers and velocities for tests of steering.
+// Steering draws are random numbers and velocities for tests of steering.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Walls are hard, ways lead round them, and shapes are the solids they claim to be.
+// Tests of walls, flow fields and footprints.
 #include "crowd/navigation/walkable.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace throng::walkable_test {
 namespace {
 
-TEST(Shapes, FootprintTurnsWithTheObstacle) {
+TEST(Footprint, RotatesWithTheObstacle) {
   const Obstacle turned = box(10, 0, 4, 2, std::numbers::pi / 2);
   double widest = 0;
   double highest = 0;
@@ -28,7 +28,7 @@ TEST(Shapes, FootprintTurnsWithTheObstacle) {
   EXPECT_NEAR(highest, 2, 1e-6);
 }
 
-TEST(Shapes, NobodyWalksIntoASignOverhead) {
+TEST(Footprint, ExcludesSignsOverhead) {
   Obstacle sign = box(0, 0, 1, 1);
   EXPECT_TRUE(blocks_people(sign, 2.1));
   sign.centre_m.z() = 5;  // its lower side at 3.5 m
@@ -44,7 +44,7 @@ Walkable two_boxes() {
   return Walkable(scene);
 }
 
-/// Distance from a point to the nearest edge of a footprint by walking along all edges.
+/// Distance from a point to the nearest edge of a footprint, by sampling all edges.
 double sampled_distance_m(const Obstacle& obstacle, const Eigen::Vector2d& point) {
   const std::vector<Eigen::Vector2d> corners = footprint_of(obstacle);
   double nearest = 1e9;
@@ -57,7 +57,7 @@ double sampled_distance_m(const Obstacle& obstacle, const Eigen::Vector2d& point
   return nearest;
 }
 
-TEST(Walkable, NearestAgreesWithWalkingAlongTheEdges) {
+TEST(Walkable, FindsTheNearestEdge) {
   const Obstacle obstacle = box(0.3, -0.2, 3, 2, 0.4);
   const Walkable walkable({{-10, -10}, {10, 10}}, {footprint_of(obstacle)});
   for (uint64_t i = 0; i < 300; ++i) {
@@ -67,13 +67,13 @@ TEST(Walkable, NearestAgreesWithWalkingAlongTheEdges) {
     const Walkable::Nearest found = walkable.nearest(0, point);
     const double expected_m = sampled_distance_m(obstacle, point);
     ASSERT_NEAR(std::abs(found.distance_m), expected_m, 2e-3) << "point " << point.transpose();
-    // From the border inwards or outwards, the distance along the normal leads to the border.
+    // The distance along the normal leads to the border, from inside and outside.
     const Eigen::Vector2d border = point - found.distance_m * found.normal;
     ASSERT_NEAR(walkable.nearest(0, border).distance_m, 0, 1e-9) << "point " << point.transpose();
   }
 }
 
-TEST(Walkable, SlidingNeverEntersNorCrossesAWall) {
+TEST(Walkable, SlidesWithoutEnteringWalls) {
   const Walkable walkable = two_boxes();
   int stopped_or_slid = 0;
   for (uint64_t i = 0; i < 20000; ++i) {
@@ -90,10 +90,10 @@ TEST(Walkable, SlidingNeverEntersNorCrossesAWall) {
       ASSERT_GE(walkable.clearance_m(from + k / 50.0 * (to - from)), -1e-9)
           << "try " << i << ": from " << from.transpose() << " to " << to.transpose();
   }
-  EXPECT_GT(stopped_or_slid, 1000) << "walls were hardly met";
+  EXPECT_GT(stopped_or_slid, 1000) << "too few walls were met";
 }
 
-TEST(FlowField, DistanceIsTheStraightLineWhereNothingIsInTheWay) {
+TEST(FlowField, GivesStraightDistancesOnOpenGround) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 10}};
   const Walkable walkable(scene);
@@ -112,7 +112,7 @@ TEST(FlowField, DistanceIsTheStraightLineWhereNothingIsInTheWay) {
     }
 }
 
-TEST(FlowField, LeadsRoundWallsAndTellsWhereNoWayIs) {
+TEST(FlowField, LeadsRoundWallsButNotOutOfAClosedCell) {
   Scene scene;
   scene.ground = {{0, 0}, {20, 20}};
   // A wall across with one door at the top, and a closed cell of four walls.
@@ -121,19 +121,19 @@ TEST(FlowField, LeadsRoundWallsAndTellsWhereNoWayIs) {
   const Walkable walkable(scene);
   const FlowGrid grid(walkable);
   const FlowField field(grid, {{15, 1}, {18, 3}});
-  EXPECT_FALSE(field.reaches({4, 4})) << "a way leads out of a closed cell";
+  EXPECT_FALSE(field.reaches({4, 4})) << "a path leads out of a closed cell";
   Eigen::Vector2d point(8, 3);
-  double way_m = 0;
+  double path_m = 0;
   for (int i = 0; i < 2000 && !(point.x() > 15 && point.y() < 3); ++i) {
     const Eigen::Vector2d next = point + 0.05 * field.direction(point);
     ASSERT_FALSE(walkable.crosses(point, next)) << "at " << point.transpose();
     ASSERT_GE(walkable.clearance_m(next), 0.1) << "at " << next.transpose();
-    way_m += (next - point).norm();
+    path_m += (next - point).norm();
     point = next;
   }
   EXPECT_GT(point.x(), 14.9);
-  // Up to the door's lower corner at (10, 17) and down again: 14.1 + 14.9 m, and a berth.
-  EXPECT_NEAR(way_m, 29.5, 1.5);
+  // Up to the door's lower corner at (10, 17) and down again: 14.1 + 14.9 m, plus wall clearance.
+  EXPECT_NEAR(path_m, 29.5, 1.5);
 }
 
 }  // namespace

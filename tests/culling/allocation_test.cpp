@@ -1,5 +1,4 @@
-// A pass allocates nothing once it has seen its frames: every operator new of the process is
-// counted.
+// Counts every operator new of the process: culling allocates nothing for frames of a known size.
 #include <gtest/gtest.h>
 
 #include "culling/culling.h"
@@ -12,7 +11,7 @@ namespace {
 void expect_none(const std::vector<test::RandomBodies>& frames, const CullerOptions& options,
                  int threads) {
   Workers workers(threads);
-  // The frames differ in poses only, so one set of types serves them all.
+  // The frames differ only in poses, so one set of types serves all.
   Culler culler(frames[0].types, options, workers);
   for (int warm_up = 0; warm_up < 2; ++warm_up)
     for (const auto& frame : frames) culler.step(frame.view(), frame);
@@ -25,11 +24,11 @@ void expect_none(const std::vector<test::RandomBodies>& frames, const CullerOpti
   }
   EXPECT_EQ(test::allocations_so_far() - before, 0u)
       << "search " << static_cast<int>(options.pair_search) << ", " << threads << " threads, "
-      << (options.budget_tests ? "with" : "without") << " a deadline";
+      << (options.budget_tests ? "with" : "without") << " a budget";
   EXPECT_EQ(grown, 0u);
 }
 
-TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
+TEST(Culler, AllocatesNothingForKnownFrames) {
   std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 5; ++seed)
     frames.emplace_back(seed, 400, 6, Eigen::Vector3d::Zero());
@@ -43,7 +42,7 @@ TEST(Culler, AllocatesNothingWhenItReplaysFramesItHasSeen) {
   }
 }
 
-TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
+TEST(Culler, AllocatesNothingForDistancesOfKnownFrames) {
   std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());
@@ -57,7 +56,7 @@ TEST(Culler, AllocatesNothingForDistancesOfFramesItHasSeen) {
   }
 }
 
-TEST(Culler, AllocatesNothingForContactPointsOfFramesItHasSeen) {
+TEST(Culler, AllocatesNothingForContactPointsOfKnownFrames) {
   std::vector<test::RandomBodies> frames;
   for (uint64_t seed = 1; seed <= 3; ++seed)
     frames.emplace_back(seed, 60, 3, Eigen::Vector3d::Zero());

@@ -1,5 +1,4 @@
-// The laws of culling under a deadline: nothing that touches is left out, a budget of tests gives
-// one answer, and the most urgent comes first.
+// BudgetedPass reports every touching pair, is repeatable, and refines urgent pairs first.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,26 +20,26 @@ constexpr uint64_t kBudgets[] = {0, 1, 17, 400, 3000, 20'000, 150'000, 1'000'000
 
 RandomBodies dense_world(uint64_t seed) { return {seed, 60, 3, Eigen::Vector3d::Zero()}; }
 
-/// What a frame reports, in full.
-struct Answer {
+/// Complete result of a frame.
+struct Result {
   std::vector<PairKey> pairs;
   std::vector<uint8_t> levels;
   CullingCounters counters;
   uint64_t hash = 0;
 };
 
-Answer answer_of(const Culler& culler) {
+Result result_of(const Culler& culler) {
   return {{culler.pairs().begin(), culler.pairs().end()},
           {culler.levels().begin(), culler.levels().end()},
           culler.counters(),
           culler.hash()};
 }
 
-Answer one_frame(const RandomBodies& world, const CullerOptions& options, int threads = 1) {
+Result one_frame(const RandomBodies& world, const CullerOptions& options, int threads = 1) {
   Workers workers(threads);
   Culler culler(world.types, options, workers);
   culler.step(world.view(), world);
-  return answer_of(culler);
+  return result_of(culler);
 }
 
 uint64_t tests_of(const CullingCounters& c) {
@@ -51,14 +50,14 @@ bool whole_body(const PairKey& pair) {
   return pair.part_a() == kWholeBody && pair.part_b() == kWholeBody;
 }
 
-TEST(Deadline, CoversEveryTouchingPairUnderAnyBudget) {
+TEST(BudgetedPass, ReportsEveryTouchingPairWithAnyBudget) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     const RandomBodies world = dense_world(seed);
     const std::vector<PairKey> truth = test::touching_by_brute_force(world);
     ASSERT_GT(truth.size(), 20u);
     for (const bool exact : {false, true}) {
       for (const uint64_t budget : kBudgets) {
-        const Answer found = one_frame(world, {.exact = exact, .budget_tests = budget});
+        const Result found = one_frame(world, {.exact = exact, .budget_tests = budget});
         for (const PairKey& pair : truth) {
           const PairKey whole(pair.a(), pair.b(), kWholeBody, kWholeBody);
           const auto has = [&](const PairKey& key) {
@@ -73,9 +72,9 @@ TEST(Deadline, CoversEveryTouchingPairUnderAnyBudget) {
   }
 }
 
-TEST(Deadline, CoversEveryTouchingPairWhenTheClockIsUpAtOnce) {
+TEST(BudgetedPass, ReportsEveryTouchingPairWithoutTime) {
   const RandomBodies world = dense_world(5);
-  const Answer found = one_frame(world, {.budget_ms = 0});
+  const Result found = one_frame(world, {.budget_ms = 0});
   for (const PairKey& pair : test::touching_by_brute_force(world))
     EXPECT_TRUE(std::binary_search(found.pairs.begin(), found.pairs.end(),
                                    PairKey(pair.a(), pair.b(), kWholeBody, kWholeBody)));
@@ -84,16 +83,16 @@ TEST(Deadline, CoversEveryTouchingPairWhenTheClockIsUpAtOnce) {
   EXPECT_EQ(found.counters.levels[0], found.pairs.size());
 }
 
-TEST(Deadline, LeavesNothingUndecidedWhenThereIsTimeForAll) {
+TEST(BudgetedPass, DecidesAllPairsWithALargeBudget) {
   const RandomBodies world(6, 300, 5, Eigen::Vector3d::Zero());
   for (const bool exact : {false, true}) {
-    const Answer plain = one_frame(world, {.exact = exact});
+    const Result plain = one_frame(world, {.exact = exact});
     EXPECT_TRUE(plain.levels.empty());
     for (const CullerOptions& options :
          {CullerOptions{.exact = exact, .budget_ms = 1e6},
           CullerOptions{.exact = exact, .budget_tests = UINT64_MAX},
           CullerOptions{.exact = exact, .budget_ms = 1e6, .budget_tests = 1u << 30}}) {
-      const Answer found = one_frame(world, options, 2);
+      const Result found = one_frame(world, options, 2);
       EXPECT_TRUE(found.pairs == plain.pairs);
       const auto last =
           static_cast<uint8_t>(exact ? PairLevel::kTriangles : PairLevel::kPartVolume);
@@ -104,7 +103,7 @@ TEST(Deadline, LeavesNothingUndecidedWhenThereIsTimeForAll) {
   }
 }
 
-TEST(Deadline, NeverMakesMoreTestsThanItsBudget) {
+TEST(BudgetedPass, NeverExceedsItsBudgetOfTests) {
   for (const bool exact : {false, true}) {
     for (const VolumeKind volume : {VolumeKind::kOrdop26, VolumeKind::kSphere}) {
       const RandomBodies world(7, 300, 5, Eigen::Vector3d::Zero());
@@ -117,15 +116,15 @@ TEST(Deadline, NeverMakesMoreTestsThanItsBudget) {
       for (const uint64_t budget : kBudgets) {
         const uint64_t made = tests(budget);
         EXPECT_LE(made, budget);
-        // What a wave cannot use goes to the next one: little is left unused.
+        // The rest of a wave's budget goes to the next one, so little remains unused.
         EXPECT_GE(made, std::min(all, budget - std::min(budget, uint64_t{37} * 37)));
       }
     }
   }
 }
 
-/// Budget by budget, over frames in which bodies come and go.
-TEST(Deadline, GivesTheSameAnswerOnEveryPathAndNumberOfThreads) {
+/// For each budget, over frames in which bodies appear and disappear.
+TEST(BudgetedPass, GivesTheSameResultForSearchesTargetsAndThreads) {
   for (uint64_t seed = 11; seed <= 13; ++seed) {
     const RandomBodies world(seed, 500, 7, Eigen::Vector3d(10'000, -7'000, 0));
     for (const uint64_t budget :
@@ -140,14 +139,14 @@ TEST(Deadline, GivesTheSameAnswerOnEveryPathAndNumberOfThreads) {
           const Subset subset(world, 100 + frame);
           culler.step(subset.view(), Subset::Source(subset));
         }
-        return answer_of(culler);
+        return result_of(culler);
       };
-      const Answer reference = run(PairSearch::kBrute, SimdTarget::kScalar, 1);
+      const Result reference = run(PairSearch::kBrute, SimdTarget::kScalar, 1);
       ASSERT_FALSE(reference.pairs.empty());
       for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute}) {
         for (const SimdTarget target : simd_targets_of_this_machine()) {
           for (const int threads : {1, 3}) {
-            const Answer found = run(search, target, threads);
+            const Result found = run(search, target, threads);
             EXPECT_TRUE(found.pairs == reference.pairs && found.levels == reference.levels &&
                         found.hash == reference.hash &&
                         tests_of(found.counters) == tests_of(reference.counters))
@@ -161,11 +160,11 @@ TEST(Deadline, GivesTheSameAnswerOnEveryPathAndNumberOfThreads) {
   }
 }
 
-TEST(Deadline, ReportsEveryLevelAndCountsIt) {
+TEST(BudgetedPass, ReportsEveryLevelAndCountsIt) {
   const RandomBodies world = dense_world(21);
   std::set<uint8_t> seen;
   for (uint64_t budget = 100; budget < 300'000; budget += budget / 5) {
-    const Answer found = one_frame(world, {.exact = true, .budget_tests = budget});
+    const Result found = one_frame(world, {.exact = true, .budget_tests = budget});
     ASSERT_EQ(found.levels.size(), found.pairs.size());
     std::array<uint64_t, kPairLevels> levels{};
     for (size_t i = 0; i < found.pairs.size(); ++i) {
@@ -185,9 +184,9 @@ TEST(Deadline, ReportsEveryLevelAndCountsIt) {
   EXPECT_EQ(seen, (std::set<uint8_t>{0, 1, 2, 3}));
 }
 
-/// Spheres only, so that depth is easy to say: bodies of one kind.
-struct People : RandomBodies {
-  explicit People(uint64_t seed) : RandomBodies(seed, 200, 5, Eigen::Vector3d::Zero()) {
+/// Spheres only, all of one size, so that the overlap depth is easy to compute.
+struct Spheres : RandomBodies {
+  explicit Spheres(uint64_t seed) : RandomBodies(seed, 200, 5, Eigen::Vector3d::Zero()) {
     RandomBodies only(seed, 0, 1, Eigen::Vector3d::Zero());
     for (size_t i = 0; i < ids.size(); ++i) {
       if (type_of[i] != 0) continue;
@@ -209,10 +208,10 @@ struct People : RandomBodies {
   std::map<uint32_t, size_t> index;
 };
 
-TEST(Deadline, RefinesTheDeepestOverlapsFirst) {
-  const People world(31);
+TEST(BudgetedPass, RefinesTheDeepestOverlapsFirst) {
+  const Spheres world(31);
   for (const uint64_t budget : {uint64_t{1000}, uint64_t{5000}, uint64_t{20'000}}) {
-    const Answer found = one_frame(world, {.budget_tests = budget});
+    const Result found = one_frame(world, {.budget_tests = budget});
     double shallowest_decided = 1e9, deepest_left = -1e9;
     for (size_t i = 0; i < found.pairs.size(); ++i) {
       const double depth = world.depth_m(found.pairs[i]);
@@ -227,9 +226,9 @@ TEST(Deadline, RefinesTheDeepestOverlapsFirst) {
   }
 }
 
-/// Nobody moves: what was decided to touch is refined first in the next frame, and stays decided.
-TEST(Deadline, RefinesWhatTouchedBeforeFirst) {
-  const People world(32);
+/// Bodies do not move: pairs decided to touch are refined first in the next frame and stay decided.
+TEST(BudgetedPass, RefinesPreviousContactsFirst) {
+  const Spheres world(32);
   for (const uint64_t budget : {uint64_t{1000}, uint64_t{5000}, uint64_t{20'000}}) {
     Workers workers(2);
     Culler culler(world.types, {.budget_tests = budget}, workers);
@@ -249,7 +248,7 @@ TEST(Deadline, RefinesWhatTouchedBeforeFirst) {
   }
 }
 
-TEST(Deadline, BeginsAndEndsPairUpWithTheirLevels) {
+TEST(BudgetedPass, PairsBeginAndEndEventsWithTheirLevels) {
   const RandomBodies world(41, 200, 4, Eigen::Vector3d::Zero());
   for (const bool by_clock : {false, true}) {
     Workers workers(2);
@@ -263,8 +262,8 @@ TEST(Deadline, BeginsAndEndsPairUpWithTheirLevels) {
         if (kind == EventKind::kBegin) {
           EXPECT_TRUE(open.emplace(pair, level).second) << "begun twice";
         } else {
-          ASSERT_EQ(open.count(pair), 1u) << "ended without a begin";
-          EXPECT_EQ(open[pair], level) << "an end has the level last reported";
+          ASSERT_EQ(open.count(pair), 1u) << "end without begin";
+          EXPECT_EQ(open[pair], level) << "an end event has the level last reported";
           open.erase(pair);
         }
       }

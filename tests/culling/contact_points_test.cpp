@@ -1,5 +1,4 @@
-// Where parts touch: a point for every pair of a frame and for no other, on both parts, with a way
-// out; whatever else is asked, and on any number of threads.
+// Contact points lie on both parts of exactly the touching pairs, with all options.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using test::RandomBodies;
 
-/// Every other world lies far from the origin.
+/// Every other world is far from the origin.
 RandomBodies world_of(uint64_t seed) {
   return RandomBodies(seed, 20, 1.6, Vector3d::Constant(seed % 2 == 0 ? 40'000 : 0));
 }
@@ -38,7 +37,7 @@ std::vector<PairKey> pairs_of(const Culler& culler) {
   return {culler.pairs().begin(), culler.pairs().end()};
 }
 
-/// The surfaces of a world's parts, and which part a key names.
+/// Surfaces of a world's parts, by key.
 struct Parts {
   explicit Parts(const RandomBodies& of) : world(of) {
     for (const auto& type : world.types) {
@@ -56,7 +55,7 @@ struct Parts {
                             world.pose(body, part), world.scales[body],
                             world.roots[body].position_m);
   }
-  /// The least and the most of a part along a direction.
+  /// Minimum and maximum of a part along a direction.
   std::pair<double, double> ends(uint32_t id, uint32_t part, const Vector3d& direction) const {
     const size_t body = body_of(id);
     std::pair out(std::numeric_limits<double>::infinity(),
@@ -75,7 +74,7 @@ struct Parts {
   std::vector<std::vector<TriangleBvh>> surfaces;
 };
 
-TEST(ContactPoints, AreOfEveryPairThatTouchesAndOfNoOther) {
+TEST(ContactPoints, ExistForExactlyTheTouchingPairs) {
   size_t points = 0;
   for (uint64_t seed = 1; seed <= 16; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -98,13 +97,13 @@ TEST(ContactPoints, AreOfEveryPairThatTouchesAndOfNoOther) {
       const double end_of_a = parts.ends(key.a(), key.part_a(), direction).second;
       const double begin_of_b = parts.ends(key.b(), key.part_b(), direction).first;
       ASSERT_LE(end_of_a - begin_of_b, static_cast<double>(row.depth_m) + 1e-5)
-          << "b, moved by the depth, is out of a";
+          << "b, moved by the depth, no longer penetrates a";
     }
   }
   EXPECT_GT(points, 500u);
 }
 
-TEST(ContactPoints, AreTheSameBesideMarginsAndChangeNothingOfThem) {
+TEST(ContactPoints, AreIndependentOfMargins) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     const RandomBodies world = world_of(seed);
@@ -165,9 +164,8 @@ TEST(ContactPoints, AreTheSameForThreadsTargetsSearchesAndVolumes) {
   }
 }
 
-/// What is left undecided has none, also where pairs are of whole bodies; what has one has that of
-/// the whole frame.
-TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
+/// Undecided pairs have no point. Decided pairs have the point of the complete frame.
+TEST(ContactPoints, ExistForDecidedPairsWithABudget) {
   const RandomBodies world(5, 60, 3, Vector3d::Zero());
   Workers one(1), three(3);
   Culler whole(world.types, with_points(), one);
@@ -201,7 +199,7 @@ TEST(ContactPoints, UnderACountedDeadlineAreOfWhatIsDecided) {
   }
 }
 
-TEST(ContactPoints, OfVolumesAndOfRecipesAreRefused) {
+TEST(ContactPoints, NeedTrianglesAndThePipeline) {
   const RandomBodies world(1, 5, 1, Vector3d::Zero());
   Workers workers(1);
   CullerOptions options = with_points();

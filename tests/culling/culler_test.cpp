@@ -1,4 +1,4 @@
-// The laws of the whole culling pass, on random worlds of mixed bodies.
+// Culler never misses a touching pair, on random worlds of mixed bodies.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ struct Place {
 const Place kPlaces[] = {{"dense", 3, {0, 0, 0}},
                          {"sparse", 25, {0, 0, 0}},
                          {"far from the origin", 4, {10'000, -7'000, 100}},
-                         {"all in one point", 0, {1, 2, 3}}};
+                         {"all at one point", 0, {1, 2, 3}}};
 
 TEST(Culler, NeverMissesATouchingPair) {
   for (const Place& place : kPlaces) {
@@ -55,13 +55,12 @@ TEST(Culler, NeverMissesATouchingPair) {
           missed += !std::binary_search(found.begin(), found.end(), pair);
         EXPECT_EQ(missed, 0u) << name_of(volume) << " misses " << missed << " of " << truth.size();
       }
-      EXPECT_EQ(pairs_of(world, {.exact = true}, 1), truth)
-          << "the exact stage is the truth itself";
+      EXPECT_EQ(pairs_of(world, {.exact = true}, 1), truth) << "triangles give the reference";
     }
   }
 }
 
-TEST(Culler, GivesTheSamePairsOnEveryPathAndNumberOfThreads) {
+TEST(Culler, GivesTheSamePairsForSearchesTargetsAndThreads) {
   for (const Place& place : kPlaces) {
     for (uint64_t seed = 11; seed <= 14; ++seed) {
       const RandomBodies world(seed, place.extent_m == 0 ? 12 : 700, place.extent_m * 2,
@@ -91,8 +90,8 @@ TEST(Culler, GivesTheSamePairsOnEveryPathAndNumberOfThreads) {
   }
 }
 
-TEST(Culler, FindsNeighboursWhereverCellsLieInMemory) {
-  // Wide enough for several strips of cells: a neighbour's slot may then come before one's own.
+TEST(Culler, FindsNeighboursInAllCellsOfMemory) {
+  // Large enough for several strips of cells: a neighbour's slot may then precede a body's own.
   for (uint64_t seed = 15; seed <= 22; ++seed) {
     const RandomBodies world(seed, 6000, 30, Eigen::Vector3d::Zero());
     const auto reference = pairs_of(world, {.pair_search = PairSearch::kSweep}, 1);
@@ -121,7 +120,7 @@ TEST(Culler, NeverTestsStaticBodiesAgainstEachOther) {
     EXPECT_FALSE(is_static[pair.a()] && is_static[pair.b()]);
 }
 
-TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
+TEST(Culler, PairsBeginAndEndEventsWhileBodiesChange) {
   const RandomBodies world(31, 200, 4, Eigen::Vector3d::Zero());
   Workers workers(2);
   Culler culler(world.types, {}, workers);
@@ -133,7 +132,7 @@ TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
         EXPECT_TRUE(open.insert(event.pair).second) << "begun twice";
         ++begins;
       } else {
-        EXPECT_EQ(open.erase(event.pair), 1u) << "ended without a begin";
+        EXPECT_EQ(open.erase(event.pair), 1u) << "end without begin";
       }
     }
   };
@@ -142,7 +141,7 @@ TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
     culler.step(subset.view(), Subset::Source(subset));
     take();
     EXPECT_TRUE(std::equal(open.begin(), open.end(), culler.pairs().begin(), culler.pairs().end()))
-        << "what is open differs from what touches in frame " << frame;
+        << "open contacts differ from touching pairs in frame " << frame;
   }
   EXPECT_GT(begins, 1000u);
   culler.finish();
@@ -150,7 +149,7 @@ TEST(Culler, BeginsAndEndsPairUpWhileBodiesComeAndGo) {
   EXPECT_TRUE(open.empty());
 }
 
-/// A world whose source also says in which box each body is: as tight as its points allow.
+/// World whose source also gives the bounds of each body, as tight as its points allow.
 struct Bounded : PoseSource {
   explicit Bounded(const RandomBodies& w) : world(w) {}
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
@@ -166,7 +165,7 @@ struct Bounded : PoseSource {
         for (const Eigen::Vector3f& point : type.parts()[part].points) {
           const Eigen::Vector3d placed =
               pose * (static_cast<double>(world.scales[body]) * point.cast<double>());
-          // Turned back into the root's frame, as a gait knows it.
+          // Rotated back into the root's frame, as a gait gives it.
           box.extend(world.roots[body].world_from_root.conjugate() *
                      Eigen::Vector3f(placed.cast<float>()));
         }
@@ -180,10 +179,10 @@ struct Bounded : PoseSource {
   const RandomBodies& world;
 };
 
-TEST(Culler, BoundsSparePosingAndMissNothing) {
+TEST(Culler, PosesFewerBodiesWithBoundsAndMissesNothing) {
   for (uint64_t seed = 51; seed <= 54; ++seed) {
     RandomBodies world(seed, 150, 4, Eigen::Vector3d(5'000, -3'000, 0));
-    // Half of them upright, as people are: only then does a rectangle turn with its body.
+    // Half of them upright, like people: only then does a rectangle rotate with its body.
     for (size_t i = 0; i < world.roots.size(); i += 2)
       world.roots[i].world_from_root =
           Eigen::AngleAxisf(static_cast<float>(i), Eigen::Vector3f::UnitZ());
@@ -223,7 +222,7 @@ TEST(Culler, CountsEveryStage) {
   EXPECT_GT(c.primitive_tests, c.triangles.tests);
 }
 
-TEST(Culler, LooksAtFewerPairsWithAGridThanByBruteForce) {
+TEST(Culler, TestsFewerPairsWithAGridThanByBruteForce) {
   const RandomBodies world(42, 2000, 60, Eigen::Vector3d::Zero());
   const auto tests = [&](PairSearch search) {
     Workers workers(1);
@@ -238,9 +237,9 @@ TEST(Culler, LooksAtFewerPairsWithAGridThanByBruteForce) {
   EXPECT_LT(grid * 20, brute);
 }
 
-/// What an InputError says, "" where there is none.
+/// Message of the InputError, or "" if none is thrown.
 template <typename Function>
-std::string refusal_of(const Function& function) {
+std::string error_of(const Function& function) {
   try {
     function();
   } catch (const InputError& error) {
@@ -249,13 +248,13 @@ std::string refusal_of(const Function& function) {
   return "";
 }
 
-TEST(Culler, RefusesScalesThatFloatsLosePairsWith) {
+TEST(Culler, RejectsScalesOutsideTheRangeOfFloats) {
   RandomBodies world(3, 20, 2, {0, 0, 0});
   Workers workers(1);
   const auto step = [&](float scale) {
     world.scales[7] = scale;
     Culler culler(world.types, {}, workers);
-    return refusal_of([&] { culler.step(world.view(), world); });
+    return error_of([&] { culler.step(world.view(), world); });
   };
   for (const float scale : {1e-6F, 0.1F, 1.F, 1e3F, 1e6F}) EXPECT_EQ(step(scale), "") << scale;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -265,12 +264,12 @@ TEST(Culler, RefusesScalesThatFloatsLosePairsWith) {
                                        scale));
 }
 
-TEST(Culler, RefusesPartsThatFloatsLosePairsOf) {
+TEST(Culler, RejectsPartsOutsideTheRangeOfFloats) {
   for (const float at_m : {1.1e6F, -1e30F, std::numeric_limits<float>::infinity(), NAN}) {
     const PartShape fine{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
     PartShape wrong = fine;
     wrong.points[2].y() = at_m;
-    EXPECT_EQ(refusal_of([&] {
+    EXPECT_EQ(error_of([&] {
                 BodyType({fine, wrong}, {}, false);
               }),
               fmt::format("parts[1]: expected coordinates of at most 1e+06 m, found {:g}", at_m));

@@ -23,10 +23,10 @@ using Eigen::Vector3d;
 using Points = std::vector<Eigen::Vector3f>;
 
 constexpr double kTau = 2 * std::numbers::pi;
-/// Sums of doubles, as a share of the size of what is added.
+/// Rounding of sums of doubles, relative to the size of the summands.
 constexpr double kRounding = 1e-13;
 
-/// Metres from a plane or a line that points lie in but for rounding: 1e-9 to 1e-5.
+/// Distance of points from their plane or line, above rounding, in metres: 1e-9 to 1e-5.
 double thickness(Draw& draw) { return std::pow(10.0, draw.uniform(-9, -5)); }
 
 Points turned(Draw& draw, const std::vector<Vector3d>& cloud, const Vector3d& shift) {
@@ -69,8 +69,7 @@ std::vector<Vector3d> ball(Draw& draw, int count, bool is_filled) {
   return out;
 }
 
-/// Rings around an axis, as a lathe makes them; the flat end lies at 0, 1e-15 or 2e-7 along it,
-/// point by point.
+/// Rings around an axis, like a turned part; points of the flat end are at 0, 1e-15 or 2e-7.
 std::vector<Vector3d> turned_part(Draw& draw, int count) {
   constexpr std::array<double, 3> kEnds = {0, 1e-15, 2e-7};
   const int spokes = draw.integer(3, 72), rings = std::max(2, count / spokes);
@@ -90,7 +89,7 @@ std::vector<Vector3d> turned_part(Draw& draw, int count) {
   return out;
 }
 
-/// Of a box: all of a lattice, or what lies on its sides.
+/// Points of a lattice in a box: all, or those on its sides.
 std::vector<Vector3d> lattice(Draw& draw, int count, double thick_m) {
   const int n = std::max(2, static_cast<int>(std::cbrt(count)));
   const bool is_hollow = draw.integer(0, 1) == 0;
@@ -105,7 +104,7 @@ std::vector<Vector3d> lattice(Draw& draw, int count, double thick_m) {
   return out;
 }
 
-/// Few places, many points.
+/// Few places with many points each.
 std::vector<Vector3d> duplicates(Draw& draw, int count, double thick_m) {
   std::vector<Vector3d> places, out;
   for (int i = 0; i < draw.integer(1, 12); ++i) places.push_back(draw.in_box(0.2));
@@ -116,7 +115,7 @@ std::vector<Vector3d> duplicates(Draw& draw, int count, double thick_m) {
   return out;
 }
 
-/// A ring and a point before it: every point is a neighbour of the tip.
+/// A ring and a point in front of it: every point is a neighbour of the tip.
 std::vector<Vector3d> cone(Draw& draw, int count, double thick_m) {
   std::vector<Vector3d> out = sheet(draw, std::max(1, count - 1), thick_m);
   out.emplace_back(0, 0, draw.uniform(-0.3, 0.3));
@@ -191,7 +190,7 @@ class Judge {
     const auto corner = [&] {
       return Vector3d(hull.points().row(draw.integer(0, hull.corner_count() - 1)));
     };
-    for (int i = 0; i < 30; ++i) {  // of planes through corners, and what is askew by a hair
+    for (int i = 0; i < 30; ++i) {  // includes nearly parallel planes through corners
       const Vector3d p = corner(), normal = (corner() - p).cross(corner() - p);
       if (!(normal.norm() > 0)) continue;
       directions.push_back(normal.normalized());
@@ -199,13 +198,13 @@ class Judge {
     }
     double beyond = 0;
     for (const Vector3d& n : directions) {
-      const double most = (hull.points() * n).maxCoeff();
-      beyond = std::max(beyond, most - hull.support(n).dot(n));
+      const double max = (hull.points() * n).maxCoeff();
+      beyond = std::max(beyond, max - hull.support(n).dot(n));
       expect((hull.points().topRows(hull.corner_count()) * n).maxCoeff() <=
                  hull.support(n).dot(n) + rounding,
              name, [] { return std::string("another corner is farther along a direction"); });
     }
-    // Of single points, along the direction that parts them most from the corners.
+    // Distances from single points, along the direction that separates them most from the corners.
     const PartPose here = to_part_pose(Eigen::Isometry3d::Identity());
     for (int i = 0; i < 20; ++i) {
       const Points alone = {
@@ -233,13 +232,13 @@ class Judge {
         out.row(static_cast<Eigen::Index>(i)) = placed_exactly(pose, 1, points[i]) + shift;
       return out;
     };
-    // A point of one lies near a point of the other.
-    const auto some = [&](const Points& points) {
+    // Moves a point of one near a point of the other.
+    const auto any_point = [&](const Points& points) {
       return points[static_cast<size_t>(draw.integer(0, int(points.size()) - 1))];
     };
     const Eigen::Vector3f shift =
-        (placed_exactly(pose_a, 1, some(a.points)) - placed_exactly(pose_b, 1, some(b.points)) +
-         draw.in_box(draw.uniform(0, 0.1)))
+        (placed_exactly(pose_a, 1, any_point(a.points)) -
+         placed_exactly(pose_b, 1, any_point(b.points)) + draw.in_box(draw.uniform(0, 0.1)))
             .cast<float>();
     const auto points_a = placed(a.points, pose_a, {0, 0, 0}),
                points_b = placed(b.points, pose_b, shift.cast<double>());
@@ -271,11 +270,11 @@ class Judge {
     });
   }
 
-  template <typename Say>
-  void expect(bool is_right, const std::string& name, const Say& say) {
+  template <typename Describe>
+  void expect(bool is_right, const std::string& name, const Describe& describe) {
     if (is_right) return;
     ++tally_.wrong;
-    if (tally_.first_wrong.empty()) tally_.first_wrong = name + ": " + say();
+    if (tally_.first_wrong.empty()) tally_.first_wrong = name + ": " + describe();
   }
 
  private:

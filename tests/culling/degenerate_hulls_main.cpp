@@ -1,6 +1,5 @@
-// degenerate_hulls_sweep [CLOUDS [SEED]]: hulls of random and degenerate clouds of up to 10 000
-// points start within a bound, hold their points, and prove gaps and depths that all of the points
-// confirm. Exit code 1 if not.
+// degenerate_hulls_sweep [CLOUDS [SEED]] checks corners, gaps and depths of hulls of random and
+// degenerate clouds of up to 10 000 points. Exit code 1 if a check fails.
 #include <cstdlib>
 
 #include "tests/culling/degenerate_hulls.h"

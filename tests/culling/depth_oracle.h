@@ -1,5 +1,5 @@
-// Depth the slow and obvious way: the planes that a difference of two hulls can rest on are those
-// of their faces and those along an edge of each, so all of these are tried.
+// depth_by_all_directions() computes penetration depths by brute force. The difference of two hulls
+// can rest on planes of their faces, or on planes along an edge of each. It tries all of these.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -14,13 +14,13 @@ namespace throng::test {
 
 using Cloud = std::vector<Eigen::Vector3d>;
 
-/// What may be normal to a face, and what may be an edge: more than there are does no harm.
+/// Candidates for face normals and edges. Additional candidates are harmless.
 struct HullDirections {
   std::vector<Eigen::Vector3d> normals;
   std::vector<std::array<Eigen::Vector3d, 2>> edges;
 };
 
-/// Every plane through three points, every line through two: for a handful of points.
+/// Every plane through three points and every line through two; for a few points.
 inline HullDirections all_directions(const Cloud& cloud) {
   HullDirections out;
   for (size_t i = 0; i < cloud.size(); ++i)
@@ -32,8 +32,8 @@ inline HullDirections all_directions(const Cloud& cloud) {
   return out;
 }
 
-/// How far B has to move along n (unit), or against it, to be out of A; or anything above `enough`
-/// if that is how far it is.
+/// Displacement of B along n (unit) in either direction that separates it from A, or any value
+/// above `enough` if it exceeds that.
 inline double depth_along(const Cloud& a, const Cloud& b, const Eigen::Vector3d& n, double enough) {
   double a_low = n.dot(a[0]), a_high = a_low;
   double b_low = n.dot(b[0]), b_high = b_low;
@@ -49,7 +49,7 @@ inline double depth_along(const Cloud& a, const Cloud& b, const Eigen::Vector3d&
   return depth();
 }
 
-/// True if the differences of points of A and of B lie in a plane, a line or a point.
+/// True if the differences of points of A and of B are coplanar.
 inline bool is_flat(const Cloud& a, const Cloud& b) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Cloud* cloud : {&a, &b})
@@ -59,20 +59,20 @@ inline bool is_flat(const Cloud& a, const Cloud& b) {
   return size[0] <= 1e-14 * size[2];
 }
 
-/// Exact but for rounding. Directions in the frame of the clouds.
+/// Exact except for rounding. Directions are in the frame of the clouds.
 inline double depth_by_all_directions(const Cloud& a, const HullDirections& of_a, const Cloud& b,
                                       const HullDirections& of_b) {
   if (is_flat(a, b)) return 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min_depth = std::numeric_limits<double>::infinity();
   const auto take = [&](const Eigen::Vector3d& n) {
     const double length = n.norm();
-    if (length > 0) least = std::min(least, depth_along(a, b, n / length, least));
+    if (length > 0) min_depth = std::min(min_depth, depth_along(a, b, n / length, min_depth));
   };
   for (const HullDirections* each : {&of_a, &of_b})
     for (const Eigen::Vector3d& normal : each->normals) take(normal);
   for (const auto& p : of_a.edges)
     for (const auto& q : of_b.edges) take((p[1] - p[0]).cross(q[1] - q[0]));
-  return std::max(0.0, least);
+  return std::max(0.0, min_depth);
 }
 
 }  // namespace throng::test

@@ -1,4 +1,4 @@
-// Distances the slow and obvious way.
+// distance_oracle computes distances of triangles and surfaces by brute force.
 #pragma once
 
 #include <Eigen/QR>
@@ -13,12 +13,12 @@
 
 namespace throng::test {
 
-/// Two triangles are nearest between a corner, an edge or the face of each: all 49 pairs of these
-/// are tried as the flat spaces that they span, and count where the points found lie within them.
+/// Two triangles are nearest between a corner, an edge or the face of each. All 49 pairs of these
+/// are tried as the flat spaces that they span. A pair counts if the points found are within both.
 inline double triangle_distance_by_features(const Triangle& a, const Triangle& b) {
   static const std::vector<std::vector<int>> features = {{0},    {1},    {2},      {0, 1},
                                                          {1, 2}, {2, 0}, {0, 1, 2}};
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   for (const std::vector<int>& fa : features) {
     for (const std::vector<int>& fb : features) {
       const auto free_a = static_cast<Eigen::Index>(fa.size()) - 1;
@@ -37,13 +37,13 @@ inline double triangle_distance_by_features(const Triangle& a, const Triangle& b
       if (!within) continue;
       Eigen::Vector3d between = q - p;
       if (x.size() > 0) between -= spans * x;
-      least = std::min(least, between.norm());
+      min_distance = std::min(min_distance, between.norm());
     }
   }
-  return least;
+  return min_distance;
 }
 
-/// A part's triangles where they are, relative to some root.
+/// Triangles of a placed part, relative to a root.
 inline std::vector<Triangle> placed_triangles(const PartShape& part, const PartPose& pose,
                                               float scale, const Eigen::Vector3d& root_m) {
   std::vector<Triangle> out;
@@ -59,7 +59,7 @@ inline std::vector<Triangle> placed_triangles(const PartShape& part, const PartP
   return out;
 }
 
-/// The surface of a part has the point, within a hair, or its solid holds it.
+/// True if the point is on the surface of a part, up to rounding, or inside its solid.
 inline bool is_on_part(const Eigen::Vector3d& point_m, const PartShape& part,
                        const TriangleBvh& surface, const PartPose& pose, float scale,
                        const Eigen::Vector3d& root_m) {
@@ -71,13 +71,13 @@ inline bool is_on_part(const Eigen::Vector3d& point_m, const PartShape& part,
                           static_cast<double>(scale));
 }
 
-/// Of surfaces that do not touch: every triangle against every other.
+/// Distance of surfaces that do not touch: every triangle against every other.
 inline double surface_distance_by_brute_force(const std::vector<Triangle>& a,
                                               const std::vector<Triangle>& b) {
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   for (const Triangle& ta : a)
-    for (const Triangle& tb : b) least = std::min(least, triangle_gap(ta, tb).hi);
-  return least;
+    for (const Triangle& tb : b) min_distance = std::min(min_distance, triangle_gap(ta, tb).hi);
+  return min_distance;
 }
 
 }  // namespace throng::test

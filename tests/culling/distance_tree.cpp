@@ -36,7 +36,7 @@ Affine world_from(const DistanceTree::Placed& part, const Vector3d& root_m) {
   return out;
 }
 
-/// Farther apart than `max_m` along the line through their middles.
+/// True if farther apart than `max_m` along the line through their middles.
 bool is_apart(const Triangle& a, const Triangle& b, double max_m) {
   const Vector3d between = middle_of(b) - middle_of(a);
   const double length = between.norm();
@@ -87,10 +87,10 @@ size_t DistanceTree::add(size_t first, size_t end) {
 double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& a_to_b_m,
                               double within_m) {
   const Affine from_a = world_from(a, Vector3d::Zero()), from_b = world_from(b, a_to_b_m);
-  // Rotations are rounded to float: nothing of a part is farther out by more than this share.
+  // Rotations are rounded to float: no point of a part is farther out by more than this share.
   const double max_scale_a = static_cast<double>(a.scale) * (1 + 1e-5),
                max_scale_b = static_cast<double>(b.scale) * (1 + 1e-5);
-  double least = within_m;
+  double min_distance = within_m;
   bool found = false;
   struct Two {
     size_t a, b;
@@ -106,17 +106,17 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
   while (!open.empty()) {
     const Two at = open.back();
     open.pop_back();
-    if (at.apart > least) continue;
+    if (at.apart > min_distance) continue;
     const Ball &p = a.tree->balls_[at.a], &q = b.tree->balls_[at.b];
     if (p.left == 0 && q.left == 0) {
       for (size_t i = p.first; i < p.end; ++i)
         for (size_t j = q.first; j < q.end; ++j) {
           const Triangle of_a = from_a * a.tree->triangles_[i],
                          of_b = from_b * b.tree->triangles_[j];
-          if (is_apart(of_a, of_b, least)) continue;
+          if (is_apart(of_a, of_b, min_distance)) continue;
           const double apart = triangle_gap(of_a, of_b).hi;
-          if (apart > least) continue;
-          least = apart;
+          if (apart > min_distance) continue;
+          min_distance = apart;
           found = true;
         }
       continue;
@@ -129,7 +129,7 @@ double DistanceTree::distance(const Placed& a, const Placed& b, const Vector3d& 
     open.push_back(far);
     open.push_back(near);
   }
-  return found ? least : std::numeric_limits<double>::infinity();
+  return found ? min_distance : std::numeric_limits<double>::infinity();
 }
 
 double DistanceTree::distance_by_all(const Placed& a, const Placed& b, const Vector3d& a_to_b_m) {
@@ -147,16 +147,16 @@ double DistanceTree::distance_by_all(const Placed& a, const Placed& b, const Vec
   const Affine from_a = world_from(a, Vector3d::Zero()), from_b = world_from(b, a_to_b_m);
   std::vector<Rounded> of_b;
   for (const Triangle& q : b.tree->triangles_) of_b.push_back(rounded(from_b * q));
-  double least = std::numeric_limits<double>::infinity();
+  double min_distance = std::numeric_limits<double>::infinity();
   for (const Triangle& triangle : a.tree->triangles_) {
     const Rounded p = rounded(from_a * triangle);
     for (const Rounded& q : of_b) {
-      const double reach = least + p.radius + q.radius;  // farther apart by their middles alone
+      const double reach = min_distance + p.radius + q.radius;  // farther apart by their middles
       if ((q.middle - p.middle).squaredNorm() > reach * reach) continue;
-      least = std::min(least, triangle_gap(p.triangle, q.triangle).hi);
+      min_distance = std::min(min_distance, triangle_gap(p.triangle, q.triangle).hi);
     }
   }
-  return least;
+  return min_distance;
 }
 
 }  // namespace throng::test

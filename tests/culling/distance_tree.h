@@ -1,7 +1,7 @@
-// The distance of two surfaces by a tree of balls in double precision: slow enough to be obvious,
-// quick enough for millions of pairs.
-// One rule: shares nothing with the search that it judges but the distance of two triangles, which
-// has an oracle of its own (distance_oracle.h).
+// DistanceTree computes the distance of two surfaces with a tree of balls in double precision:
+// simple, and fast enough for millions of pairs.
+// Invariant: it shares only the distance of two triangles with the tested search, and this has a
+// separate oracle (distance_oracle.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,20 +16,20 @@ namespace throng::test {
 
 class DistanceTree {
  public:
-  /// At least one triangle.
+  /// Needs at least one triangle.
   DistanceTree(std::span<const Eigen::Vector3f> points, std::span<const Eigen::Vector3i> triangles);
   explicit DistanceTree(const PartShape& part) : DistanceTree(part.points, part.triangles) {}
 
-  /// Where a surface is. Scale and pose as in base/pose.h.
+  /// Placed surface. Scale and pose as in base/pose.h.
   struct Placed {
     const DistanceTree* tree;
     const PartPose* pose;
     float scale;
   };
-  /// Of surfaces that do not touch; infinite where it is more than `within_m`.
+  /// Distance of surfaces that do not touch; infinite if more than `within_m`.
   static double distance(const Placed& a, const Placed& b, const Eigen::Vector3d& a_to_b_m,
                          double within_m);
-  /// The same by all triangles against all.
+  /// The same by all pairs of triangles.
   static double distance_by_all(const Placed& a, const Placed& b, const Eigen::Vector3d& a_to_b_m);
 
  private:
@@ -37,7 +37,7 @@ class DistanceTree {
     Eigen::Vector3d middle;
     double radius;
     size_t first, end;           ///< its triangles
-    size_t left = 0, right = 0;  ///< 0: a leaf
+    size_t left = 0, right = 0;  ///< 0: leaf
   };
   size_t add(size_t first, size_t end);
 

@@ -1,4 +1,4 @@
-// The hash of events: sums of parts add up, frames are chained in order, every event counts.
+// EventHash adds up events in any order and chains frames in order; every event counts.
 #include "culling/event_hash.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ EventSum sum_of(std::span<const PairEvent> events, EventHashKind kind = EventHas
   return sum;
 }
 
-TEST(EventHash, PartsOfACrowdAddUpInAnyOrder) {
+TEST(EventHash, AddsUpPartsOfACrowdInAnyOrder) {
   constexpr uint64_t kSeed = 12;
   EventHash whole, split;
   for (uint64_t frame = 0; frame < 50; ++frame) {
@@ -46,7 +46,7 @@ TEST(EventHash, PartsOfACrowdAddUpInAnyOrder) {
   EXPECT_EQ(split.value(), whole.value()) << "seed " << kSeed;
 }
 
-TEST(EventHash, FramesCountInTheirOrderAndUnderTheirNumbers) {
+TEST(EventHash, DependsOnFrameOrderAndNumbers) {
   const EventSum a = sum_of(events_of(1, 0, 5)), b = sum_of(events_of(1, 1, 5));
   const auto of = [](std::initializer_list<std::pair<uint64_t, EventSum>> frames) {
     EventHash hash;
@@ -59,11 +59,11 @@ TEST(EventHash, FramesCountInTheirOrderAndUnderTheirNumbers) {
   EXPECT_EQ(of({{3, {}}}), 0u);
 }
 
-TEST(EventHash, AnyOtherEventGivesAnother) {
+TEST(EventHash, DependsOnEveryEvent) {
   const auto events = events_of(3, 0, 30);
   constexpr EventHashKind kLevels = EventHashKind::kEventsAndLevels;
   const EventSum sum = sum_of(events, kLevels);
-  EXPECT_NE(sum.sum, sum_of(events).sum) << "levels that are known";
+  EXPECT_NE(sum.sum, sum_of(events).sum) << "known levels";
   for (size_t i = 0; i < events.size(); ++i) {
     auto other = events;
     other[i].kind = other[i].kind == EventKind::kBegin ? EventKind::kEnd : EventKind::kBegin;
@@ -74,11 +74,11 @@ TEST(EventHash, AnyOtherEventGivesAnother) {
     other = events;
     other[i].level = PairLevel::kTriangles;
     EXPECT_NE(sum_of(other, kLevels).sum, sum.sum) << "level of event " << i;
-    EXPECT_EQ(sum_of(other).sum, sum_of(events).sum) << "a level that does not count";
+    EXPECT_EQ(sum_of(other).sum, sum_of(events).sum) << "a level that is not hashed";
   }
 }
 
-TEST(EventHash, GoesOnWhereItStood) {
+TEST(EventHash, ContinuesFromAHash) {
   EventHash whole;
   uint64_t middle = 0;
   for (uint64_t frame = 0; frame < 20; ++frame) {
@@ -91,8 +91,8 @@ TEST(EventHash, GoesOnWhereItStood) {
   EXPECT_EQ(rest.value(), whole.value());
 }
 
-// Every published hash depends on it: a change is a new EventHashKind.
-TEST(EventHash, IsTheOneThatLogsHold) {
+// Published hashes depend on this value: a change needs a new EventHashKind.
+TEST(EventHash, HasTheValueOfExistingLogs) {
   EventHash hash;
   hash.add_frame(7, sum_of(std::vector<PairEvent>{{PairKey(1, 2, 3, 4), EventKind::kBegin}}));
   EXPECT_EQ(hash.value(), 0xae8754dbc5148aa1u);

@@ -1,5 +1,4 @@
-// How tight the fits are: the sphere against the true optimum, the box against boxes, the slabs
-// against the solids that they enclose.
+// Fitted spheres, boxes and slabs are tight.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -15,7 +14,7 @@ namespace {
 
 constexpr uint64_t kSeed = 20261;
 
-/// The smallest ball that contains all points, by trying every ball through two, three or four.
+/// Radius of the smallest ball around all points, by trying every ball through two, three or four.
 double smallest_radius(const std::vector<Eigen::Vector3f>& points) {
   std::vector<Eigen::Vector3d> p;
   for (const Eigen::Vector3f& point : points) p.push_back(point.cast<double>());
@@ -58,7 +57,7 @@ TEST(SphereFit, FindsTheSmallestBallOfFewPoints) {
   }
 }
 
-TEST(SphereFit, FindsTheSmallestBallOfPointsOnOneSphere) {
+TEST(SphereFit, FindsTheSmallestBallOfPointsOnASphere) {
   Draw draw(kSeed, 2);
   for (int i = 0; i < 100; ++i) {
     std::vector<Eigen::Vector3f> points;
@@ -72,7 +71,7 @@ TEST(SphereFit, FindsTheSmallestBallOfPointsOnOneSphere) {
 }
 
 TEST(SphereFit, ContainsEveryPoint) {
-  for (const Shape& shape : odd_shapes(kSeed)) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     const Sphere::Fitted sphere = Sphere::fit(shape.points);
     for (const Eigen::Vector3f& p : shape.points)
       EXPECT_LE((p.cast<double>() - sphere.centre_m.cast<double>()).norm(),
@@ -81,7 +80,7 @@ TEST(SphereFit, ContainsEveryPoint) {
   }
 }
 
-TEST(ObbFit, FindsABoxThatWasTurned) {
+TEST(ObbFit, FindsARotatedBox) {
   Draw draw(kSeed, 3);
   double worst = 0;
   for (int i = 0; i < 60; ++i) {
@@ -100,20 +99,20 @@ TEST(ObbFit, FindsABoxThatWasTurned) {
     EXPECT_LT(ratio, 1.05) << "case " << i << ", half widths " << half.transpose() << ", seed "
                            << kSeed;
   }
-  std::printf("obb: at worst %.4f times the volume of the box that was turned\n", worst);
+  std::printf("obb: at worst %.4f times the volume of the rotated box\n", worst);
 }
 
 TEST(ObbFit, IsNeverLargerThanTheAxisAlignedBox) {
-  for (const Shape& shape : odd_shapes(kSeed)) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     const Eigen::Vector3d box = Aabb::fit(shape.points).half_m.cast<double>();
     const Eigen::Vector3d turned_box = Obb::fit(shape.points).half_m.cast<double>();
-    const double fat = 0.5e-3 * box.maxCoeff();  // as the fit weighs flat boxes
+    const double fat = 0.5e-3 * box.maxCoeff();  // as the fit weights flat boxes
     EXPECT_LE((turned_box.array() + fat).prod(), (box.array() + fat).prod() * (1 + 1e-5))
         << shape.name;
   }
 }
 
-TEST(SlabVolume, IsThatOfTheSolidsThatGeometryKnows) {
+TEST(SlabVolume, EqualsThatOfKnownSolids) {
   std::vector<Eigen::Vector3f> cube, octahedron;
   for (int i = 0; i < 8; ++i)
     cube.push_back({(i & 1) ? 2.0f : 1.0f, (i & 2) ? 2.0f : 1.0f, (i & 4) ? 2.0f : 1.0f});
@@ -124,14 +123,14 @@ TEST(SlabVolume, IsThatOfTheSolidsThatGeometryKnows) {
   for (int k : {14, 18, 26}) EXPECT_NEAR(polytope_of(Slabs::around(cube), k).volume_m3, 1, 1e-5);
   const Slabs slabs = Slabs::around(octahedron);
   EXPECT_NEAR(Kdop<14>::volume_m3(slabs), 4.0 / 3, 1e-5);
-  EXPECT_NEAR(Kdop<18>::volume_m3(slabs), 2, 1e-5);  // the rhombic dodecahedron
+  EXPECT_NEAR(Kdop<18>::volume_m3(slabs), 2, 1e-5);  // rhombic dodecahedron
   EXPECT_NEAR(Kdop<26>::volume_m3(slabs), 4.0 / 3, 1e-5);
   EXPECT_NEAR(Aabb::volume_m3(Aabb::fit(octahedron)), 8, 1e-5);
   EXPECT_NEAR(Sphere::volume_m3(Sphere::fit(octahedron)), 4.18879, 1e-4);
 }
 
-TEST(SlabVolume, ShrinksWithEveryDirectionAdded) {
-  for (const Shape& shape : odd_shapes(kSeed)) {
+TEST(SlabVolume, ShrinksWithEveryDirection) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     const Slabs slabs = Slabs::around(shape.points);
     const double size = reach_of(shape.points);
     const double noise = 1e-9 * size * size * size + 1e-30;
@@ -141,13 +140,13 @@ TEST(SlabVolume, ShrinksWithEveryDirectionAdded) {
   }
 }
 
-/// The conic bound against the solid it bounds: never below its support; how far above is printed.
+/// Compares the conic bound with the support of its solid: never below; prints the mean difference.
 template <int K>
 void expect_bound_covers_solid() {
   Draw draw(kSeed, 4);
   double worst = 0, sum = 0;
   int count = 0;
-  for (const Shape& shape : odd_shapes(kSeed)) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     const Slabs slabs = Slabs::around(shape.points);
     const std::vector<Eigen::Vector3d> corners = polytope_of(slabs, K).corners_m;
     const double size = reach_of(shape.points);
@@ -172,15 +171,15 @@ void expect_bound_covers_solid() {
     }
   }
   std::printf(
-      "or-DOP %d: the conic bound lies above the solid's support by %.3g of the size on "
+      "or-DOP %d: the conic bound is above the solid's support by %.3g of the size on "
       "average, %.3g at worst\n",
       K, sum / count, worst);
   EXPECT_LT(worst, 0.1);
 }
 
-TEST(ConicBound, NeverLiesBelowTheSolid14) { expect_bound_covers_solid<14>(); }
-TEST(ConicBound, NeverLiesBelowTheSolid18) { expect_bound_covers_solid<18>(); }
-TEST(ConicBound, NeverLiesBelowTheSolid26) { expect_bound_covers_solid<26>(); }
+TEST(ConicBound, IsNeverBelowTheSolid14) { expect_bound_covers_solid<14>(); }
+TEST(ConicBound, IsNeverBelowTheSolid18) { expect_bound_covers_solid<18>(); }
+TEST(ConicBound, IsNeverBelowTheSolid26) { expect_bound_covers_solid<26>(); }
 
 }  // namespace
 }  // namespace throng::test::fits_test

@@ -1,4 +1,4 @@
-// The memory of a pass: it grows with the crowd, keeps what it is asked to, and never shrinks.
+// GrowBuffer grows with the crowd, keeps the requested content and never shrinks.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -9,7 +9,7 @@
 namespace throng::grow_buffer_test {
 namespace {
 
-TEST(GrowBuffer, KeepsWhatItIsToldToAsItGrowsFromAFewBytesToManyPages) {
+TEST(GrowBuffer, KeepsContentFromAFewBytesToManyPages) {
   GrowBuffer<uint64_t> buffer;
   size_t written = 0;
   uint64_t next = 0;
@@ -22,7 +22,7 @@ TEST(GrowBuffer, KeepsWhatItIsToldToAsItGrowsFromAFewBytesToManyPages) {
   EXPECT_GT(buffer.times_grown(), 30u);
 }
 
-TEST(GrowBuffer, GrowsByAQuarterSoThatASlowlyDenserCrowdSeldomAllocates) {
+TEST(GrowBuffer, GrowsByAQuarter) {
   GrowBuffer<uint32_t> buffer;
   for (size_t count = 1; count <= 100'000; ++count) buffer.resize(count);
   EXPECT_LT(buffer.times_grown(), 45u);
@@ -32,7 +32,7 @@ TEST(GrowBuffer, GrowsByAQuarterSoThatASlowlyDenserCrowdSeldomAllocates) {
   EXPECT_EQ(buffer.times_grown(), before);
 }
 
-TEST(GrowBuffer, MatchesAnotherAndChangesHands) {
+TEST(GrowBuffer, MatchesAnotherAndSwaps) {
   GrowBuffer<uint32_t> small, large;
   large.resize(300'000);
   std::iota(large.data(), large.data() + 300'000, 0u);

@@ -1,5 +1,4 @@
-// Corners of a hull: few, found within a bound, and no point lies beyond them, however the points
-// lie.
+// Hull corners are few, are found within a bound of tests and enclose all points, for any points.
 #include "culling/distance/hull_corners.h"
 
 #include <fmt/format.h>
@@ -40,7 +39,7 @@ HullCorners corners_of(const std::vector<Eigen::Vector3f>& points) {
   return hull_corners(matrix, 1e-7 * size_of(matrix));
 }
 
-/// A part made on a lathe: rings of `spokes` points, its flat end at 0, 1e-15 or 2e-7 m in turn.
+/// Turned part: rings of `spokes` points, its flat end at 0, 1e-15 or 2e-7 m in turn.
 std::vector<Eigen::Vector3f> turned_part(int spokes) {
   constexpr std::array<std::pair<double, double>, 8> kProfile = {{{0, 0.012},
                                                                   {0, 0.018},
@@ -62,7 +61,7 @@ std::vector<Eigen::Vector3f> turned_part(int spokes) {
   return out;
 }
 
-TEST(HullCorners, OfRandomAndDegenerateCloudsHoldThemWithinABound) {
+TEST(HullCorners, EncloseRandomAndDegenerateCloudsWithinABound) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const test::DegenerateHullsTally tally = test::check_degenerate_hulls(400, 3000, seed);
     test::print_degenerate_hulls(tally);
@@ -72,7 +71,7 @@ TEST(HullCorners, OfRandomAndDegenerateCloudsHoldThemWithinABound) {
   }
 }
 
-TEST(HullCorners, OfATurnedPartAreFoundAndACullerStarts) {
+TEST(HullCorners, AreFoundForATurnedPart) {
   for (const int spokes : {13, 78, 500, 1200}) {
     const std::vector<Eigen::Vector3f> points = turned_part(spokes);
     const HullCorners corners = corners_of(points);
@@ -102,13 +101,13 @@ TEST(HullCorners, AreAsFewAsTheShapeHas) {
     }
   for (float i = 0; i < 100; ++i) line.emplace_back(0.01f * i, 0.02f * i, 0.5f);
   EXPECT_EQ(corners_of(box).indices.size(), 8u);
-  EXPECT_LE(corners_of(flat).indices.size(), 12u) << "floats put its edges off by a hair";
+  EXPECT_LE(corners_of(flat).indices.size(), 12u) << "floats move its edges slightly";
   EXPECT_EQ(corners_of(line).indices, (std::vector<Eigen::Index>{0, 99}));
   EXPECT_EQ(corners_of({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}).indices.size(), 1u);
   EXPECT_EQ(corners_of({{1, 2, 3}}).indices.size(), 1u);
 }
 
-TEST(HullCorners, HoldAllPointsWhereTheTestsRunOut) {
+TEST(HullCorners, EncloseAllPointsAtTheMaximumOfTests) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     Draw draw(seed);
     std::vector<Eigen::Vector3f> points;
@@ -121,17 +120,17 @@ TEST(HullCorners, HoldAllPointsWhereTheTestsRunOut) {
       EXPECT_LT(cut.tests, tests * points.size() + 40 * points.size());
       for (int i = 0; i < 100; ++i) {
         const Vector3d n = draw.direction();
-        double most = -1;
+        double max = -1;
         for (const Eigen::Index corner : cut.indices)
-          most = std::max(most, Vector3d(matrix.row(corner)).dot(n));
-        EXPECT_LE((matrix * n).maxCoeff(), most + gap_m) << "seed " << seed;
+          max = std::max(max, Vector3d(matrix.row(corner)).dot(n));
+        EXPECT_LE((matrix * n).maxCoeff(), max + gap_m) << "seed " << seed;
       }
     }
   }
 }
 
-/// Every edge of a face is the edge of one other, the other way round, which is its neighbour; and
-/// faces are as many as a closed surface of triangles has.
+/// Every edge of a face is, reversed, the edge of exactly one neighbour. The number of faces is
+/// that of a closed surface of triangles.
 void expect_closed(const GrowingPolytope& hull, uint64_t seed) {
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> face_of;
   std::map<uint32_t, int> corners;
@@ -156,7 +155,7 @@ void expect_closed(const GrowingPolytope& hull, uint64_t seed) {
   EXPECT_EQ(faces, 2 * corners.size() - 4) << "seed " << seed;
 }
 
-TEST(GrowingPolytope, StaysClosedAndConvexOnPointsOfAPlaneBoxAndBall) {
+TEST(GrowingPolytope, StaysClosedAndConvexForPlaneBoxAndBall) {
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     Draw draw(seed);
     const double thick_m = std::pow(10.0, draw.uniform(-16, -5));

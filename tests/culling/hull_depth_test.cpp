@@ -1,4 +1,4 @@
-// Depth of two parts: never below the true value, at most 1 mm above it, whatever the hulls are.
+// HullDepth is never below the true value and at most 1 mm above it, for all kinds of hulls.
 #include "culling/distance/hull_depth.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ using test::HullDirections;
 constexpr double kAllowed_m = 1e-3;
 constexpr double kRounding_m = 1e-9;
 
-/// A hull somewhere, and its points there.
+/// Placed hull and its points.
 struct Body {
   Body(std::vector<Eigen::Vector3f> shape, const PartPose& at, float size)
       : points(std::move(shape)), hull(points), pose(at), scale(size) {}
@@ -66,19 +66,20 @@ double true_depth(const Body& a, const Body& b, const Eigen::Vector3f& a_to_b_m)
                                  test::all_directions(cloud_b));
 }
 
-/// How far above the truth; whatever breaks the promise fails the test.
+/// Error of the depth. Fails the test if a guarantee does not hold.
 double checked_error(const Body& a, const Body& b, const Eigen::Vector3f& a_to_b_m,
                      const std::string& what) {
   const double truth = true_depth(a, b, a_to_b_m);
   const Depth found = depth_of(a, b, a_to_b_m);
   EXPECT_GE(found.depth_m, truth - kRounding_m) << what << ": too small";
   EXPECT_LE(found.depth_m, truth + kAllowed_m) << what << ": too large";
-  EXPECT_LE(found.min_depth_m, truth + kRounding_m) << what << ": what was proven is wrong";
-  EXPECT_LE(found.depth_m - found.min_depth_m, 0.5 * kAllowed_m) << what << ": proven too little";
+  EXPECT_LE(found.min_depth_m, truth + kRounding_m) << what << ": the proven bound is wrong";
+  EXPECT_LE(found.depth_m - found.min_depth_m, 0.5 * kAllowed_m)
+      << what << ": the proven bound is too low";
   return found.depth_m - truth;
 }
 
-TEST(HullDepth, IsThatOfTheNearestWayOutForRandomHulls) {
+TEST(HullDepth, IsTheLeastTranslationForRandomHulls) {
   double worst = 0;
   int deep = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
@@ -95,18 +96,18 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForRandomHulls) {
     worst = std::max(worst, checked_error(a, b, shift, fmt::format("seed {}", seed)));
     deep += true_depth(a, b, shift) > 0;
   }
-  EXPECT_GT(deep, 150) << "most of the hulls are apart: nothing was tested";
+  EXPECT_GT(deep, 150) << "most hulls are apart";
   RecordProperty("worst_um", static_cast<int>(worst * 1e6));
 }
 
-/// How far no point lies along a direction: 0 or less for what is inside a hull.
+/// Distance of a point beyond a cloud along a direction: at most 0 inside a hull.
 double beyond(const Cloud& cloud, const Eigen::Vector3d& direction, const Eigen::Vector3d& point) {
-  double most = -std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d& p : cloud) most = std::max(most, direction.dot(p));
-  return direction.dot(point) - most;
+  double max = -std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& p : cloud) max = std::max(max, direction.dot(p));
+  return direction.dot(point) - max;
 }
 
-TEST(HullDepth, ItsPointsBelongToTheHullsAndLieNoNearerThanProven) {
+TEST(HullDepth, HasPointsOfBothHullsAtTheProvenDistance) {
   int deep = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -127,7 +128,7 @@ TEST(HullDepth, ItsPointsBelongToTheHullsAndLieNoNearerThanProven) {
   EXPECT_GT(deep, 150);
 }
 
-TEST(HullDepth, ItsPointsAreTheDeepest) {
+TEST(HullDepth, HasTheDeepestPoints) {
   std::vector<Eigen::Vector3f> cube;
   for (const float x : {-0.1f, 0.1f})
     for (const float y : {-0.1f, 0.1f})
@@ -141,18 +142,18 @@ TEST(HullDepth, ItsPointsAreTheDeepest) {
   EXPECT_NEAR(found.points_m.on_a.z(), found.points_m.on_b.z(), 0.01);
 }
 
-// Points, needles, sheets, huge and tiny ones, on each other and on themselves.
-TEST(HullDepth, TakesHullsOfEveryKind) {
+// Points, needles, sheets, huge and tiny hulls, against each other and themselves.
+TEST(HullDepth, HandlesAllKindsOfHulls) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     Draw draw(seed);
-    std::vector<test::Shape> shapes = test::odd_shapes(seed);
+    std::vector<test::Shape> shapes = test::special_shapes(seed);
     for (test::Shape& shape : shapes)
       if (shape.points.size() > 7) shape.points.resize(7);
     for (const test::Shape& first : shapes)
       for (const test::Shape& second : shapes) {
         const Body a(first.points, draw.pose(0.05), 1);
         const Body b(second.points, draw.pose(0.05), static_cast<float>(draw.uniform(0.5, 1.5)));
-        // Each on a point of the other.
+        // A point of each on a point of the other.
         const Eigen::Vector3f shift =
             (a.cloud().back() - b.cloud().front() + draw.in_box(0.01)).cast<float>();
         const std::string what = fmt::format("seed {}, {} and {}", seed, first.name, second.name);
@@ -163,7 +164,7 @@ TEST(HullDepth, TakesHullsOfEveryKind) {
   }
 }
 
-TEST(HullDepth, OfBoxesIsKnown) {
+TEST(HullDepth, IsKnownForBoxes) {
   const std::vector<Eigen::Vector3f> box = test::box_solid({0.2, 0.1, 0.5}).points;
   const std::vector<Eigen::Vector3f> small = test::box_solid({0.02, 0.01, 0.03}).points;
   const Body a(box, at({0, 0, 0}), 1);
@@ -173,7 +174,7 @@ TEST(HullDepth, OfBoxesIsKnown) {
   EXPECT_NEAR(depth(box, {0.35, 0, 0}), 0.05, 1e-6);
   EXPECT_NEAR(depth(box, {0, 0, 0}), 0.2, 1e-6) << "on itself";
   EXPECT_NEAR(depth(small, {0, 0, 0}), 0.11, 1e-6) << "inside";
-  EXPECT_NEAR(depth(small, {0.1, 0.05, 0.2}), 0.06, 1e-6) << "inside, off its middle";
+  EXPECT_NEAR(depth(small, {0.1, 0.05, 0.2}), 0.06, 1e-6) << "inside, not in the middle";
   EXPECT_NEAR(depth(box, {0.4, 0, 0}), 0, 1e-6) << "touching faces";
   EXPECT_NEAR(depth(box, {0.4, 0.2, 1.0}), 0, 1e-6) << "touching corners";
   EXPECT_EQ(depth(box, {0.401, 0, 0}), 0);
@@ -181,7 +182,7 @@ TEST(HullDepth, OfBoxesIsKnown) {
   EXPECT_EQ(depth(small, {5, 5, 5}), 0);
 }
 
-TEST(HullDepth, MovedAlongItsDirectionTheHullsAreApartAndNoShorterWayPartsThem) {
+TEST(HullDepth, SeparatesAlongItsDirectionAndNoShorterPathDoes) {
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     Draw draw(seed);
     const Body a(random_points(draw, 40, {0.2, 0.1, 0.3}), draw.pose(0.05), 1);
@@ -198,25 +199,24 @@ TEST(HullDepth, MovedAlongItsDirectionTheHullsAreApartAndNoShorterWayPartsThem) 
   }
 }
 
-TEST(HullDepth, CornersOfAHullHoldAllOfItsPoints) {
+TEST(ConvexHull, HasCornersThatEncloseAllPoints) {
   for (uint64_t seed = 1; seed <= 3; ++seed)
-    for (const test::Shape& shape : test::odd_shapes(seed)) {
+    for (const test::Shape& shape : test::special_shapes(seed)) {
       const ConvexHull hull(shape.points);
       Draw draw(seed);
       const double size = 2 * test::reach_of(shape.points);
       for (int i = 0; i < 200; ++i) {
         const Eigen::Vector3d n = draw.direction();
-        double most = -1e9;
-        for (const Eigen::Vector3f& p : shape.points)
-          most = std::max(most, n.dot(p.cast<double>()));
-        EXPECT_NEAR(hull.extent(n), most, 1e-12 * size) << shape.name;
-        EXPECT_LE(hull.support(n).dot(n), most + 1e-12 * size) << shape.name;
-        EXPECT_GE(hull.support(n).dot(n), most - ConvexHull::kShare * size) << shape.name;
+        double max = -1e9;
+        for (const Eigen::Vector3f& p : shape.points) max = std::max(max, n.dot(p.cast<double>()));
+        EXPECT_NEAR(hull.extent(n), max, 1e-12 * size) << shape.name;
+        EXPECT_LE(hull.support(n).dot(n), max + 1e-12 * size) << shape.name;
+        EXPECT_GE(hull.support(n).dot(n), max - ConvexHull::kShare * size) << shape.name;
       }
     }
 }
 
-/// The faces of the hull and their edges, proven: no point lies before a face.
+/// Proven faces and edges of the hull: no point is in front of a face.
 HullDirections hull_directions(const Cloud& cloud) {
   GrowingPolytope hull;
   size_t i = 1;
@@ -243,8 +243,7 @@ HullDirections hull_directions(const Cloud& cloud) {
   return out;
 }
 
-/// The points of a hull's corners, in no order that means anything, so that the first few tell most
-/// directions from the best.
+/// Corners of a hull in random order, so that the first few exclude most directions.
 Cloud shuffled_corners(const ConvexHull& hull, uint64_t seed) {
   Cloud out;
   for (int i = 0; i < hull.corner_count(); ++i) out.push_back(hull.points().row(i));
@@ -254,8 +253,8 @@ Cloud shuffled_corners(const ConvexHull& hull, uint64_t seed) {
   return out;
 }
 
-// People who walk through each other, every pair of parts that touches.
-TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
+// Every touching pair of parts of people who walk through each other.
+TEST(HullDepth, IsTheLeastTranslationForWalkingPeople) {
   const std::shared_ptr<const Model> model = load_model(adult_urdf());
   bench::Crowd crowd(model, {.avatars = 24, .per_m2 = 5, .seed = 3});
   for (int step = 0; step < 40; ++step) crowd.advance();
@@ -310,7 +309,7 @@ TEST(HullDepth, IsThatOfTheNearestWayOutForPeopleWhoWalk) {
             const double s = static_cast<double>(scale);
             Cloud out;
             for (const Eigen::Vector3d& p : cloud) out.push_back(map * (s * p) + by);
-            // Floats turn a little askew: normals follow the inverse transpose.
+            // Float rotations are slightly askew: normals follow the inverse transpose.
             const Eigen::Matrix3d turn = map.linear().inverse().transpose();
             for (Eigen::Vector3d& n : of.normals) n = turn * n;
             for (auto& edge : of.edges)

@@ -1,4 +1,4 @@
-// The exact stage against FCL, which decides the same question with other code.
+// The narrow phase agrees with FCL, an independent implementation.
 #include <fcl/fcl.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t kSeed = 20263;
 using FclMesh = fcl::BVHModel<fcl::OBBRSSd>;
 
-/// FCL knows no scale: the points are scaled before.
+/// FCL has no scale: points are scaled first.
 std::shared_ptr<FclMesh> fcl_mesh(const Solid& solid, float scale) {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3f& p : solid.points)
@@ -39,7 +39,7 @@ bool fcl_touch(const FclMesh& a, const Eigen::Isometry3d& pose_a, const FclMesh&
   return fcl::collide(&a, pose_a, &b, pose_b, request, result) > 0;
 }
 
-/// A rotation of whole quarter turns is exact in float, so both engines see the same world.
+/// Rotations by quarter turns are exact in float, so both engines have the same geometry.
 PartPose quarter_turns(Draw& draw) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   for (int i = draw.integer(0, 5); i > 0; --i) {
@@ -56,7 +56,7 @@ PartPose quarter_turns(Draw& draw) {
   return to_part_pose(pose);
 }
 
-/// Meshes without one triangle: they have no inside, which FCL does not look for.
+/// Mesh without one triangle: it has no inside, which FCL does not test.
 Solid opened(Solid solid) {
   solid.triangles.pop_back();
   return solid;
@@ -107,21 +107,21 @@ int count_touching(bool exact_rotations, bool scaled, int cases, uint64_t id) {
 
 int cases() { return test::part_of(1200); }
 
-/// From a sixth to five sixths of the cases, or they would say little.
+/// Requires between a sixth and five sixths of the cases to touch, so that the test is meaningful.
 void expect_some_touch(int touching) {
   EXPECT_GT(touching, cases() / 6);
   EXPECT_LT(touching, 5 * cases() / 6);
 }
 
-TEST(AgainstFcl, SameAnswerForUprightPartsOfAnyScale) {
+TEST(AgainstFcl, AgreesForUprightPartsOfAnyScale) {
   expect_some_touch(count_touching(true, true, cases(), 1));
 }
 
-TEST(AgainstFcl, SameAnswerForTurnedParts) {
+TEST(AgainstFcl, AgreesForRotatedParts) {
   expect_some_touch(count_touching(false, false, cases(), 2));
 }
 
-TEST(AgainstFcl, SameAnswerForTurnedAndScaledParts) {
+TEST(AgainstFcl, AgreesForRotatedAndScaledParts) {
   expect_some_touch(count_touching(false, true, cases(), 3));
 }
 
@@ -130,14 +130,14 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Printed, not judged: near contacts of parts of about 1000 triangles.
-TEST(AgainstFcl, TimesOfNearContacts) {
+/// Prints times of near contacts of parts of about 1000 triangles.
+TEST(AgainstFcl, MeasuresNearContacts) {
   Draw draw(kSeed, 4);
   const Solid a = opened(bumpy_ellipsoid(draw, 22, 24, {0.08, 0.07, 0.25}, 0.01));
   const Solid b = opened(bumpy_ellipsoid(draw, 22, 24, {0.06, 0.05, 0.2}, 0.01));
   const TriangleBvh tree_a(a.points, a.triangles), tree_b(b.points, b.triangles);
   const auto mesh_a = fcl_mesh(a, 1), mesh_b = fcl_mesh(b, 1);
-  std::vector<double> ours[2], theirs[2];
+  std::vector<double> throng_us[2], fcl_us[2];
   TriangleCounters counters;
   for (int i = 0; i < 4000; ++i) {
     const PartPose pose_a = draw.pose(0.1), pose_b = draw.pose(0.1);
@@ -150,15 +150,15 @@ TEST(AgainstFcl, TimesOfNearContacts) {
     const bool expected = fcl_touch(*mesh_a, to_isometry(pose_a), *mesh_b, world_from_b);
     const auto t2 = std::chrono::steady_clock::now();
     ASSERT_EQ(found, expected) << "case " << i << ", seed " << kSeed;
-    ours[found].push_back(std::chrono::duration<double, std::micro>(t1 - t0).count());
-    theirs[found].push_back(std::chrono::duration<double, std::micro>(t2 - t1).count());
+    throng_us[found].push_back(std::chrono::duration<double, std::micro>(t1 - t0).count());
+    fcl_us[found].push_back(std::chrono::duration<double, std::micro>(t2 - t1).count());
   }
   const char* names[2] = {"apart", "touching"};
   for (int f = 0; f < 2; ++f)
-    std::printf("%zu triangles against %zu, %s: %zu pairs, ours %.2f us, FCL %.2f us (medians)\n",
-                a.triangles.size(), b.triangles.size(), names[f], ours[f].size(), median(ours[f]),
-                median(theirs[f]));
-  std::printf("a pair took %.0f node tests and %.1f triangle tests\n",
+    std::printf("%zu triangles against %zu, %s: %zu pairs, Throng %.2f us, FCL %.2f us (medians)\n",
+                a.triangles.size(), b.triangles.size(), names[f], throng_us[f].size(),
+                median(throng_us[f]), median(fcl_us[f]));
+  std::printf("each pair took %.0f node tests and %.1f triangle tests\n",
               static_cast<double>(counters.node_tests) / 4000,
               static_cast<double>(counters.triangle_tests) / 4000);
 }

@@ -1,4 +1,4 @@
-// Parts of several pieces: what is closed has an inside of its own, whatever lies beside it.
+// Parts of several pieces: each closed piece has an inside, regardless of the others.
 #include <gtest/gtest.h>
 
 #include "culling/triangles/triangle_bvh.h"
@@ -21,13 +21,13 @@ Solid loose_triangle(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const E
   return {{a, b, c}, {{0, 1, 2}}};
 }
 
-TEST(Solids, WhatIsLooseTakesNothingFromASolid) {
+TEST(Solids, AreIndependentOfLooseTriangles) {
   const Solid box = box_solid({0.5, 0.5, 0.5}), small = box_solid({0.1, 0.1, 0.1});
   const Eigen::Vector3f far(2, 2, 2), out(1, 1, 1), up(0, 0, 2);
   const std::pair<const char*, Solid> cases[] = {
-      {"a triangle beside it", loose_triangle(far, far + out, far + up)},
-      {"one inside it", loose_triangle({0.3f, 0, 0}, {0.4f, 0, 0}, {0.3f, 0.1f, 0})},
-      {"one that hangs from a corner", loose_triangle(box.points[7], far, far + up)},
+      {"a triangle outside", loose_triangle(far, far + out, far + up)},
+      {"a triangle inside", loose_triangle({0.3f, 0, 0}, {0.4f, 0, 0}, {0.3f, 0.1f, 0})},
+      {"a triangle at a corner", loose_triangle(box.points[7], far, far + up)},
       {"a fin on an edge", loose_triangle(box.points[7], box.points[6], far)},
       {"a wall across a face", loose_triangle(box.points[0], box.points[3], box.points[1] + up)},
       {"a segment", loose_triangle(far, far + up, far)},
@@ -44,9 +44,8 @@ TEST(Solids, WhatIsLooseTakesNothingFromASolid) {
   }
 }
 
-TEST(Solids, ACavityIsInside) {
-  // What is turned inside out may be a hollow, or a mesh that was exported wrongly: nothing is
-  // missed.
+TEST(Solids, IncludeTheirCavities) {
+  // An inverted piece may be a cavity or a wrongly exported mesh. Including it misses no contact.
   const Solid shell = both(box_solid({0.5, 0.5, 0.5}), inside_out(box_solid({0.3, 0.3, 0.3})));
   const TriangleBvh tree(shell.points, shell.triangles);
   EXPECT_EQ(tree.solid_count(), 2u);
@@ -56,7 +55,7 @@ TEST(Solids, ACavityIsInside) {
   EXPECT_TRUE(solids_touch_upright(shell, box_solid({0.1, 0.1, 0.1}), {0, 0, 0}));
 }
 
-TEST(Surface, SolidsAndLooseTrianglesAreToldApartAsTheyWerePutTogether) {
+TEST(Surface, SeparatesSolidsFromLooseTriangles) {
   int inside = 0, outside = 0;
   for (uint64_t seed = 1; seed <= 300; ++seed) {
     Draw draw(seed, 7);

@@ -1,4 +1,4 @@
-// The exact stage: triangles against triangles, solids inside solids, against oracles that try all.
+// The narrow phase agrees with brute force, for triangles and solids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,17 +22,17 @@ Triangle swapped(const Triangle& t, int turn, bool mirror) {
   return out;
 }
 
-/// The answer in every order of corners and of the two triangles; they must agree.
+/// Result in every order of corners and of the two triangles; all must agree.
 bool touch(const Triangle& a, const Triangle& b) {
-  const bool answer = triangles_touch(a, b);
+  const bool result = triangles_touch(a, b);
   for (int i = 0; i < 6; ++i) {
     for (int j = 0; j < 6; ++j) {
       const Triangle sa = swapped(a, i % 3, i > 2), sb = swapped(b, j % 3, j > 2);
-      EXPECT_EQ(triangles_touch(sa, sb), answer);
-      EXPECT_EQ(triangles_touch(sb, sa), answer);
+      EXPECT_EQ(triangles_touch(sa, sb), result);
+      EXPECT_EQ(triangles_touch(sb, sa), result);
     }
   }
-  return answer;
+  return result;
 }
 
 struct Case {
@@ -41,20 +41,20 @@ struct Case {
   bool touches;
 };
 
-/// Against the triangle (0,0,0) (1,0,0) (0,1,0), whose plane is z = 0.
+/// Cases against the triangle (0,0,0) (1,0,0) (0,1,0), whose plane is z = 0.
 const Triangle kFloor = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}};
 const Case kCases[] = {
     {"a corner on the face", {{{{0.2, 0.2, 0}, {0.2, 0.2, 1}, {0.5, 0.2, 1}}}}, true},
     {"a corner just above the face", {{{{0.2, 0.2, 1e-9}, {0.2, 0.2, 1}, {0.5, 0.2, 1}}}}, false},
     {"a corner on an edge", {{{{0.5, 0, 0}, {0.5, -1, 1}, {0.6, -1, 1}}}}, true},
-    {"a corner beside an edge", {{{{0.5, -1e-9, 0}, {0.5, -1, 1}, {0.6, -1, 1}}}}, false},
+    {"a corner next to an edge", {{{{0.5, -1e-9, 0}, {0.5, -1, 1}, {0.6, -1, 1}}}}, false},
     {"a corner on a corner", {{{{1, 0, 0}, {2, 0, 1}, {2, 0, -1}}}}, true},
     {"an edge along an edge", {{{{0.2, 0, 0}, {0.7, 0, 0}, {0.5, 0, 1}}}}, true},
     {"an edge in line with an edge", {{{{1.1, 0, 0}, {1.7, 0, 0}, {1.5, 0, 1}}}}, false},
     {"an edge on the face", {{{{0.1, 0.1, 0}, {0.3, 0.3, 0}, {0.2, 0.2, 1}}}}, true},
     {"an edge across an edge", {{{{0.5, 0, -1}, {0.5, 0, 1}, {0.5, -1, 0}}}}, true},
     {"through the middle", {{{{0.2, 0.2, -1}, {0.2, 0.2, 1}, {2, 2, 0}}}}, true},
-    {"through the plane, beside the triangle", {{{{1, 1, -1}, {1, 1, 1}, {2, 2, 0}}}}, false},
+    {"through the plane, outside the triangle", {{{{1, 1, -1}, {1, 1, 1}, {2, 2, 0}}}}, false},
     {"parallel above", {{{{0, 0, 1e-9}, {1, 0, 1e-9}, {0, 1, 1e-9}}}}, false},
     {"the same triangle", {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}, true},
     {"in the plane, inside", {{{{0.1, 0.1, 0}, {0.2, 0.1, 0}, {0.1, 0.2, 0}}}}, true},
@@ -62,11 +62,11 @@ const Case kCases[] = {
     {"in the plane, crossing without a corner inside",
      {{{{-1, 0.4, 0}, {2, 0.4, 0}, {2, 0.5, 0}}}},
      true},
-    {"in the plane, beside an edge", {{{{0.6, 0.6, 0}, {1, 1, 0}, {0.6, 1, 0}}}}, false},
-    {"in the plane, beside a corner", {{{{1.1, -1, 0}, {1.1, 1, 0}, {3, 0, 0}}}}, false},
+    {"in the plane, next to an edge", {{{{0.6, 0.6, 0}, {1, 1, 0}, {0.6, 1, 0}}}}, false},
+    {"in the plane, next to a corner", {{{{1.1, -1, 0}, {1.1, 1, 0}, {3, 0, 0}}}}, false},
     {"in the plane, corner to edge", {{{{0.5, 0.5, 0}, {1, 1, 0}, {0.6, 1, 0}}}}, true},
     {"a segment through the face", {{{{0.2, 0.2, -1}, {0.2, 0.2, 1}, {0.2, 0.2, 0.5}}}}, true},
-    {"a segment beside the face", {{{{0.6, 0.6, -1}, {0.6, 0.6, 1}, {0.6, 0.6, 0.5}}}}, false},
+    {"a segment next to the face", {{{{0.6, 0.6, -1}, {0.6, 0.6, 1}, {0.6, 0.6, 0.5}}}}, false},
     {"a segment in the plane, inside", {{{{0.1, 0.1, 0}, {0.2, 0.2, 0}, {0.1, 0.1, 0}}}}, true},
     {"a segment in the plane, outside", {{{{0.6, 0.6, 0}, {1, 1, 0}, {0.6, 0.6, 0}}}}, false},
     {"a segment in line with an edge", {{{{1.1, 0, 0}, {1.7, 0, 0}, {1.2, 0, 0}}}}, false},
@@ -77,14 +77,14 @@ const Case kCases[] = {
     {"a point on a corner", {{{{0, 1, 0}, {0, 1, 0}, {0, 1, 0}}}}, true},
 };
 
-TEST(Triangles, TouchAsGeometrySaysInEveryOrder) {
+TEST(Triangles, TouchAsExpectedInEveryOrder) {
   for (const Case& c : kCases) {
     SCOPED_TRACE(c.what);
     EXPECT_EQ(touch(kFloor, c.b), c.touches);
   }
 }
 
-TEST(Triangles, SegmentsAndPointsTouchAsGeometrySays) {
+TEST(Triangles, TouchAsExpectedForSegmentsAndPoints) {
   const auto segment = [](Vector3d p, Vector3d q) { return Triangle{{p, q, 0.5 * (p + q)}}; };
   const auto point = [](Vector3d p) { return Triangle{{p, p, p}}; };
   const Triangle x = segment({0, 0, 0}, {1, 0, 0});
@@ -101,8 +101,7 @@ TEST(Triangles, SegmentsAndPointsTouchAsGeometrySays) {
   EXPECT_FALSE(touch(point({1, 2, 3}), point({1, 2, 3 + 1e-9})));
 }
 
-/// Two triangles in general position touch exactly when an edge of one pierces the other: five
-/// signed volumes an edge.
+/// Triangles in general position touch if and only if an edge of one pierces the other.
 bool pierces(const Vector3d& p, const Vector3d& q, const Triangle& t) {
   const auto side = [](const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& d) {
     return (b - a).cross(c - a).dot(d - a) > 0;
@@ -126,7 +125,7 @@ TEST(Triangles, AgreeWithPiercedEdgesInGeneralPosition) {
   int touching = 0;
   for (int i = 0; i < 200000; ++i) {
     Triangle a, b;
-    const double thin = i % 3 == 0 ? 1e-4 : 1;  // slivers, too
+    const double thin = i % 3 == 0 ? 1e-4 : 1;  // including slivers
     for (int c = 0; c < 3; ++c) {
       a.corner[c] = draw.in_box(1).cwiseProduct(Vector3d(1, thin, 1));
       b.corner[c] = draw.in_box(1).cwiseProduct(Vector3d(1, 1, thin));
@@ -138,7 +137,7 @@ TEST(Triangles, AgreeWithPiercedEdgesInGeneralPosition) {
   EXPECT_GT(touching, 20000);
 }
 
-TEST(Triangles, NearlyParallelOnesAgreeWithPiercedEdges) {
+TEST(Triangles, AgreeWithPiercedEdgesIfNearlyParallel) {
   Draw draw(kSeed, 2);
   int touching = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -156,7 +155,7 @@ TEST(Triangles, NearlyParallelOnesAgreeWithPiercedEdges) {
   EXPECT_GT(touching, 5000);
 }
 
-/// In the plane: two triangles touch if edges cross or one holds a corner of the other.
+/// Coplanar triangles touch if edges cross or one contains a corner of the other.
 bool touch_in_plane(const Triangle& a, const Triangle& b) {
   const auto left = [](const Vector3d& p, const Vector3d& q, const Vector3d& r) {
     return (q - p).cross(r - p).z() > 0;
@@ -174,7 +173,7 @@ bool touch_in_plane(const Triangle& a, const Triangle& b) {
   return holds(a, b.corner[0]) || holds(b, a.corner[0]);
 }
 
-TEST(Triangles, AgreeWithPlaneGeometryWhereverThePlaneLies) {
+TEST(Triangles, AgreeWithPlaneGeometryInAnyPlane) {
   Draw draw(kSeed, 3);
   int touching = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -216,7 +215,7 @@ TEST(Solids, TouchAtACornerAnEdgeOrAFace) {
   EXPECT_FALSE(solids_touch_upright(box, box, {0, -1.000001f, 0.5f}));
 }
 
-TEST(Solids, OneInsideTheOtherTouches) {
+TEST(Solids, TouchIfOneIsInsideTheOther) {
   const Solid large = box_solid({0.5, 0.5, 0.5}), small = box_solid({0.1, 0.1, 0.1});
   EXPECT_TRUE(solids_touch_upright(large, small, {0, 0, 0}));
   EXPECT_TRUE(solids_touch_upright(small, large, {0, 0, 0}));
@@ -224,44 +223,44 @@ TEST(Solids, OneInsideTheOtherTouches) {
   EXPECT_FALSE(solids_touch_upright(large, small, {0.61f, 0, 0}));
 }
 
-TEST(Solids, AnOpenSurfaceHasNoInside) {
+TEST(Solids, HaveNoInsideIfOpen) {
   Solid large = box_solid({0.5, 0.5, 0.5});
   const Solid small = box_solid({0.1, 0.1, 0.1});
   large.triangles.pop_back();
   EXPECT_EQ(TriangleBvh(large.points, large.triangles).solid_count(), 0u);
   EXPECT_FALSE(solids_touch_upright(large, small, {0, 0, 0}));
   EXPECT_FALSE(solids_touch_upright(small, large, {0, 0, 0}));
-  // But what has no inside can be inside.
+  // An open surface can be inside another.
   Solid open = small;
   open.triangles.resize(1);
   EXPECT_TRUE(solids_touch_upright(box_solid({0.5, 0.5, 0.5}), open, {0, 0, 0}));
 }
 
-TEST(Solids, InwardOrientationDoesNotMatter) {
+TEST(Solids, IgnoreInwardOrientation) {
   const Solid large = inside_out(box_solid({0.5, 0.5, 0.5}));
   EXPECT_TRUE(solids_touch_upright(large, box_solid({0.1, 0.1, 0.1}), {0, 0, 0}));
 }
 
-TEST(Solids, EveryPieceCounts) {
-  const Solid room = box_solid({0.5, 0.5, 0.5});
+TEST(Solids, TestEveryPiece) {
+  const Solid outer = box_solid({0.5, 0.5, 0.5});
   const Solid outside = box_solid({0.1, 0.1, 0.1}, {2, 0, 0}), inside = box_solid({0.1, 0.1, 0.1});
   EXPECT_EQ(
       TriangleBvh(both(outside, inside).points, both(outside, inside).triangles).pieces().size(),
       2u);
-  EXPECT_TRUE(solids_touch_upright(room, both(outside, inside), {0, 0, 0}));
-  EXPECT_TRUE(solids_touch_upright(both(inside, outside), room, {0, 0, 0}));
-  EXPECT_FALSE(solids_touch_upright(room, both(outside, outside), {0, 0, 0}));
+  EXPECT_TRUE(solids_touch_upright(outer, both(outside, inside), {0, 0, 0}));
+  EXPECT_TRUE(solids_touch_upright(both(inside, outside), outer, {0, 0, 0}));
+  EXPECT_FALSE(solids_touch_upright(outer, both(outside, outside), {0, 0, 0}));
 }
 
-TEST(Solids, OverlappingPiecesAreTheirUnion) {
+TEST(Solids, FormTheUnionOfOverlappingPieces) {
   const Solid two = both(box_solid({0.5, 0.5, 0.5}), box_solid({0.5, 0.5, 0.5}, {0.2, 0.1, 0.05}));
   EXPECT_TRUE(TriangleBvh(two.points, two.triangles).contains({0.1, 0.05, 0.02}));
   EXPECT_TRUE(solids_touch_upright(two, box_solid({0.05, 0.05, 0.05}), {0.1f, 0.05f, 0.02f}));
 }
 
-TEST(Surface, IsClosedByPlaceNotByIndex) {
+TEST(Surface, IsClosedByPositionNotByIndex) {
   const Solid box = box_solid({0.5, 0.5, 0.5});
-  Solid soup;  // every triangle with corners of its own, as STL files have them
+  Solid soup;  // each triangle has separate corners, as in STL files
   for (const Eigen::Vector3i& t : box.triangles) {
     const int first = static_cast<int>(soup.points.size());
     for (int c = 0; c < 3; ++c) soup.points.push_back(box.points[static_cast<size_t>(t[c])]);
@@ -275,7 +274,7 @@ TEST(Surface, IsClosedByPlaceNotByIndex) {
   EXPECT_EQ(TriangleBvh(flipped.points, flipped.triangles).solid_count(), 0u);
 }
 
-TEST(Surface, ContainsWhatItWindsRound) {
+TEST(Surface, ContainsPointsThatItWindsAround) {
   Draw draw(kSeed, 4);
   int inside = 0, total = 0;
   for (int i = 0; i < 20; ++i) {
@@ -284,13 +283,13 @@ TEST(Surface, ContainsWhatItWindsRound) {
     ASSERT_EQ(tree.solid_count(), 1u);
     for (int p = 0; p < 500; ++p) {
       Vector3d point = draw.in_box(0.4);
-      // Rays that graze corners and edges, which a careless parity test counts twice.
+      // Rays that graze corners and edges, which a simple parity test counts twice.
       if (p % 5 == 0)
         point.tail<2>() = solid.points[static_cast<size_t>(p) % 70].tail<2>().cast<double>();
       if (p % 5 == 1)
         point.z() = static_cast<double>(solid.points[static_cast<size_t>(p) % 70].z());
       const double turns = winding_number(solid, point);
-      if (std::fabs(turns - std::round(turns)) > 1e-6) continue;  // on the surface itself
+      if (std::fabs(turns - std::round(turns)) > 1e-6) continue;  // on the surface
       ++total;
       inside += turns > 0.5;
       ASSERT_EQ(tree.contains(point), turns > 0.5)
@@ -345,7 +344,7 @@ TEST(Solids, AgreeWithAllPairsOfTriangles) {
     const Solid b = bumpy_ellipsoid(draw, 5, 6, {0.1, 0.2, 0.1}, 0.2);
     const PartPose pose_a = draw.pose(0.5), pose_b = draw.pose(0.5);
     const float scale_a = static_cast<float>(draw.uniform(0.5, 2));
-    // Some of B are small enough to disappear inside A.
+    // Some of B are small enough to fit inside A.
     const bool small = i % 4 == 0;
     const float scale_b = small ? 0.1f : static_cast<float>(draw.uniform(0.5, 2));
     const Vector3d between = to_isometry(pose_a).translation() - to_isometry(pose_b).translation() +
@@ -362,14 +361,14 @@ TEST(Solids, AgreeWithAllPairsOfTriangles) {
         << "case " << i << ", seed " << kSeed;
     ASSERT_EQ(solids_touch(tree_b, pose_b, scale_b, tree_a, pose_a, scale_a, -a_to_b, counters),
               expected)
-        << "in the other order, case " << i << ", seed " << kSeed;
+        << "in reverse order, case " << i << ", seed " << kSeed;
   }
   EXPECT_GT(contained, 25);
   EXPECT_GT(touching, kCasesTried / 4);
   EXPECT_LT(touching, kCasesTried * 3 / 4);
 }
 
-TEST(Solids, OfSeveralPiecesAgreeWithEachPieceByItself) {
+TEST(Solids, AgreeWithEachOfSeveralPieces) {
   int touching = 0, contained = 0, apart = 0;
   for (uint64_t seed = 1; seed <= 1500; ++seed) {
     Draw draw(seed, 8);
@@ -396,13 +395,13 @@ TEST(Solids, OfSeveralPiecesAgreeWithEachPieceByItself) {
   EXPECT_GT(apart, 300);
 }
 
-TEST(Tree, HoldsEveryTriangleOnceAndInsideItsBoxes) {
+TEST(TriangleBvh, HoldsEveryTriangleOnceAndInsideItsBoxes) {
   Draw draw(kSeed, 6);
   const Solid solid = bumpy_ellipsoid(draw, 20, 25, {0.3, 0.1, 0.2}, 0.2);
   const TriangleBvh tree(solid.points, solid.triangles);
   ASSERT_EQ(tree.triangles().size(), solid.triangles.size());
   std::vector<int> seen(solid.triangles.size(), 0);
-  // Walks down with the boxes of all ancestors.
+  // Descends with the boxes of all ancestors.
   const auto walk = [&](auto& self, uint32_t at, std::vector<uint32_t> path, int depth) -> void {
     ASSERT_LE(depth, TriangleBvh::kMaxDepth);
     path.push_back(at);
@@ -426,8 +425,8 @@ TEST(Tree, HoldsEveryTriangleOnceAndInsideItsBoxes) {
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<long>(seen.size()));
 }
 
-TEST(Tree, StaysShallowOnTrianglesThatGrowGeometrically) {
-  Solid solid;  // the surface area heuristic alone peels these off one by one
+TEST(TriangleBvh, StaysShallowForGeometricallyGrowingTriangles) {
+  Solid solid;  // the surface area heuristic would separate these one by one
   for (int i = 0; i < 3000; ++i) {
     const float size = std::ldexp(1.0f, i % 100 - 60);
     const int first = static_cast<int>(solid.points.size());
@@ -440,7 +439,7 @@ TEST(Tree, StaysShallowOnTrianglesThatGrowGeometrically) {
   EXPECT_FALSE(solids_touch(tree, kUpright, 1, tree, kUpright, 1, {-1e13f, 0, 0}, counters));
 }
 
-TEST(Counters, CountNodesAndTriangles) {
+TEST(TriangleCounters, CountNodesAndTriangles) {
   const Solid box = box_solid({0.5, 0.5, 0.5});
   const TriangleBvh tree(box.points, box.triangles);
   TriangleCounters counters;

@@ -1,4 +1,4 @@
-// Points that are looked up by place: each is one of those given, and about the nearest.
+// NearbyPoints returns given points that are about the nearest.
 #include "culling/volumes/nearby_points.h"
 
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@ namespace {
 using Eigen::Vector3f;
 
 float min_distance_m(const std::vector<Vector3f>& points, const Vector3f& to) {
-  float least = std::numeric_limits<float>::max();
-  for (const Vector3f& point : points) least = std::min(least, (point - to).norm());
-  return least;
+  float min_distance = std::numeric_limits<float>::max();
+  for (const Vector3f& point : points) min_distance = std::min(min_distance, (point - to).norm());
+  return min_distance;
 }
 
 std::vector<Vector3f> random_points(std::mt19937& rng, size_t count, const Vector3f& size_m) {
@@ -27,9 +27,9 @@ std::vector<Vector3f> random_points(std::mt19937& rng, size_t count, const Vecto
   return out;
 }
 
-/// A place in the box is at most half a cell's diagonal from the middle that its point is nearest
-/// to, so the point is no farther than the nearest by more than twice that.
-TEST(NearbyPoints, AreGivenPointsAndAtMostACellFartherThanTheNearest) {
+/// A place in the box is at most half a cell's diagonal from the centre of its cell. The point is
+/// therefore farther than the nearest by at most twice that.
+TEST(NearbyPoints, AreGivenPointsAtMostACellFartherThanTheNearest) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 rng(seed);
@@ -53,7 +53,7 @@ TEST(NearbyPoints, AreGivenPointsAndAtMostACellFartherThanTheNearest) {
   }
 }
 
-TEST(NearbyPoints, OfOnePointOrAFlatPartAreFoundFromEverywhere) {
+TEST(NearbyPoints, AreFoundForOnePointAndAFlatPart) {
   const Vector3f one(1, -2, 3);
   const NearbyPoints alone(std::vector<Vector3f>{one});
   const std::vector<Vector3f> flat = {{0, 0, 1}, {2, 0, 1}, {0, 3, 1}};
@@ -64,7 +64,7 @@ TEST(NearbyPoints, OfOnePointOrAFlatPartAreFoundFromEverywhere) {
   }
 }
 
-TEST(NearbyPoints, OfAFineMeshAreSomeOfItsPoints) {
+TEST(NearbyPoints, AreASubsetForAFineMesh) {
   std::mt19937 rng(1);
   const std::vector<Vector3f> points = random_points(rng, 100000, {1, 1, 1});
   const NearbyPoints on(points);

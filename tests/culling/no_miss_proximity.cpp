@@ -1,6 +1,5 @@
-// no_miss_proximity [PAIRS [SEED]]: no pair of parts within the margin is missed, and every
-// interval holds the distance, over at least that many such pairs, a line a family. Exit code 1 if
-// not.
+// no_miss_proximity [PAIRS [SEED]] checks at least PAIRS pairs of parts within the margin, one line
+// per family. Exit code 1 if one was missed or its bounds do not contain the distance.
 #include <cstdlib>
 #include <iterator>
 

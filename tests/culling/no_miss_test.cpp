@@ -1,6 +1,6 @@
-// No misses, on the real body: whatever touches by its triangles overlaps in every volume.
-// Random and walking postures, every part against every part, random scales, from just touching to
-// just apart. What the volumes report beyond the truth is printed.
+// The no-miss guarantee on the adult body: parts whose triangles touch overlap in every volume.
+// Tests random and walking postures, all pairs of parts, random scales, from just touching to just
+// apart. Prints the false positives of the volumes.
 #include <fcl/fcl.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 constexpr uint64_t kSeed = 20264;
 using FclMesh = fcl::BVHModel<fcl::OBBRSSd>;
 
-/// One part with everything fitted to it.
+/// One part with all fitted volumes.
 struct FittedPart {
   explicit FittedPart(const Part& part)
       : name(part.name),
@@ -45,7 +45,7 @@ struct FittedPart {
   TriangleBvh tree;
   decltype([]<size_t... kPlaces>(std::index_sequence<kPlaces...>) {
     return std::tuple<typename VolumeAt<kPlaces>::Fitted...>();
-  }(std::make_index_sequence<kVolumeCount>{})) fitted;  ///< in the order of the list
+  }(std::make_index_sequence<kVolumeCount>{})) fitted;  ///< ordered as kVolumeList
   FclMesh fcl_mesh;
 };
 
@@ -55,7 +55,7 @@ struct PlacedPart {
   float scale;
 };
 
-/// What every volume says about two placed parts, by name.
+/// Result of every volume for two placed parts, by name.
 std::map<std::string, bool> verdicts(const PlacedPart& a, const PlacedPart& b,
                                      const Eigen::Vector3f& a_to_b) {
   const float reach = a_to_b.norm() + translation_m(a.pose).norm() + translation_m(b.pose).norm() +
@@ -82,7 +82,7 @@ class Body {
   const std::vector<FittedPart>& parts() const { return parts_; }
   const Gait& gait() const { return gait_; }
 
-  /// Poses of all parts: joints anywhere within their limits, or one moment of walking.
+  /// Poses of all parts: random joints within their limits, or a random gait phase.
   std::vector<PartPose> poses(Draw& draw, bool walking, const RootFrame& root) const {
     std::vector<float> posture(static_cast<size_t>(model_->kinematics.column_count()));
     if (walking) {
@@ -125,7 +125,7 @@ RootFrame random_root(Draw& draw, bool upright) {
   return root;
 }
 
-/// Counts what each volume reports, and fails where one separates what touches.
+/// Counts the pairs that each volume reports. Fails if a volume separates touching parts.
 struct Tally {
   int pairs = 0, touching = 0;
   std::map<std::string, int> reported;
@@ -169,7 +169,7 @@ Tally near_contacts(bool walking, int rounds, uint64_t id) {
                                         placed_exactly(poses_b[j], root_b.scale, any(parts[j]));
         const Eigen::Vector3d from_a_to_b =
             meeting + to_isometry(poses_b[j]).translation() - to_isometry(poses_a[i]).translation();
-        // From pushed together by 1 cm to pulled apart by 12 cm.
+        // From 1 cm overlap to 12 cm apart.
         const Eigen::Vector3d pull = draw.uniform(-0.01, 0.12) * from_a_to_b.normalized();
         tally.add({&parts[i], poses_a[i], root_a.scale}, {&parts[j], poses_b[j], root_b.scale},
                   (meeting + pull).cast<float>());
@@ -179,22 +179,22 @@ Tally near_contacts(bool walking, int rounds, uint64_t id) {
   return tally;
 }
 
-TEST(NoMiss, NearContactsInRandomPostures) {
+TEST(NoMiss, HoldsForNearContactsInRandomPostures) {
   const Tally tally = near_contacts(false, 30, 1);
   tally.print("random postures");
   EXPECT_GT(tally.touching, tally.pairs / 10);
   EXPECT_LT(tally.touching, tally.pairs * 9 / 10);
 }
 
-TEST(NoMiss, NearContactsWhileWalking) {
+TEST(NoMiss, HoldsForNearContactsWhileWalking) {
   const Tally tally = near_contacts(true, 30, 2);
   tally.print("walking postures");
   EXPECT_GT(tally.touching, tally.pairs / 10);
   EXPECT_LT(tally.touching, tally.pairs * 9 / 10);
 }
 
-/// Two walkers on the ground, as close as in a dense crowd: all 225 pairs of their parts.
-TEST(NoMiss, WalkersSideBySide) {
+/// Two walking people side by side, as close as in a dense crowd: all 225 pairs of their parts.
+TEST(NoMiss, HoldsForWalkersSideBySide) {
   Draw draw(kSeed, 3);
   Tally tally;
   const std::vector<FittedPart>& parts = body().parts();
@@ -214,8 +214,8 @@ TEST(NoMiss, WalkersSideBySide) {
   EXPECT_GT(tally.touching, 300);
 }
 
-/// The truth that the volumes are held against is FCL's truth, too, on the same parts.
-TEST(NoMiss, TheExactStageAgreesWithFclOnTheBody) {
+/// The triangle tests that serve as reference agree with FCL on the same parts.
+TEST(NoMiss, AgreesWithFclOnTheBody) {
   Draw draw(kSeed, 4);
   const std::vector<FittedPart>& parts = body().parts();
   int touching = 0, inside = 0;
@@ -252,8 +252,8 @@ TEST(NoMiss, TheExactStageAgreesWithFclOnTheBody) {
   EXPECT_LT(inside, touching / 10);
 }
 
-/// The stage before the parts: the sphere round a walker holds every vertex of it.
-TEST(NoMiss, TheSphereOfAWalkerHoldsEveryVertex) {
+/// Broad phase: the sphere of a walking person contains all vertices.
+TEST(NoMiss, HoldsForTheSphereOfAWalker) {
   Draw draw(kSeed, 5);
   const Gait& gait = body().gait();
   double closest = 1e30;
@@ -264,11 +264,11 @@ TEST(NoMiss, TheSphereOfAWalkerHoldsEveryVertex) {
     const Eigen::Vector3d centre = scale * gait.sphere_centre_m().cast<double>();  // on the z axis
     for (size_t i = 0; i < poses.size(); ++i)
       for (const Eigen::Vector3f& p : body().parts()[i].points) {
-        const double room = scale * static_cast<double>(gait.sphere_radius_m()) -
-                            (placed_exactly(poses[i], root.scale, p) - centre).norm();
-        closest = std::min(closest, room);
-        ASSERT_GE(room, -1e-5) << body().parts()[i].name << ", round " << round << ", seed "
-                               << kSeed;
+        const double clearance = scale * static_cast<double>(gait.sphere_radius_m()) -
+                                 (placed_exactly(poses[i], root.scale, p) - centre).norm();
+        closest = std::min(closest, clearance);
+        ASSERT_GE(clearance, -1e-5)
+            << body().parts()[i].name << ", round " << round << ", seed " << kSeed;
       }
   }
   std::printf("the walker's sphere leaves at least %.1f mm\n", 1000 * closest);

@@ -1,5 +1,5 @@
-// A filter leaves out what is not asked for, and nothing else: the pairs and the near rows are
-// those of the whole, sifted one by one.
+// PairFilter drops exactly the pairs that are not selected: contacts and proximity rows equal those
+// of an unfiltered run, filtered one by one.
 #include "culling/pair_filter.h"
 
 #include <gtest/gtest.h>
@@ -16,19 +16,19 @@ namespace {
 using test::BodyDraw;
 using test::RandomBodies;
 
-TEST(PairFilter, ARuleAsksForOneOfEachSide) {
+TEST(PairFilter, MatchesOneOfEachSide) {
   const auto left = PairFilter::left_of(3), right = PairFilter::right_of(3);
   EXPECT_TRUE(PairFilter::match(left, right));
   EXPECT_TRUE(PairFilter::match(right, left));
   EXPECT_FALSE(PairFilter::match(left, left));
   EXPECT_FALSE(PairFilter::match(right, right));
   EXPECT_FALSE(PairFilter::match(left, PairFilter::right_of(4)));
-  EXPECT_TRUE(PairFilter::match(left | right, left)) << "on both sides: with its like, too";
+  EXPECT_TRUE(PairFilter::match(left | right, left)) << "on both sides: also with each other";
   EXPECT_FALSE(PairFilter::match(0, left | right));
   EXPECT_TRUE(PairFilter::match(PairFilter::left_of(15), PairFilter::right_of(15)));
 }
 
-/// Some rules by chance; every third filter is of bodies alone, every third of parts alone.
+/// Random rules. A third of the filters select bodies only, a third parts only.
 PairFilter random_filter(const RandomBodies& world, BodyDraw& draw, uint64_t seed) {
   const int rules = draw.integer(1, PairFilter::kMaxRules);
   const auto sides = [&] {
@@ -51,7 +51,7 @@ PairFilter random_filter(const RandomBodies& world, BodyDraw& draw, uint64_t see
   return filter;
 }
 
-/// The obvious way: by rules, one after another.
+/// Reference: rule by rule.
 bool is_included(const PairFilter& filter, const RandomBodies& world, const PairKey& key) {
   const auto match = [](PairFilter::Sides a, PairFilter::Sides b) {
     for (int rule = 0; rule < PairFilter::kMaxRules; ++rule) {
@@ -90,7 +90,7 @@ Answer answer(const RandomBodies& world, const CullerOptions& options, int threa
   return out;
 }
 
-TEST(PairFilter, WhatIsAskedForIsFoundAsWithoutIt) {
+TEST(PairFilter, KeepsSelectedPairsAsWithoutAFilter) {
   constexpr PairSearch kSearches[] = {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute};
   uint64_t kept = 0, left_out = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -120,8 +120,8 @@ TEST(PairFilter, WhatIsAskedForIsFoundAsWithoutIt) {
   EXPECT_GT(left_out, 1000u);
 }
 
-/// One body among many: nobody else is posed.
-TEST(PairFilter, OfBodiesCostsWhatIsAskedFor) {
+/// One body among many: no other bodies are posed.
+TEST(PairFilter, PosesSelectedBodiesOnly) {
   const RandomBodies world(3, 300, 6, Eigen::Vector3d::Zero());
   const auto posed = [&](const CullerOptions& options) {
     Workers workers(1);
@@ -133,13 +133,13 @@ TEST(PairFilter, OfBodiesCostsWhatIsAskedFor) {
   const uint64_t all = posed(options);
   options.filter.sides_of_body.assign(world.ids.back() + 1, PairFilter::right_of(0));
   options.filter.sides_of_body[world.ids[60]] = PairFilter::left_of(0);
-  const uint64_t some = posed(options);
+  const uint64_t filtered = posed(options);
   EXPECT_GT(all, 100u);
-  EXPECT_GT(some, 0u);
-  EXPECT_LT(some, all / 2);
+  EXPECT_GT(filtered, 0u);
+  EXPECT_LT(filtered, all / 2);
 }
 
-TEST(PairFilter, OfOtherTypesOrOfARecipeIsRefused) {
+TEST(PairFilter, RejectsOtherTypesAndStrategies) {
   const RandomBodies world(3, 20, 2.5, Eigen::Vector3d::Zero());
   Workers workers(1);
   CullerOptions options;

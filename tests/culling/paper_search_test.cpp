@@ -1,4 +1,4 @@
-// The paper's strategies on random worlds: where they end in the same volume they find the same.
+// PaperSearch finds the same pairs with all strategies that end in the same volume.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ bool includes(const std::vector<PairKey>& more, const std::vector<PairKey>& fewe
   return std::includes(more.begin(), more.end(), fewer.begin(), fewer.end());
 }
 
-TEST(PaperSearch, FindsTheSameWithEveryStrategyThatEndsInTheSameVolume) {
+TEST(PaperSearch, FindsTheSamePairsWithTheSameFinalVolume) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const RandomBodies world = dense_world(seed);
     const std::vector<PairKey> truth = touching_by_brute_force(world);
@@ -55,7 +55,7 @@ TEST(PaperSearch, FindsTheSameWithEveryStrategyThatEndsInTheSameVolume) {
       EXPECT_TRUE(pairs_of(world, options, Strategy::kHybridAll) == two_pass);
       for (const PairSearch search : {PairSearch::kGrid, PairSearch::kSweep})
         EXPECT_TRUE(pairs_of(world, options, Strategy::kTwoPass, search) == two_pass);
-      // Spheres rule out what a loose volume of the parts alone would report.
+      // Spheres exclude pairs that a loose part volume alone would report.
       EXPECT_TRUE(includes(pairs_of(world, options, Strategy::kVolume), two_pass));
       std::vector<PairKey> of_interest;
       for (const PairKey& pair : two_pass)
@@ -66,7 +66,7 @@ TEST(PaperSearch, FindsTheSameWithEveryStrategyThatEndsInTheSameVolume) {
   }
 }
 
-TEST(PaperSearch, FindsTheTruthWithEveryStrategyWhereTrianglesDecide) {
+TEST(PaperSearch, FindsTheTruthWithTriangles) {
   const RandomBodies world = dense_world(4);
   const std::vector<PairKey> truth = touching_by_brute_force(world);
   ASSERT_GT(truth.size(), 20u);
@@ -75,7 +75,7 @@ TEST(PaperSearch, FindsTheTruthWithEveryStrategyWhereTrianglesDecide) {
     EXPECT_TRUE(pairs_of(world, {.exact = true}, strategy) == truth) << name_of(strategy);
 }
 
-TEST(PaperSearch, ReportsWholeBodiesWhereOnlySpheresAreTested) {
+TEST(PaperSearch, ReportsWholeBodiesForSpheresOnly) {
   const RandomBodies world = dense_world(5);
   const Answer found = run(world, {}, Strategy::kSphere);
   EXPECT_EQ(found.levels, std::vector<uint8_t>(found.pairs.size(), 0));
@@ -87,8 +87,8 @@ TEST(PaperSearch, ReportsWholeBodiesWhereOnlySpheresAreTested) {
   EXPECT_THROW(PaperCuller(world.types, Strategy::kSphere, {.exact = true}), InputError);
 }
 
-/// The kernel that takes the directions of one or-DOP as lanes gives the scalar's bits.
-TEST(PaperSearch, GivesTheSameAnswerOnEverySimdTarget) {
+/// The kernel with the directions of one or-DOP as lanes equals the scalar reference bit for bit.
+TEST(PaperSearch, GivesTheSameResultForEverySimdTarget) {
   for (uint64_t seed = 11; seed <= 12; ++seed) {
     const RandomBodies world(seed, 100, 3, Eigen::Vector3d::Zero());
     for (const VolumeKind volume :
@@ -126,7 +126,7 @@ TEST(PaperSearch, UpdatesTheVolumesOfSurvivorsOnly) {
   EXPECT_EQ(counters(Strategy::kVolume).body_sphere.tests, 0u);
 }
 
-TEST(Strategy, NamesAreReadBack) {
+TEST(Strategy, ReadsItsNames) {
   for (const Strategy strategy : kAllStrategies)
     EXPECT_EQ(strategy_of(name_of(strategy)), strategy);
   EXPECT_FALSE(strategy_of("three-pass").has_value());

@@ -9,7 +9,7 @@
 namespace throng::test {
 namespace {
 
-/// Poses are floats, and so is the way from root to root.
+/// Rounding of float poses and of the vector between roots.
 constexpr double kRounding_m = 2e-6;
 constexpr uint64_t kByAllEvery = 100;
 
@@ -30,11 +30,12 @@ void ProximityTally::add(const ProximityTally& other) {
 std::string ProximityOracle::verdict(const DistanceTree::Placed& a, const DistanceTree::Placed& b,
                                      const Eigen::Vector3d& a_to_b_m, bool touches, PairKey key,
                                      const ProximityRows& rows) {
-  const auto row = std::lower_bound(
-      rows.begin(), rows.end(), key,
-      [](const ProximityPair& one, const PairKey& wanted) { return one.pair < wanted; });
+  const auto row = std::lower_bound(rows.begin(), rows.end(), key,
+                                    [](const ProximityPair& candidate, const PairKey& searched) {
+                                      return candidate.pair < searched;
+                                    });
   const bool is_listed = row != rows.end() && row->pair == key;
-  // What is farther apart than the row says, or not within the margin, need not be known.
+  // Distances beyond the row's upper bound, or beyond the margin, are not needed.
   const double within_m = static_cast<double>(is_listed ? row->hi_m : margin_m_) + 1e-3;
   const double distance = touches ? 0 : DistanceTree::distance(a, b, a_to_b_m, within_m);
   const bool is_near = distance <= static_cast<double>(margin_m_);

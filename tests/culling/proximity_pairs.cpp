@@ -11,8 +11,8 @@
 namespace throng::test {
 namespace {
 
-void check_couple(const bench::RandomPairs& world, uint32_t a, uint32_t b,
-                  std::span<const PairKey> reported, const std::string& how, ProximityPairs& sum) {
+void check_bodies(const bench::RandomPairs& world, uint32_t a, uint32_t b,
+                  std::span<const PairKey> reported, const std::string& how, NoMissCounts& sum) {
   const Eigen::Vector3d shift = world.root(b) - world.root(a);
   std::vector<bench::PartBox> boxes_b;
   for (size_t j = 0; j < world.parts_of(b).size(); ++j) boxes_b.push_back(world.box(b, j));
@@ -37,9 +37,9 @@ using Types = std::vector<std::shared_ptr<const BodyType>>;
 
 constexpr PairSearch kSearches[] = {PairSearch::kGrid, PairSearch::kSweep, PairSearch::kBrute};
 
-/// One frame, by the options and by the scalar reference.
+/// Checks one frame with the options against the scalar reference.
 void check_frame(const bench::RandomPairs& world, const Types& types, CullerOptions options,
-                 const std::string& how, ProximityPairs& sum) {
+                 const std::string& how, NoMissCounts& sum) {
   Workers workers(1);
   Culler culler(types, options, workers);
   culler.step(world.view(), world);
@@ -47,13 +47,14 @@ void check_frame(const bench::RandomPairs& world, const Types& types, CullerOpti
     options.simd = SimdTarget::kScalar;
     Culler reference(types, options, workers);
     reference.step(world.view(), world);
-    const auto is = culler.pairs(), should = reference.pairs();
-    if (!std::equal(is.begin(), is.end(), should.begin(), should.end()) && sum.differing++ == 0)
+    const auto found = culler.pairs(), expected = reference.pairs();
+    if (!std::equal(found.begin(), found.end(), expected.begin(), expected.end()) &&
+        sum.differing++ == 0)
       sum.first_difference =
-          fmt::format("{}: {} pairs, the reference {}", how, is.size(), should.size());
+          fmt::format("{}: {} pairs, the reference {}", how, found.size(), expected.size());
   }
   for (uint32_t a = 0; a < 2 * bench::RandomPairs::kPairs; a += 2)
-    check_couple(world, a, a + 1, culler.pairs(), how, sum);
+    check_bodies(world, a, a + 1, culler.pairs(), how, sum);
 }
 
 Types types_of(const std::vector<bench::BodyKind>& kinds) {
@@ -62,7 +63,7 @@ Types types_of(const std::vector<bench::BodyKind>& kinds) {
   return types;
 }
 
-/// The same bodies with a volume for each part by chance; every fifth has none of its own.
+/// The same bodies with random volumes per part; a fifth of the parts have none.
 Types mixed_types(const std::vector<bench::BodyKind>& kinds, bench::Draw& draw) {
   Types types;
   for (const bench::BodyKind& kind : kinds) {
@@ -77,12 +78,12 @@ Types mixed_types(const std::vector<bench::BodyKind>& kinds, bench::Draw& draw) 
 
 }  // namespace
 
-ProximityPairs check_proximity_pairs(Family family, uint64_t pairs, uint64_t seed) {
+NoMissCounts check_no_misses(Family family, uint64_t pairs, uint64_t seed) {
   const std::vector<SimdTarget> targets = simd_targets_of_this_machine();
   bench::Draw draw(seed, static_cast<uint64_t>(family));
   const std::vector<bench::BodyKind> kinds = bench::kinds_of(family, draw);
   const Types types = types_of(kinds);
-  ProximityPairs sum;
+  NoMissCounts sum;
   const size_t round = targets.size() * std::size(kAllVolumes);
   for (size_t frame = 0; sum.tested < pairs || frame % round != 0; ++frame) {
     CullerOptions options;
@@ -99,13 +100,13 @@ ProximityPairs check_proximity_pairs(Family family, uint64_t pairs, uint64_t see
   return sum;
 }
 
-ProximityPairs check_mixtures(Family family, int maps, uint64_t seed) {
+NoMissCounts check_mixtures(Family family, int maps, uint64_t seed) {
   const std::vector<SimdTarget> targets = simd_targets_of_this_machine();
   bench::Draw draw(seed, 1000 + static_cast<uint64_t>(family));
   const std::vector<bench::BodyKind> kinds = bench::kinds_of(family, draw);
   const Types single = types_of(kinds);
   Workers two(2);
-  ProximityPairs sum;
+  NoMissCounts sum;
   for (int map = 0; map < maps; ++map) {
     const Types types = mixed_types(kinds, draw);
     const bench::RandomPairs world(family, kinds, draw);
@@ -120,15 +121,15 @@ ProximityPairs check_mixtures(Family family, int maps, uint64_t seed) {
         Culler again(types, options, two);
         again.step(world.view(), world);
         if (again.hash() != hash.value_or(again.hash()) && sum.differing++ == 0)
-          sum.first_difference = how + ": another hash";
+          sum.first_difference = how + ": different hash";
         hash = again.hash();
       }
-    // With triangles the volumes do not matter.
+    // With triangles the volumes do not affect the result.
     Culler exact(types, {.exact = true}, two), same(single, {.exact = true}, two);
     exact.step(world.view(), world);
     same.step(world.view(), world);
     if (exact.hash() != same.hash() && sum.differing++ == 0)
-      sum.first_difference = fmt::format("{}, seed {}, map {}: other pairs with triangles",
+      sum.first_difference = fmt::format("{}, seed {}, map {}: different pairs with triangles",
                                          name_of(family), seed, map);
   }
   return sum;

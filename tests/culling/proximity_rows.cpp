@@ -13,7 +13,7 @@ namespace throng::test {
 
 namespace {
 
-/// One for each pair that touches, and each with its place.
+/// True if there is a point for each touching pair, with a position.
 bool has_point_of_each(const Culler& culler) {
   return std::equal(
       culler.pairs().begin(), culler.pairs().end(), culler.contact_points().begin(),
@@ -58,7 +58,7 @@ ProximityTally check_proximity_rows(bench::Family family, uint64_t pairs, uint64
       without_margin.step(world.view(), world);
       if (!has_point_of_each(culler) || !has_point_of_each(without_margin)) {
         ++tally.missed;
-        if (tally.first_wrong.empty()) tally.first_wrong = how + ": points of contact";
+        if (tally.first_wrong.empty()) tally.first_wrong = how + ": contact points";
       }
     }
     ProximityOracle judge(options.proximity.margin_m, tally);

@@ -1,4 +1,4 @@
-// Near rows of couples of bodies by the million, on every path, judged one by one.
+// check_proximity_rows() checks proximity rows of random pairs of bodies, with all options.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace throng::test {
 
-/// At least `pairs` pairs within margins of 0.02 to 0.3 m, by volumes and by triangles, on SIMD
-/// targets, pair searches and threads in turn.
+/// Checks at least `pairs` pairs within margins of 0.02 to 0.3 m, by volumes and by triangles. SIMD
+/// targets, pair searches and numbers of threads alternate.
 ProximityTally check_proximity_rows(bench::Family family, uint64_t pairs, uint64_t seed);
 
 }  // namespace throng::test

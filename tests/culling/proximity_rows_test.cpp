@@ -1,5 +1,4 @@
-// No pair within the margin is missed, whatever its parts are like, and every interval holds the
-// distance.
+// Proximity rows miss no pair within the margin and bound the distance, by family of bodies.
 #include "tests/culling/proximity_rows.h"
 
 #include <gtest/gtest.h>
@@ -7,9 +6,9 @@
 namespace throng::test::proximity_rows_test {
 namespace {
 
-class ProximityRows : public ::testing::TestWithParam<bench::Family> {};
+class ProximityByFamily : public ::testing::TestWithParam<bench::Family> {};
 
-TEST_P(ProximityRows, HoldTheDistanceAndMissNothing) {
+TEST_P(ProximityByFamily, MissesNothingAndBoundsTheDistance) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     const ProximityTally tally = check_proximity_rows(GetParam(), 1000, seed);
     EXPECT_EQ(tally.missed, 0u) << tally.first_wrong;
@@ -20,7 +19,7 @@ TEST_P(ProximityRows, HoldTheDistanceAndMissNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, ProximityRows, ::testing::ValuesIn(bench::kFamilies),
+INSTANTIATE_TEST_SUITE_P(Families, ProximityByFamily, ::testing::ValuesIn(bench::kFamilies),
                          [](const auto& family) {
                            return std::string(bench::name_of(family.param));
                          });

@@ -1,5 +1,5 @@
-// Distances of a crowd: no pair within the margin is missed, every interval holds the truth, and
-// the rows are the same for any number of threads, SIMD target and pair search.
+// Proximity rows of a crowd miss no pair within the margin and bound the distance. They are the
+// same for any number of threads, SIMD target and pair search.
 #include "culling/proximity.h"
 
 #include <gtest/gtest.h>
@@ -24,20 +24,20 @@ constexpr float kMargin_m = 0.25f;
 
 constexpr float kClosestMargin_m = 1.5f * kMargin_m;
 
-/// How distances are decided.
-struct By {
+/// How distances are computed.
+struct Method {
   const char* name;
   bool exact, bodies;
 };
-const By kWays[] = {
+const Method kMethods[] = {
     {"ByTriangles", true, true}, {"ByHulls", false, true}, {"ByVolumes", false, false}};
 
-/// Every other world lies far from the origin.
+/// Every other world is far from the origin.
 RandomBodies world_of(uint64_t seed) {
   return RandomBodies(seed, 20, 1.6, Vector3d::Constant(seed % 2 == 0 ? 40'000 : 0));
 }
 
-/// The distance of every pair of parts that may be within the margin; 0 where they touch.
+/// Distance of every pair of parts that may be within the margin; 0 if they touch.
 std::map<PairKey, double> true_distances(const RandomBodies& world, double within_m) {
   struct PlacedPart {
     std::vector<Triangle> triangles;
@@ -91,7 +91,7 @@ CullerOptions with_margins(bool exact, bool bodies = true) {
   return options;
 }
 
-/// Worked out once a world: it takes seconds.
+/// Computed once per world, because it takes seconds.
 const std::map<PairKey, double>& truth_of(uint64_t seed) {
   static std::map<uint64_t, std::map<PairKey, double>> known;
   const auto found = known.find(seed);
@@ -99,9 +99,9 @@ const std::map<PairKey, double>& truth_of(uint64_t seed) {
   return known[seed] = true_distances(world_of(seed), static_cast<double>(kClosestMargin_m) + 0.01);
 }
 
-class Near : public ::testing::TestWithParam<By> {};
+class ProximityBounds : public ::testing::TestWithParam<Method> {};
 
-TEST_P(Near, NoPairWithinTheMarginIsMissedAndIntervalsHoldTheTruth) {
+TEST_P(ProximityBounds, MissNoPairAndContainTheDistance) {
   const bool exact = GetParam().exact;
   const CullerOptions options = with_margins(exact, GetParam().bodies);
   uint64_t near = 0, listed = 0, touching = 0, of_two = 0;
@@ -117,7 +117,7 @@ TEST_P(Near, NoPairWithinTheMarginIsMissedAndIntervalsHoldTheTruth) {
     std::map<PairKey, ProximityPair> rows;
     PairKey last;
     for (const ProximityPair& row : culler.proximity_pairs()) {
-      ASSERT_TRUE(rows.empty() || last < row.pair) << "sorted, none twice";
+      ASSERT_TRUE(rows.empty() || last < row.pair) << "sorted, without duplicates";
       last = row.pair;
       rows[row.pair] = row;
       ASSERT_EQ(row.level, exact ? PairLevel::kTriangles : PairLevel::kPartVolume);
@@ -146,15 +146,15 @@ TEST_P(Near, NoPairWithinTheMarginIsMissedAndIntervalsHoldTheTruth) {
     touching += culler.pairs().size();
     listed += rows.size();
 
-    // Of each two bodies the nearest.
+    // Closest parts of each pair of bodies.
     std::map<std::pair<uint32_t, uint32_t>, double> nearest;
     const auto is_static = [&](uint32_t id) {
       return world.types[world.type_of[(id - 1) / 3]]->is_static();
     };
     for (const auto& [key, distance] : truth) {
       if (is_static(key.a()) || is_static(key.b())) continue;
-      double& least = nearest.try_emplace({key.a(), key.b()}, distance).first->second;
-      least = std::min(least, distance);
+      double& min_distance = nearest.try_emplace({key.a(), key.b()}, distance).first->second;
+      min_distance = std::min(min_distance, distance);
     }
     std::map<std::pair<uint32_t, uint32_t>, ProximityPair> of_bodies;
     for (const ProximityPair& row : culler.closest_parts()) {
@@ -171,7 +171,7 @@ TEST_P(Near, NoPairWithinTheMarginIsMissedAndIntervalsHoldTheTruth) {
       ASSERT_GE(static_cast<double>(row.hi_m), distance - rounding_m);
       if (!exact) continue;
       ASSERT_LE(row.hi_m - row.lo_m, 1e-3f);
-      ASSERT_NEAR(truth.at(row.pair), distance, rounding_m) << "the nearest pair of parts";
+      ASSERT_NEAR(truth.at(row.pair), distance, rounding_m) << "closest parts";
     }
   }
   EXPECT_GT(near, test::part_of(4000u));
@@ -181,7 +181,7 @@ TEST_P(Near, NoPairWithinTheMarginIsMissedAndIntervalsHoldTheTruth) {
               static_cast<double>(kMargin_m), static_cast<unsigned long long>(listed));
 }
 
-INSTANTIATE_TEST_SUITE_P(Distances, Near, ::testing::ValuesIn(kWays),
+INSTANTIATE_TEST_SUITE_P(Distances, ProximityBounds, ::testing::ValuesIn(kMethods),
                          [](const auto& by) { return std::string(by.param.name); });
 
 uint64_t hash_by(const CullerOptions& options, int threads, uint64_t seed,
@@ -198,7 +198,7 @@ uint64_t hash_by(const CullerOptions& options, int threads, uint64_t seed,
 }
 
 TEST(ProximityRows, AreTheSameForThreadsTargetsAndSearches) {
-  for (const By& by : kWays) {
+  for (const Method& by : kMethods) {
     CullerOptions options = with_margins(by.exact, by.bodies);
     options.simd = SimdTarget::kScalar;
     options.pair_search = PairSearch::kBrute;
@@ -214,7 +214,7 @@ TEST(ProximityRows, AreTheSameForThreadsTargetsAndSearches) {
 }
 
 TEST(ProximityRows, ChangeNoEvents) {
-  for (const By& by : kWays) {
+  for (const Method& by : kMethods) {
     CullerOptions with = with_margins(by.exact, by.bodies), without = with;
     without.proximity = {};
     uint64_t events_with = 0, events_without = 0;
@@ -224,15 +224,14 @@ TEST(ProximityRows, ChangeNoEvents) {
   }
 }
 
-/// Where the volumes are those that distances are bounded with, one test answers both: it must
-/// answer as the other does, however narrow the margin, whatever the volumes and whoever counts.
-TEST(ProximityRows, ChangeNoEventsOfAnyVolumeHoweverNarrowTheMargin) {
+/// If part volumes also bound distances, one test serves both: events must be the same.
+TEST(ProximityRows, ChangeNoEventsForAnyVolumeAndMargin) {
   const auto events_of = [](const CullerOptions& options, uint64_t seed) {
     uint64_t events = 0;
     hash_by(options, 2, 100 * seed, &events);
     return events;
   };
-  // The sixth has every volume.
+  // The sixth world has every volume.
   for (uint64_t seed = test::is_nightly() ? 1 : 4; seed <= (test::is_nightly() ? 12u : 6u);
        ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -255,8 +254,8 @@ TEST(ProximityRows, ChangeNoEventsOfAnyVolumeHoweverNarrowTheMargin) {
   }
 }
 
-/// Where they are left undecided, intervals are those of the volumes, and nothing is missing.
-TEST(ProximityRows, UnderACountedDeadlineAreTheSameAndNoneIsMissing) {
+/// Undecided pairs keep the bounds of their volumes, and none is missing.
+TEST(ProximityRows, AreCompleteAndRepeatableWithABudget) {
   CullerOptions options = with_margins(true);
   const RandomBodies world(5, 60, 3, Vector3d::Zero());
   Workers one(1), three(3);
@@ -308,15 +307,14 @@ struct Line : PoseSource {
   std::vector<RootPose> roots;
 };
 
-TEST(ProximityRows, TellHowFastBodiesComeNearerAndWhenTheyMeet) {
+TEST(ProximityRows, GiveClosingSpeedAndTimeToContact) {
   Line line;
   Workers workers(1);
   Culler culler(line.types, with_margins(true), workers);
   line.place(0.2);
   culler.step(line.view(), line);
   ASSERT_EQ(culler.proximity_pairs().size(), 1u);
-  EXPECT_TRUE(std::isnan(culler.proximity_pairs()[0].closing_speed_mps))
-      << "nobody knows where they were";
+  EXPECT_TRUE(std::isnan(culler.proximity_pairs()[0].closing_speed_mps)) << "no previous poses";
   line.place(0.15);
   culler.step(line.view(), line);
   const ProximityPair closer = culler.proximity_pairs()[0];
@@ -340,7 +338,7 @@ TEST(ProximityRows, TellHowFastBodiesComeNearerAndWhenTheyMeet) {
   EXPECT_NEAR(touching.point_a_m[2], 0.075, 0.02);
 }
 
-TEST(ProximityRows, GoOnBehindACheckpoint) {
+TEST(ProximityRows, ContinueFromACheckpoint) {
   Line line;
   Workers workers(1);
   Culler whole(line.types, with_margins(true), workers),
@@ -360,7 +358,7 @@ TEST(ProximityRows, GoOnBehindACheckpoint) {
             whole.proximity_pairs()[0].closing_speed_mps);
 }
 
-TEST(NearMargins, OfRecipesAndOfNonsenseAreRefused) {
+TEST(ProximityOptions, RejectStrategiesAndInvalidMargins) {
   Line line;
   Workers workers(1);
   CullerOptions options = with_margins(false);

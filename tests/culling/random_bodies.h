@@ -1,4 +1,4 @@
-// Random worlds of articulated bodies for the laws of culling: blobs as parts, walls, odd shapes.
+// RandomBodies is a random world of articulated bodies: blobs as parts, and walls.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,7 +11,7 @@
 
 namespace throng::test {
 
-/// A counter-based stream of numbers for one world.
+/// Counter-based random numbers of a world.
 class BodyDraw {
  public:
   explicit BodyDraw(uint64_t seed) : seed_(seed) {}
@@ -32,7 +32,7 @@ class BodyDraw {
   uint64_t next_ = 0;
 };
 
-/// A closed ellipsoid-like solid (subdivided octahedron) around `centre`.
+/// Closed ellipsoid-like solid (subdivided octahedron) around `centre`.
 inline PartShape blob(const Eigen::Vector3f& centre, const Eigen::Vector3f& half) {
   PartShape shape;
   constexpr int kRings = 5, kSegments = 8;
@@ -62,7 +62,7 @@ inline PartShape blob(const Eigen::Vector3f& centre, const Eigen::Vector3f& half
   return shape;
 }
 
-/// A body type of `parts` blobs; part i sits on the root's axis, somewhere in reach.
+/// Body type of `parts` blobs; part i is at a random reachable position on the root's axis.
 inline std::shared_ptr<const BodyType> random_type(BodyDraw& draw, int parts, float size,
                                                    bool is_static) {
   std::vector<PartShape> shapes;
@@ -71,13 +71,12 @@ inline std::shared_ptr<const BodyType> random_type(BodyDraw& draw, int parts, fl
         (draw.vector(0.1).cwiseAbs().cast<float>() + Eigen::Vector3f::Constant(0.02f)) * size;
     shapes.push_back(blob((draw.vector(0.1) * double{size}).cast<float>(), half));
   }
-  // Parts are posed within 0.6 of the root, and no point is farther than 0.4 from its part's
-  // origin.
+  // Parts are posed within 0.6 of the root, and all points are within 0.4 of their part's origin.
   return std::make_shared<BodyType>(std::move(shapes), RootSphere{{0, 0, 0}, 1.1f * size},
                                     is_static);
 }
 
-/// Bodies and their part poses at one instant; poses are random within the types' spheres.
+/// Bodies and their part poses in one frame; poses are random within the types' spheres.
 class RandomBodies : public PoseSource {
  public:
   RandomBodies(uint64_t seed, int bodies, double extent_m, const Eigen::Vector3d& centre_m) {
@@ -132,7 +131,7 @@ class RandomBodies : public PoseSource {
   std::vector<PartPose> all_poses;
 };
 
-/// Some bodies leave, some come back: the views of a world with a changing set of bodies.
+/// View of a world with a random subset of its bodies.
 struct Subset {
   Subset(const RandomBodies& world, uint64_t seed) : world_(world) {
     for (size_t i = 0; i < world.ids.size(); ++i) {

@@ -1,5 +1,5 @@
-// Shapes, poses and oracles that the tests of culling share.
-// One rule: everything random comes from a seed that the test prints.
+// Shapes, poses and oracles shared by the tests of culling.
+// Invariant: all random numbers come from a seed that the test prints.
 #pragma once
 
 #include <string>
@@ -26,8 +26,8 @@ struct Shape {
   std::vector<Eigen::Vector3f> points;
 };
 
-/// A cloud of points for every way in which a part can be odd.
-inline std::vector<Shape> odd_shapes(uint64_t seed) {
+/// Point clouds of special kinds of parts: flat, linear, repeated, large, far away.
+inline std::vector<Shape> special_shapes(uint64_t seed) {
   Draw draw(seed, 1);
   const auto cloud = [&](int count, const Eigen::Vector3d& size, const Eigen::Vector3d& offset) {
     std::vector<Eigen::Vector3f> points;

@@ -1,4 +1,4 @@
-// The distance of triangles and of surfaces: both bounds hold it, and they are next to each other.
+// Distances of triangles and surfaces are between their bounds, and the bounds are close.
 #include "culling/distance/triangle_distance.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,7 @@ using test::Draw;
 constexpr uint64_t kSeed = 20261125;
 constexpr double kRounding_m = 1e-9;
 
-/// One in two is a segment, a point, a sliver, or lies along the axes, so that edges are parallel
-/// and planes shared.
+/// Half are segments, points, slivers or axis-aligned, for parallel edges and common planes.
 Triangle draw_triangle(Draw& draw) {
   Triangle t;
   for (Vector3d& corner : t.corner) corner = draw.in_box(1);
@@ -43,7 +42,7 @@ Triangle draw_triangle(Draw& draw) {
   return t;
 }
 
-TEST(TriangleDistance, LiesBetweenItsBounds) {
+TEST(TriangleDistance, IsBetweenItsBounds) {
   Draw draw(kSeed);
   int touching = 0, apart = 0;
   for (int i = 0; i < 20'000; ++i) {
@@ -145,7 +144,7 @@ TEST(ContactPoint, BelongsToBothParts) {
     ++touching;
     ASSERT_TRUE(is_on(a, *point, Vector3d::Zero()));
     ASSERT_TRUE(is_on(b, *point, a_to_b.cast<double>()));
-    // Of the points of contact that other places lead to none is nearer by more than is said.
+    // No contact point found from other positions is closer by more than the tolerance.
     for (int other = 0; other < 20; ++other)
       ASSERT_LE(point->norm(),
                 point_near(draw.in_box(0.3))->norm() + kContactPointTolerance_m + kRounding_m);

@@ -1,4 +1,4 @@
-// What truly touches in a random world, the slow and obvious way.
+// touching_by_brute_force() lists the touching pairs of a random world.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace throng::test {
 
-/// Every pair of parts of different bodies whose solids touch, by trying them all.
+/// Pairs of parts of different bodies whose solids touch, by testing all.
 inline std::vector<PairKey> touching_by_brute_force(const RandomBodies& world) {
   std::vector<std::vector<TriangleBvh>> surfaces;
   for (const auto& type : world.types) {
@@ -24,7 +24,7 @@ inline std::vector<PairKey> touching_by_brute_force(const RandomBodies& world) {
         continue;
       const Eigen::Vector3f shift =
           (world.roots[b].position_m - world.roots[a].position_m).cast<float>();
-      if (shift.norm() > 20) continue;  // farther than the largest two bodies reach
+      if (shift.norm() > 20) continue;  // farther than the two largest bodies reach
       const auto& surfaces_a = surfaces[world.type_of[a]];
       const auto& surfaces_b = surfaces[world.type_of[b]];
       for (size_t pa = 0; pa < surfaces_a.size(); ++pa)

@@ -1,4 +1,4 @@
-// What each of the five volumes promises, against oracles that look at every vertex.
+// Bounding volumes contain all vertices and separate only disjoint parts.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -19,7 +19,7 @@ static_assert(BoundingVolume<Ordop<14>> && BoundingVolume<Ordop<18>> && Bounding
 
 Eigen::Vector3d direction(int i) { return direction_vector(i).cast<double>(); }
 
-/// By how much a world point sticks out of a placed volume; at most 0: inside.
+/// Distance of a world point outside of a placed volume; at most 0 inside.
 double outside(const Sphere::Placed& v, const Eigen::Vector3d& q) {
   return (q - v.centre_m.cast<double>()).norm() - static_cast<double>(v.radius_m);
 }
@@ -41,8 +41,8 @@ double outside_slabs(const Slabs& slabs, int k, const Eigen::Vector3d& q) {
   return worst;
 }
 
-/// The gap between two placed volumes along the best of the axes that the volume may use, the axes
-/// being at most as long as unit vectors; written in world axes and double. Above zero: apart.
+/// Largest gap between two placed volumes along the volume's axes (at most unit length), in world
+/// axes and double precision. Above zero: apart.
 double gap(const Sphere::Placed& a, const Sphere::Placed& b, const Eigen::Vector3d& a_to_b) {
   return (a_to_b + b.centre_m.cast<double>() - a.centre_m.cast<double>()).norm() -
          static_cast<double>(a.radius_m) - static_cast<double>(b.radius_m);
@@ -151,7 +151,7 @@ Eigen::Vector3d inside_of_hull(Draw& draw, const Shape& shape, const PartPose& p
 Meeting meeting_of(Draw& draw, const Shape& a, const Shape& b) {
   Meeting m;
   m.pose_a = draw.pose(1);
-  m.pose_b = draw.integer(0, 3) == 0 ? m.pose_a : draw.pose(1);  // parallel faces, too
+  m.pose_b = draw.integer(0, 3) == 0 ? m.pose_a : draw.pose(1);  // includes parallel faces
   m.scale_a = static_cast<float>(draw.uniform(0.5, 2));
   m.scale_b = static_cast<float>(draw.uniform(0.5, 2));
   const Eigen::Vector3d offset =
@@ -169,7 +169,7 @@ using Volumes = ::testing::Types<Sphere, Aabb, Obb, Kdop<14>, Kdop<18>, Kdop<26>
 TYPED_TEST_SUITE(EveryVolume, Volumes);
 
 TYPED_TEST(EveryVolume, NeverSeparatesPartsThatShareAPoint) {
-  const std::vector<Shape> shapes = odd_shapes(kSeed);
+  const std::vector<Shape> shapes = special_shapes(kSeed);
   Draw draw(kSeed, 2);
   for (const Shape& a : shapes) {
     const auto fitted_a = TypeParam::fit(a.points);
@@ -191,7 +191,7 @@ TYPED_TEST(EveryVolume, NeverSeparatesPartsThatShareAPoint) {
 }
 
 TYPED_TEST(EveryVolume, AgreesWithTheSameTestInWorldAxesAndDoublePrecision) {
-  const std::vector<Shape> shapes = odd_shapes(kSeed);
+  const std::vector<Shape> shapes = special_shapes(kSeed);
   Draw draw(kSeed, 3);
   int apart = 0, overlapping = 0, doubtful = 0;
   for (const Shape& a : shapes) {
@@ -200,7 +200,7 @@ TYPED_TEST(EveryVolume, AgreesWithTheSameTestInWorldAxesAndDoublePrecision) {
       const auto fitted_b = TypeParam::fit(b.points);
       for (int i = 0; i < 60; ++i) {
         Meeting m = meeting_of(draw, a, b);
-        // From meeting to well apart: push B away by up to twice the sizes.
+        // From a common point to well apart: moves B by up to twice the sizes.
         const double size = 2 * (reach_of(a.points) + reach_of(b.points));
         const double share = draw.uniform(0, 1);
         const Eigen::Vector3d push = share * share * size * draw.direction();
@@ -227,8 +227,8 @@ TYPED_TEST(EveryVolume, AgreesWithTheSameTestInWorldAxesAndDoublePrecision) {
   EXPECT_LT(doubtful, (apart + overlapping) / 10);
 }
 
-TYPED_TEST(EveryVolume, GivesTheSameAnswerInBothOrders) {
-  const std::vector<Shape> shapes = odd_shapes(kSeed);
+TYPED_TEST(EveryVolume, GivesTheSameResultInBothOrders) {
+  const std::vector<Shape> shapes = special_shapes(kSeed);
   std::vector<typename TypeParam::Fitted> fitted;
   for (const Shape& shape : shapes) fitted.push_back(TypeParam::fit(shape.points));
   Draw draw(kSeed, 4);
@@ -253,11 +253,11 @@ TYPED_TEST(EveryVolume, GivesTheSameAnswerInBothOrders) {
   EXPECT_GT(overlapping, 500);
 }
 
-/// Poses every odd shape and measures by how many metres a vertex sticks out of its volume.
+/// Poses every special shape and measures how far a vertex is outside of its volume, in metres.
 template <typename Place, typename Outside>
 void expect_every_vertex_inside(uint64_t id, Place place, Outside outside_of) {
   Draw draw(kSeed, id);
-  for (const Shape& shape : odd_shapes(kSeed)) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     for (int i = 0; i < 150; ++i) {
       const PartPose pose = draw.pose(2);
       const float scale = static_cast<float>(draw.uniform(0.3, 3));
@@ -288,8 +288,8 @@ TEST(Placing, KeepsEveryVertexInside) {
   expect_every_vertex_inside(
       7, [](const Shape& s, const PartPose& p, float k) { return Aabb::refit(s.points, p, k); },
       out);
-  std::map<std::string, Obb::Fitted> boxes;  // the fit searches: once a shape
-  for (const Shape& s : odd_shapes(kSeed)) boxes[s.name] = Obb::fit(s.points);
+  std::map<std::string, Obb::Fitted> boxes;  // computed once per shape, because the fit is slow
+  for (const Shape& s : special_shapes(kSeed)) boxes[s.name] = Obb::fit(s.points);
   expect_every_vertex_inside(
       8,
       [&](const Shape& s, const PartPose& p, float k) { return Obb::place(boxes[s.name], p, k); },
@@ -318,10 +318,10 @@ TEST(Placing, KeepsEveryVertexInsideTheSlabs) {
   expect_slabs_keep_every_vertex_inside<26>();
 }
 
-/// Refitting to the vertices is what the dearer update buys: never larger than the turned volume.
-TEST(Placing, RefittingIsAtMostAsLargeAsTurning) {
+/// Refitting to the vertices is never larger than refitting to the rotated volume.
+TEST(Placing, RefitsAtMostAsLargeAsRotated) {
   Draw draw(kSeed, 11);
-  for (const Shape& shape : odd_shapes(kSeed)) {
+  for (const Shape& shape : special_shapes(kSeed)) {
     const PartPose pose = draw.pose(1);
     const double allowed =
         static_cast<double>(rounding_margin_m(static_cast<float>(3 + reach_of(shape.points))));
@@ -337,10 +337,10 @@ TEST(Placing, RefittingIsAtMostAsLargeAsTurning) {
 }
 
 TEST(Margin, InflatesByThatManyMetres) {
-  const std::vector<Eigen::Vector3f> points = odd_shapes(kSeed)[10].points;  // the cube, half 0.5
+  const std::vector<Eigen::Vector3f> cube = special_shapes(kSeed)[10].points;  // half width 0.5
   const PartPose upright = to_part_pose(Eigen::Isometry3d::Identity());
   const auto expect = [&]<typename V>(V) {
-    const auto fitted = V::fit(points);
+    const auto fitted = V::fit(cube);
     const auto placed = V::place(fitted, upright, 1);
     EXPECT_FALSE(V::overlaps(placed, placed, {1.01f, 0, 0}, 0.005f));
     EXPECT_TRUE(V::overlaps(placed, placed, {1.01f, 0, 0}, 0.015f));
@@ -353,7 +353,7 @@ TEST(Margin, InflatesByThatManyMetres) {
   expect(Ordop<14>{});
   expect(Ordop<18>{});
   expect(Ordop<26>{});
-  const auto ball = Sphere::fit(points);
+  const auto ball = Sphere::fit(cube);
   const float touching = 2 * ball.radius_m;
   EXPECT_FALSE(Sphere::overlaps(ball, ball, {touching + 0.01f, 0, 0}, 0.005f));
   EXPECT_TRUE(Sphere::overlaps(ball, ball, {touching + 0.01f, 0, 0}, 0.015f));

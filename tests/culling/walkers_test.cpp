@@ -1,4 +1,4 @@
-// The laws of a culling pass on people who walk: the real body, the real gait, crowds too dense.
+// Culling of walking people: the adult body and gait, in dense crowds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ std::shared_ptr<const Model> adult() {
   return model;
 }
 
-/// Every pair of parts of different people whose solids touch, by trying them all.
+/// Pairs of parts of different people whose solids touch, by testing all.
 std::vector<PairKey> touching_by_brute_force(const bench::Crowd& crowd, const BodyType& type) {
   const size_t parts = type.parts().size();
   std::vector<TriangleBvh> surfaces;
@@ -40,7 +40,7 @@ std::vector<PairKey> touching_by_brute_force(const bench::Crowd& crowd, const Bo
   return out;
 }
 
-TEST(Walkers, NoContactIsMissedByAnyVolume) {
+TEST(Walkers, HaveNoMissedContactsWithAnyVolume) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     bench::Crowd crowd(adult(), {.avatars = 36, .per_m2 = 4, .seed = seed});
     const auto type = crowd.body_type();
@@ -67,7 +67,7 @@ TEST(Walkers, NoContactIsMissedByAnyVolume) {
   }
 }
 
-TEST(Walkers, EveryPathGivesTheSameHashOverManyFrames) {
+TEST(Walkers, GiveTheSameHashForSearchesTargetsAndThreads) {
   const auto hash = [](const CullerOptions& options, int threads) {
     bench::Crowd crowd(adult(), {.avatars = 600, .per_m2 = 2, .seed = 7});
     crowd.simd = options.simd;
@@ -89,7 +89,7 @@ TEST(Walkers, EveryPathGivesTheSameHashOverManyFrames) {
   EXPECT_EQ(hash({.pair_search = PairSearch::kSweep}, 2), reference);
 }
 
-TEST(Walkers, TheGridRebuiltEachFrameDoesNotAge) {
+TEST(Walkers, GiveEqualCountsWithAnAgedGrid) {
   bench::Crowd crowd(adult(), {.avatars = 500, .per_m2 = 2, .seed = 9});
   const auto type = crowd.body_type();
   Workers workers(1);

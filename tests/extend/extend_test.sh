@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
-# What it takes to add a bounding volume, a scene field, a steering model, a sink, a message, an option of a
-# run: a patch each.
-#   tests/extend/extend_test.sh check SOURCE          they apply, and touch as few files as said here
-#   tests/extend/extend_test.sh build SOURCE FOLDER   applied to a copy in FOLDER they build, the tests
-#                                                     that go over all volumes and models pass, and
-#                                                     `throng run` knows them; takes minutes
+# Extends Throng by a bounding volume, a scene field, a steering model, a sink, a message and a run option, with a
+# patch each.
+#   tests/extend/extend_test.sh check SOURCE          checks that they apply and how many files they touch
+#   tests/extend/extend_test.sh build SOURCE FOLDER   builds a patched copy in FOLDER, runs the tests of all
+#                                                     volumes and models, and `throng run`; takes minutes
 set -euo pipefail
 
 declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=4 [option]=5)
@@ -21,7 +20,7 @@ check() {
   local name touched
   for name in "${!files[@]}"; do
     git -C "$source" apply --check "$here/$name.patch" ||
-      fail "$name.patch: expected to apply; make the change again and keep what git diff says"
+    fail "$name.patch: expected to apply; make the change again and store the output of git diff"
     touched=$(grep -c '^diff --git' "$here/$name.patch")
     [ "$touched" -eq "${files[$name]}" ] || fail "$name.patch: expected ${files[$name]} files, found $touched"
     echo "$name: $touched files"
@@ -39,7 +38,7 @@ run() {
   build/release/throng "$@"
 }
 
-# The option on the command line, in a study and in Python is the same, and does something.
+# The option is the same on the command line, in a study and in Python, and has an effect.
 one_option_everywhere() {
   local scene=bottleneck plain given
   plain=$(run run $scene --seconds 5 --lcm off --log off | awk '$1 == "hash" {print $2}')
@@ -59,7 +58,7 @@ build() {
   local name
   for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
   bash scripts/build.sh release throng throng_module culling_tests crowd_tests scenes_tests docs_tests lcm_io_tests
-  # The documents and the schema follow from the tables of keys.
+  # Documents and schema are generated from the tables of keys.
   build/release/throng scenes --schema >scenes/scene.schema.json
   THRONG_DOCS_UPDATE=1 build/release/docs_tests --gtest_filter='SceneKeys.*' >/dev/null
   grep -q '`headroom_m`' docs/scenes.md || fail "expected headroom_m in docs/scenes.md"

@@ -1,5 +1,5 @@
-// libFuzzer's entry: one program for all targets, so that it is linked once; THRONG_FUZZ_TARGET
-// says which one is fed.
+// Entry point of libFuzzer: one program for all targets, linked once; THRONG_FUZZ_TARGET names the
+// target.
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Recordings and walkable areas, of any bytes.
+// Fuzz targets for recordings and walkable areas.
 #include <cmath>
 
 #include "base/errors.h"
@@ -29,20 +29,20 @@ void expect_sound(const Recording& recording) {
   std::vector<Sample> track;
   int64_t last_id = -1;
   for (size_t person = 0; person < recording.people().size(); ++person) {
-    const RecordedPerson& somebody = recording.people()[person];
-    promise(somebody.id > last_id, "ids that ascend");
-    last_id = somebody.id;
+    const RecordedPerson& each = recording.people()[person];
+    promise(each.id > last_id, "ascending ids");
+    last_id = each.id;
     recording.read(person, track);
-    samples += somebody.samples;
-    promise(!track.empty() && static_cast<int64_t>(track.size()) == somebody.samples,
-            "as many samples as are announced");
+    samples += each.samples;
+    promise(!track.empty() && static_cast<int64_t>(track.size()) == each.samples,
+            "as many samples as announced");
     double last_s = -1;
     for (const Sample& sample : track) {
-      promise(sample.time_s > last_s && sample.time_s >= 0, "times that ascend from 0");
+      promise(sample.time_s > last_s && sample.time_s >= 0, "ascending times from 0");
       last_s = sample.time_s;
       promise(facts.bounds.contains(sample.position_m), "positions within the bounds");
     }
-    promise(track.front().time_s == somebody.first_s && last_s == somebody.last_s,
+    promise(track.front().time_s == each.first_s && last_s == each.last_s,
             "times of the first and the last sample");
   }
   promise(samples == facts.samples && samples > 0, "samples of all people");
@@ -60,7 +60,7 @@ bool recording(std::span<const uint8_t> input) {
   options.file = file.path();
   try {
     expect_sound(*read_recording(options));
-    promise(!options.columns.empty() || is_recording(file.path()), "a kind that is known again");
+    promise(!options.columns.empty() || is_recording(file.path()), "a recognised kind");
     return true;
   } catch (const InputError& error) {
     expect_words(error);

@@ -1,5 +1,5 @@
-// Every seed of the fuzzers, and a fixed number of variations of each, without a fuzzer: refused in
-// words or kept to its promises. The fuzzers themselves: scripts/fuzz.sh.
+// Every seed of the fuzzers and a fixed number of variations, without a fuzzer: rejected with an
+// error or valid. scripts/fuzz.sh runs the fuzzers.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -13,13 +13,13 @@
 namespace throng::fuzz::replay_test {
 namespace {
 
-/// THRONG_FUZZ_SEED varies a run; THRONG_FUZZ_ROUNDS lengthens it.
+/// THRONG_FUZZ_SEED sets the seed, THRONG_FUZZ_ROUNDS the number of variations.
 uint64_t from_environment(const char* name, uint64_t fallback) {
   const char* value = std::getenv(name);
   return value != nullptr ? std::strtoull(value, nullptr, 10) : fallback;
 }
 
-/// A few bytes changed, cut, doubled or taken from elsewhere.
+/// A few bytes changed, cut, duplicated or copied from elsewhere.
 Bytes varied(Bytes bytes, const RandomKey& key) {
   uint32_t draw = 0;
   const auto below = [&](size_t limit) {
@@ -54,14 +54,14 @@ Bytes varied(Bytes bytes, const RandomKey& key) {
 
 class Replay : public testing::TestWithParam<Target> {};
 
-TEST_P(Replay, AnyBytesAreRefusedInWordsOrKeepTheirPromises) {
+TEST_P(Replay, RejectsInputsOrKeepsPromises) {
   const Target& target = GetParam();
   const uint64_t seed = from_environment("THRONG_FUZZ_SEED", 1);
   const uint64_t rounds = from_environment("THRONG_FUZZ_ROUNDS", 20);
   const std::vector<Bytes> seeds = seeds_of(target.name);
   int tried = 0, accepted = 0;
   for (size_t i = 0; i < seeds.size(); ++i) {
-    // What is long is a crasher of one kind: its variations are as refused as it is.
+    // A long seed targets one crash; variations of it are rejected alike.
     const uint64_t variations = seeds[i].size() > 65'536 ? 0 : rounds;
     for (uint64_t round = 0; round <= variations; ++round) {
       SCOPED_TRACE(testing::Message()
@@ -72,15 +72,15 @@ TEST_P(Replay, AnyBytesAreRefusedInWordsOrKeepTheirPromises) {
       ++tried;
     }
   }
-  // scripts/reliability.sh adds these lines up.
+  // scripts/reliability.sh sums these lines.
   std::printf("[ inputs ] %s: %d tried, %d accepted\n", std::string(target.name).c_str(), tried,
               accepted);
-  EXPECT_GT(accepted, 0) << "nothing behind the first check is ever reached";
-  EXPECT_LT(accepted, tried) << "nothing is ever refused";
+  EXPECT_GT(accepted, 0) << "no input passes the first check";
+  EXPECT_LT(accepted, tried) << "no input is rejected";
 }
 
-// One of another version is refused before anything that it was found for.
-TEST(FoundLogs, AreOfThisVersion) {
+// A log of another version is rejected before the code that it is meant for.
+TEST(FoundLogs, HaveThisVersion) {
   const std::filesystem::path folder = std::string(THRONG_SOURCE_DIR) + "/tests/fuzz/found/log";
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     EXPECT_NO_THROW(check_log(entry.path())) << entry.path();

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
-/// Files of a folder of the repository whose names end so, in order of their names.
+/// Files of a folder of the repository with this ending, in order of their names.
 void add_files(const std::string& folder, const std::string& ending, size_t max_bytes,
                std::vector<Bytes>& out) {
   const fs::path path = fs::path(THRONG_SOURCE_DIR) / folder;
@@ -46,7 +46,7 @@ std::string repeated(std::string_view text, int times) {
   return out;
 }
 
-/// A chain of links that KDL would recurse along until the stack ends.
+/// A chain of links on which KDL recurses until the stack overflows.
 std::string chain_urdf(int links) {
   std::string out = "<robot name=\"chain\"><link name=\"l0\"/>";
   for (int i = 1; i < links; ++i) {
@@ -70,7 +70,7 @@ void add_tri(std::vector<Bytes>& out) {
 
 void add_urdf(std::vector<Bytes>& out) {
   add_files("tests/kinematics/fixtures", ".urdf", 16'384, out);
-  // What tinyxml and KDL die of; between them, what just passes.
+  // Inputs that crash tinyxml and KDL; between them, inputs just within the limits.
   out.push_back(bytes_of("<robot name=\"deep\">" + repeated("<a>", 200'000)));
   out.push_back(bytes_of("<robot name=\"deep\">" + repeated("<a>", 60) + repeated("</a>", 60) +
                          "<link name=\"l\"/></robot>"));
@@ -104,7 +104,7 @@ std::vector<MessageList::Message> a_run() {
   return messages_of(run, 3, {.part_poses = true});
 }
 
-/// What a controller sends of an avatar, on any channel.
+/// A controller's message about an avatar, for any channel.
 template <class Message>
 Bytes driving() {
   Message m{};
@@ -128,7 +128,7 @@ void add_messages(std::vector<Bytes>& out) {
     const auto channel = static_cast<uint8_t>(message.channel);
     all.emplace_back(channel, message.bytes);
     out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, message.bytes}}));
-    // Checks that are right in themselves reach what lies behind the guard.
+    // Valid checksums reach the code behind their validation.
     if (message.channel == Channel::kChecksums) {
       Bytes hostile = message.bytes;
       for (size_t at = kHeaderBytes; at + 12 < hostile.size(); at += 97) {
@@ -137,7 +137,7 @@ void add_messages(std::vector<Bytes>& out) {
         out.push_back(packed(std::vector<std::pair<uint8_t, Bytes>>{{channel, hostile}}));
       }
     }
-    // A count that generated code would die of, in the place of the first field behind the header.
+    // Counts that crash generated code, in the first field after the header.
     for (const int32_t count : {0x7fffffff, -1, INT32_MIN}) {
       Bytes hostile = message.bytes;
       if (hostile.size() < kHeaderBytes + 4) continue;
@@ -158,14 +158,12 @@ void add_logs(std::vector<Bytes>& out) {
   const Bytes whole = throng::bytes_of(file.path());
   out.push_back(whole);
   out.emplace_back(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(whole.size() * 2 / 3));
-  // Damage that only checksums see.
+  // Damage that only checksums detect.
   for (size_t i = 1; i < 8; ++i) {
     Bytes flipped = whole;
     flipped[whole.size() * i / 8] ^= 1;
     out.push_back(flipped);
   }
-  // Before there were checks.
-  add_files("tests/lcm_io/fixtures", "old_log.lcmlog", size_t{1} << 20, out);
   for (const int32_t length : {0x7fffffff, -1, INT32_MIN, 0})
     for (const size_t field : {size_t{20}, size_t{24}}) {
       Bytes hostile = whole;
@@ -176,7 +174,7 @@ void add_logs(std::vector<Bytes>& out) {
   out.push_back({0xED, 0xA1, 0xDA, 0x01});
 }
 
-/// Checksums disprove nearly everything that a fuzzer does to a log: here is none.
+/// A log without checksums, which would detect nearly every change of a fuzzer.
 Bytes without_checks(const std::filesystem::path& file) {
   const ScratchFile out;
   LogReader reader(file);
@@ -229,7 +227,7 @@ void add_meshes(std::vector<Bytes>& out) {
   };
   for (const MeshSeed& seed : mesh_seeds()) {
     add(seed.extension, seed.bytes);
-    // Cut within its vertices: assimp reads on behind its array.
+    // Truncated within its vertices: assimp reads beyond its array.
     if (seed.name == "ply_binary")
       add(seed.extension, Bytes(seed.bytes.begin(), seed.bytes.begin() + 400));
   }
@@ -257,10 +255,10 @@ void add_studies(std::string_view target, std::vector<Bytes>& out) {
     return;
   }
   add("scenes: [corridor]\nseeds: [1, 2]\nseconds: 2\nparameters:\n  avatars: [5, 10]\n"
-      "  groups.*.speed_mps.mean: {from: 1, to: 1.4, step: 0.2}\n");
+      "  groups.*.desired_speed_mps.mean: {from: 1, to: 1.4, step: 0.2}\n");
   add("scenes: [corridor]\nexact: true\nparameters:\n  latin_hypercube: {samples: 4, seed: 2, "
-      "keys: "
-      "{groups.1.count: {from: 1, to: 9, whole: true}, steering: [heuristic, orca]}}\n");
+      "parameters: "
+      "{groups.1.count: {from: 1, to: 9, integer: true}, steering: [heuristic, orca]}}\n");
 }
 
 }  // namespace
@@ -279,7 +277,7 @@ Bytes packed(std::span<const std::pair<uint8_t, Bytes>> messages) {
 
 std::vector<Bytes> seeds_of(std::string_view target) {
   std::vector<Bytes> out;
-  // What fuzzing has found: each stays, so that it stays fixed.
+  // Inputs that fuzzing has found; all are kept.
   add_files("tests/fuzz/found/" + std::string(target), "", size_t{1} << 20, out);
   if (target == "tri") add_tri(out);
   if (target == "urdf") add_urdf(out);

@@ -1,4 +1,4 @@
-// Studies: their files, their tables, their journals.
+// Fuzz targets for studies: their files, tables and journals.
 #include <string>
 
 #include "analysis/studies/journal.h"
@@ -14,11 +14,11 @@ bool study(std::span<const uint8_t> input) {
   try {
     Study read = read_study(file.path());
     promise(read.runs() >= 1 && read.runs() <= kMaxStudyRuns, "runs within the limit");
-    if (read.runs() > 50) return true;  // each is a scene to read
+    if (read.runs() > 50) return true;  // each loads a scene
     const StudyPlan plan(std::move(read));
     for (size_t run = 0; run < plan.runs(); ++run) {
-      promise(plan.cells(run).size() == plan.columns().size(), "a cell a column");
-      promise(plan.planned(run).scene.duration_s > 0, "time that runs");
+      promise(plan.cells(run).size() == plan.columns().size(), "a cell per column");
+      promise(plan.planned(run).scene.duration_s > 0, "a positive duration");
     }
     return true;
   } catch (const InputError& error) {
@@ -33,7 +33,7 @@ bool study_table(std::span<const uint8_t> input) {
     StudyRow row;
     try {
       if (read_line(text.substr(at, end - at), row))
-        promise(line_of(row) == text.substr(at, end + 1 - at), "a line that stays");
+        promise(line_of(row) == text.substr(at, end + 1 - at), "an unchanged line");
     } catch (const InputError& error) {
       expect_words(error);
     }
@@ -41,9 +41,9 @@ bool study_table(std::span<const uint8_t> input) {
   try {
     const StudyTable table = parse_csv(text, "fuzz.csv");
     const std::string written = csv_text(table);
-    promise(csv_text(parse_csv(written, "again.csv")) == written, "a table that stays");
+    promise(csv_text(parse_csv(written, "again.csv")) == written, "an unchanged table");
     const StudyTable whole = merged({{"fuzz.csv", table}, {"fuzz.csv", table}});
-    promise(whole.rows.size() <= table.rows.size(), "no run that is not there");
+    promise(whole.rows.size() <= table.rows.size(), "no additional runs");
     return true;
   } catch (const InputError& error) {
     expect_words(error);

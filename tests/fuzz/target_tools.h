@@ -1,5 +1,5 @@
-// What targets of fuzzers share: promises, files of any bytes, errors in words.
-// One rule: a file lies in memory where the machine has a folder for that, and is gone afterwards.
+// Tools of fuzz targets: promises, files of any bytes, checks of errors.
+// Invariant: files lie in memory if the machine has such a folder, and are removed.
 #pragma once
 
 #include <unistd.h>
@@ -20,7 +20,7 @@ inline void promise(bool is_kept, const char* what) {
   if (!is_kept) throw BrokenPromise(what);
 }
 
-/// A file in memory where the machine has such a folder, one a process.
+/// A file of this process, in memory if the machine has such a folder.
 inline const std::filesystem::path& scratch(const char* name) {
   static const std::filesystem::path folder = std::filesystem::is_directory("/dev/shm")
                                                   ? std::filesystem::path("/dev/shm")
@@ -52,10 +52,10 @@ class File {
 
 inline std::string text_of(std::span<const uint8_t> input) { return {input.begin(), input.end()}; }
 
-/// "where: expected ..., found ...", on one line.
+/// Checks the form "where: expected ..., found ...", on one line.
 inline void expect_words(const InputError& error) {
   const std::string_view message = error.what();
-  promise(message.find("expected") != message.npos, "an error that says what was expected");
+  promise(message.find("expected") != message.npos, "an error that states the expectation");
   promise(message.find('\n') == message.npos, "an error on one line");
 }
 

@@ -38,7 +38,7 @@ bool tri(std::span<const uint8_t> input) {
   try {
     const TriFile file = parse_tri(text_of(input), "fuzz.tri");
     const std::string written = format_tri(file.mesh);
-    promise(format_tri(parse_tri(written, "again.tri").mesh) == written, "a mesh that stays");
+    promise(format_tri(parse_tri(written, "again.tri").mesh) == written, "an unchanged mesh");
     expect_sound(file.mesh);
     return true;
   } catch (const InputError& error) {
@@ -54,7 +54,7 @@ bool urdf(std::span<const uint8_t> input) {
     for (const Joint& joint : robot.joints)
       promise(joint.parent_link < joint.child_link && joint.lower <= joint.upper &&
                   std::abs(joint.axis.norm() - 1) < 1e-9,
-              "sound joints");
+              "valid joints");
     promise(has_finite_poses(robot), "finite poses");
     promise(to_kdl(robot).getNrOfSegments() == robot.joints.size(), "a KDL tree of all links");
     return true;
@@ -68,8 +68,8 @@ bool scene(std::span<const uint8_t> input) {
   const File file("scene.yaml", input);
   try {
     const Scene read = load_scene(file.path().string());
-    promise(read.step_s > 0 && read.duration_s > 0, "time that runs");
-    promise(read.box || !read.groups.empty() || !read.obstacles.empty(), "something in the scene");
+    promise(read.step_s > 0 && read.duration_s > 0, "a positive duration");
+    promise(read.box || !read.groups.empty() || !read.obstacles.empty(), "a non-empty scene");
     return true;
   } catch (const InputError& error) {
     expect_words(error);
@@ -79,7 +79,7 @@ bool scene(std::span<const uint8_t> input) {
 
 namespace {
 
-/// What controllers send of avatars, if it is that.
+/// A controller's message about avatars, if it is one.
 template <class Message>
 bool is_driving(std::span<const uint8_t> bytes) {
   Message message;
@@ -120,13 +120,13 @@ bool log(std::span<const uint8_t> input) {
   const File repaired("b.lcmlog");
   try {
     const LogReport report = check_log(file.path());
-    promise(report.sound_bytes <= input.size(), "no more sound bytes than there are");
+    promise(report.sound_bytes <= input.size(), "at most all bytes are sound");
     describe_log(file.path());
     const int64_t messages = repair_log(file.path(), repaired.path());
     if (messages == 0) return false;
     const LogReport again = check_log(repaired.path());
-    promise(!again.torn && !again.damaged && again.log_events == messages, "a log that is mended");
-    promise(again.damage.empty(), "a mended log that holds nothing damaged");
+    promise(!again.torn && !again.damaged && again.log_events == messages, "a repaired log");
+    promise(again.damage.empty(), "a repaired log without damage");
     return report.is_sound();
   } catch (const InputError& error) {
     expect_words(error);
@@ -139,7 +139,7 @@ bool culled_log(std::span<const uint8_t> input) {
   try {
     const LogRun run = read_log_run(file.path());
     promise(run.facts.frames >= 1 && run.scene.step_s > 0 && run.scene.duration_s > 0,
-            "time that runs");
+            "a positive duration");
     SimulationOptions options;
     options.motion = run.motion;
     Simulation simulation(run.scene, options);
@@ -159,7 +159,7 @@ bool culled_log(std::span<const uint8_t> input) {
 bool checkpoint_file(std::span<const uint8_t> input) {
   try {
     const Checkpoint read = parse_checkpoint(input, "fuzz.checkpoint");
-    promise(format_checkpoint(read) == Bytes(input.begin(), input.end()), "a file that stays");
+    promise(format_checkpoint(read) == Bytes(input.begin(), input.end()), "an unchanged file");
     return true;
   } catch (const InputError& error) {
     expect_words(error);
@@ -185,13 +185,13 @@ bool checkpoint_state(std::span<const uint8_t> input) {
   }
 }
 
-/// The file as it is, and its bytes as a state behind a checksum that is right.
+/// The file itself, and its bytes as a state with a valid checksum.
 bool checkpoint(std::span<const uint8_t> input) {
   const bool is_file = checkpoint_file(input), is_state = checkpoint_state(input);
   return is_file || is_state;
 }
 
-/// Through the door, as the product reads it: a crash or a hang of assimp is an answer, too.
+/// In the sandbox, as the product reads it: a crash or a hang of assimp is an error.
 bool mesh(std::span<const uint8_t> input) {
   if (input.empty()) return false;
   const std::string_view extension = kMeshExtensions[input[0] % std::size(kMeshExtensions)];

@@ -1,7 +1,6 @@
-// What the fuzzers feed: each target takes any bytes and either refuses them in words or uses what
-// it accepted.
-// One rule: a target returns or throws BrokenPromise; crashing, hanging and leaking are for the
-// sanitizers to see.
+// Fuzz targets: each takes any bytes and either rejects them with an error or uses what it
+// accepted.
+// Invariant: a target returns or throws BrokenPromise; sanitizers detect crashes, hangs and leaks.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,7 @@
 
 namespace throng::fuzz {
 
-/// What was accepted does not keep what its reader promises.
+/// An accepted input violates a promise of its reader.
 struct BrokenPromise : std::logic_error {
   using std::logic_error::logic_error;
 };
@@ -24,21 +23,21 @@ using Bytes = std::vector<uint8_t>;
 bool tri(std::span<const uint8_t> input);
 bool urdf(std::span<const uint8_t> input);
 bool scene(std::span<const uint8_t> input);
-/// A study of a small scene that lies beside it.
+/// A study of a small scene in the same folder.
 bool study(std::span<const uint8_t> input);
-/// A table of a study, and its journal.
+/// A study's table and journal.
 bool study_table(std::span<const uint8_t> input);
-/// A row of messages: channel byte | u16 length, big-endian | bytes.
+/// A sequence of messages: channel byte | u16 length, big-endian | bytes.
 bool messages(std::span<const uint8_t> input);
 bool log(std::span<const uint8_t> input);
-/// A log that is culled again.
+/// A log, culled again.
 bool culled_log(std::span<const uint8_t> input);
 bool checkpoint(std::span<const uint8_t> input);
-/// A file behind a byte that says which options are given.
+/// A file after a byte that selects options.
 bool recording(std::span<const uint8_t> input);
 /// A walkable area.
 bool wkt(std::span<const uint8_t> input);
-/// A mesh file behind a byte that says which of kMeshExtensions it has.
+/// A mesh file after a byte that selects one of kMeshExtensions.
 bool mesh(std::span<const uint8_t> input);
 inline constexpr std::string_view kMeshExtensions[] = {
     ".ply", ".stl", ".obj", ".off", ".dae",     ".gltf", ".glb", ".3mf", ".x",   ".3ds",
@@ -61,8 +60,8 @@ inline constexpr Target kTargets[] = {{"tri", tri},
                                       {"wkt", wkt},
                                       {"mesh", mesh}};
 
-/// Inputs to start from: fixtures, what Throng writes itself, and what is known to have crashed the
-/// libraries underneath. The same on every machine.
+/// Initial inputs: fixtures, files written by Throng, and known crashers of the libraries. The same
+/// on every machine.
 std::vector<Bytes> seeds_of(std::string_view target);
 
 /// Messages packed for messages().

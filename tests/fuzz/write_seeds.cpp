@@ -1,4 +1,4 @@
-// Writes the seeds of every fuzzer: FOLDER/TARGET/NUMBER.
+// Writes the seeds of every fuzzer to FOLDER/TARGET/NUMBER.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -22,12 +22,12 @@ constexpr unsigned kWallSeconds = 100 * THRONG_SLOWNESS;
 constexpr int kUsed = 0;
 constexpr int kRefused = 2;
 constexpr int kOtherError = 9;
-/// Thrice what the largest scene of a few people needs.
+/// Three times the need of the largest scene of a few people.
 constexpr rlim_t kMemory = rlim_t{4} << 30;
 
-/// In the child, which ends here.
+/// Runs in the child and ends it.
 [[noreturn]] void use_and_exit(const std::function<void()>& use) {
-  // Of its own time: on a busy machine the clock on the wall says little. The wall's ends a wait.
+  // Processor time limits work, since wall time depends on the load; wall time limits waits.
   const itimerval own{{0, 0}, {kSeconds, 0}};
   ::setitimer(ITIMER_PROF, &own, nullptr);
   ::alarm(kWallSeconds);
@@ -43,10 +43,10 @@ constexpr rlim_t kMemory = rlim_t{4} << 30;
   } catch (const InputError& error) {
     const std::string_view words = error.what();
     const bool is_a_line = words.find("expected") != words.npos && words.find('\n') == words.npos;
-    if (!is_a_line) std::fprintf(stderr, "no line that says what was expected: %s\n", error.what());
+    if (!is_a_line) std::fprintf(stderr, "expected one line with 'expected': %s\n", error.what());
     code = is_a_line ? kRefused : kOtherError;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "another error: %s\n", error.what());
+    std::fprintf(stderr, "another kind of error: %s\n", error.what());
     code = kOtherError;
   }
   ::_exit(code);
@@ -108,8 +108,8 @@ int report(const std::string& what, const Tally& tally) {
   return tally.crashed + tally.hung == 0 && tally.ran > 0 && tally.refused > 0 ? 0 : 1;
 }
 
-Wanted wanted(int argc, char** argv, int64_t count) {
-  Wanted out{count, 1};
+Arguments read_arguments(int argc, char** argv, int64_t count) {
+  Arguments out{count, 1};
   if (argc > 1) out.count = std::strtoll(argv[1], nullptr, 10);
   if (argc > 2) out.seed = std::strtoull(argv[2], nullptr, 10);
   if (argc > 3 || out.count < 1) {

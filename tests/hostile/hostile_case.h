@@ -1,6 +1,6 @@
-// One hostile input at a time, in a child process: whatever it does to the child is counted.
-// One rule: refused in words or used; a crash, an error of another kind, or more than ten seconds
-// is our fault, and the input is kept.
+// try_case() runs one hostile input in a child process and counts the result.
+// Invariant: a crash, an error of another kind, or more than ten seconds is a failure; its input is
+// kept.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace throng::hostile {
 
-/// Draws of one case.
+/// Random draws of one case.
 class Draw {
  public:
   Draw(uint64_t seed, uint64_t index) : seed_(seed), index_(index) {}
@@ -26,7 +26,6 @@ class Draw {
   uint64_t used_ = 0;
 };
 
-/// What came of all cases.
 struct Tally {
   int64_t tried = 0;
   int64_t refused = 0;
@@ -35,7 +34,7 @@ struct Tally {
   int64_t hung = 0;
 };
 
-/// A folder of this process, in memory where the machine has such a place; removed at the end.
+/// A folder of this process, in memory if possible; removed at the end.
 class Scratch {
  public:
   Scratch();
@@ -49,20 +48,19 @@ class Scratch {
   std::filesystem::path folder_;
 };
 
-/// Runs `use` in a child process, for ten seconds of its own time at most. It returns if the input
-/// was used, throws InputError if it was refused. What broke is written to `kept`, a file in the
-/// working folder, and reported on stderr.
+/// Runs `use` in a child process for at most ten seconds of processor time. `use` returns for an
+/// accepted input and throws InputError for a rejected one. A failing input is written to `kept` in
+/// the working folder and reported on stderr.
 void try_case(const std::string& input, const std::string& kept, const std::function<void()>& use,
               Tally& tally);
 
-/// Prints the line, `what` being "scenes", and returns the exit code.
+/// Prints the result line, `what` being "scenes", and returns the exit code.
 int report(const std::string& what, const Tally& tally);
 
-/// COUNT and SEED of the command line.
-struct Wanted {
+struct Arguments {
   int64_t count = 0;
   uint64_t seed = 1;
 };
-Wanted wanted(int argc, char** argv, int64_t count);
+Arguments read_arguments(int argc, char** argv, int64_t count);
 
 }  // namespace throng::hostile

@@ -1,6 +1,6 @@
-// Damaged mesh files, read as the product reads them: mutated_meshes [COUNT [SEED]], 200 and 1
-// unless told. None may crash the reader or keep it for more than 10 s; what assimp makes of it
-// within its own process is reported, too. Exit code 1 if one does; its file is kept.
+// Damaged mesh files, read as the product reads them: mutated_meshes [COUNT [SEED]], by default 200
+// and 1. None may crash the reader or take more than 10 s; failures of assimp in its own process
+// are counted. Exit code 1 if one does; its file is kept.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -32,9 +32,9 @@ using namespace throng;
 using Bytes = std::vector<uint8_t>;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMostSeconds = 10;
+constexpr double kMaxSeconds = 10;
 
-/// Draws that belong to one case, whatever came before.
+/// Random draws of one case, independent of other cases.
 class Dice {
  public:
   Dice(uint64_t seed, uint64_t number) : key_{seed, number, 0, Purpose::kStyle} {}
@@ -63,7 +63,7 @@ Range line(const Bytes& bytes, Dice& dice) {
   return {static_cast<size_t>(from - bytes.begin()), static_cast<size_t>(to - bytes.begin())};
 }
 
-/// Digits, with their sign, point and exponent.
+/// A number with sign, point and exponent.
 Range number(const Bytes& bytes, Dice& dice) {
   const auto is_digit = [](uint8_t c) { return c >= '0' && c <= '9'; };
   const auto is_of_number = [&](uint8_t c) {
@@ -146,9 +146,9 @@ Bytes damaged(Bytes bytes, Dice& dice) {
   return bytes;
 }
 
-/// What reader and watchman share.
+/// State shared by the reader and the process that watches it.
 struct Progress {
-  std::atomic<int> next = 0;  ///< the case at work, or to begin with
+  std::atomic<int> next = 0;  ///< the current case, or the first one
   std::atomic<int64_t> began_ms = 0;
   int refused = 0, read = 0, hung = 0;
   int assimp_crashed = 0, assimp_stalled = 0, assimp_hoarded = 0;
@@ -177,7 +177,7 @@ class Cases {
   int count() const { return count_; }
   const fs::path& folder() const { return folder_; }
 
-  /// All from `progress.next` on.
+  /// Reads all cases from `progress.next` on.
   void read_all(Progress& progress) const {
     for (; progress.next < count_; ++progress.next) {
       const fs::path file = written(progress.next);
@@ -187,13 +187,13 @@ class Cases {
         ++progress.read;
       } catch (const InputError& error) {
         ++progress.refused;
-        const std::string_view said = error.what();
-        progress.assimp_crashed += said.find("crashes assimp") != said.npos ? 1 : 0;
-        progress.assimp_stalled += said.find("keeps assimp busy") != said.npos ? 1 : 0;
-        progress.assimp_hoarded += said.find("of memory") != said.npos ? 1 : 0;
+        const std::string_view message = error.what();
+        progress.assimp_crashed += message.find("crashes assimp") != message.npos ? 1 : 0;
+        progress.assimp_stalled += message.find("keeps assimp busy") != message.npos ? 1 : 0;
+        progress.assimp_hoarded += message.find("of memory") != message.npos ? 1 : 0;
       }
       const double seconds = static_cast<double>(now_ms() - progress.began_ms) / 1000;
-      if (seconds > kMostSeconds) {
+      if (seconds > kMaxSeconds) {
         ++progress.hung;
         keep(file, progress.next, fmt::format("took {:.1f} s", seconds));
       }
@@ -235,13 +235,13 @@ class Cases {
   fs::path folder_;
 };
 
-/// Ends a reader that does not come back. Its wait status.
+/// Ends a reader that hangs; returns its wait status.
 int watched(pid_t reader, const Progress& progress) {
   int status = 0;
   while (::waitpid(reader, &status, WNOHANG) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const int64_t began_ms = progress.began_ms;
-    if (began_ms > 0 && now_ms() - began_ms > int64_t{6000} * static_cast<int64_t>(kMostSeconds))
+    if (began_ms > 0 && now_ms() - began_ms > int64_t{6000} * static_cast<int64_t>(kMaxSeconds))
       ::kill(reader, SIGKILL);
   }
   return status;
@@ -276,12 +276,12 @@ int main(int argc, char** argv) {
   }
   fs::remove_all(cases.folder());
   std::printf(
-      "behind the door: assimp crashed %d times, was stopped %d times for its time and %d "
+      "in the sandbox: assimp crashed %d times, was stopped %d times for its time and %d "
       "times for its memory\n",
       progress.assimp_crashed, progress.assimp_stalled, progress.assimp_hoarded);
   std::printf("[ inputs ] meshes: %d tried, %d refused, %d read, %d crashed, %d hung\n", count,
               progress.refused, progress.read, crashed, progress.hung);
-  // A reader that refuses, or takes, whatever it gets was not tried.
+  // A reader that rejects or accepts everything was not tested.
   const bool is_tried = progress.read > 0 && progress.refused > 0;
   return crashed + progress.hung == 0 && is_tried ? 0 : 1;
 }

@@ -1,5 +1,5 @@
-// Scenes with a field that is wrong: every bundled scene, and some that use every key, with values
-// replaced, swapped, doubled and left out. Each is refused in words, or described and run.
+// Invalid scenes: every bundled scene and some with every key, with values replaced, swapped,
+// duplicated and removed. Each must be rejected with an error, or described and run.
 //
 //   mutated_scenes [COUNT [SEED]]
 #include <fmt/format.h>
@@ -24,7 +24,7 @@
 namespace throng::hostile {
 namespace {
 
-/// Marks text that goes into the file as it is.
+/// Marks text that is written unquoted.
 constexpr char kRaw = '\x01';
 
 constexpr const char* kRich[] = {
@@ -35,14 +35,14 @@ step_s: 1/50
 duration_s: 3
 planted_feet: true
 culling: {part_volume: obb, exact: true}
-steering: {model: speed, density_dependent_speed: true}
+steering: {model: collision_free_speed, density_dependent_speed: true}
 ground: {min_m: [-12, -9], max_m: [12, 9]}
 groups:
   - name: walkers
     count: 6
     spawn: {min_m: [-11, -8], max_m: [-4, 8]}
-    sources: [{area: {min_m: [-11.5, -2], max_m: [-10.5, 2]}, count: 3, rate_per_s: 2, start_s: 0.5, random: true}]
-    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: {mean: 1, std_dev: 0.5, min: 0, max: 2}, pass: false, capacity: 2, queue: {spacing_m: 0.8, line: [[1, 0], [1, 3], [-1, 3]]}}, {any_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], waypoint: true}]
+    sources: [{area: {min_m: [-11.5, -2], max_m: [-10.5, 2]}, count: 3, rate_per_s: 2, start_s: 0.5, arrivals: poisson}]
+    goals: [{min_m: [2, -2], max_m: [4, 2], wait_s: {mean: 1, std_dev: 0.5, min: 0, max: 2}, waypoint: false, capacity: 2, queue: {spacing_m: 0.8, line: [[1, 0], [1, 3], [-1, 3]]}}, {any_of: [{min_m: [9, -8], max_m: [11, -5]}, {min_m: [9, 5], max_m: [11, 8]}], waypoint: true}]
     on_arrival: leave
     premovement_s: {mean: 1, std_dev: 0.5, min: 0, max: 3}
     model: adult
@@ -249,18 +249,18 @@ void collect(YamlNode& node, std::vector<YamlNode*>& all) {
   }
 }
 
-/// The value of a field becomes something else.
+/// Replaces the value of a field.
 void replace_value(YamlNode& root, Draw& draw) {
   std::vector<YamlNode*> all;
   collect(root, all);
   YamlNode& node = *all[draw.below(all.size())];
   const size_t kind = draw.below(10);
   if (kind == 0) {
-    node = YamlNode(*all[draw.below(all.size())]);  // that of another field
+    node = YamlNode(*all[draw.below(all.size())]);  // value of another field
   } else if (kind < 5 && node.kind == YamlNode::Kind::kScalar &&
              std::isdigit(
                  static_cast<unsigned char>(node.scalar.empty() ? 0 : node.scalar.back()))) {
-    // Another number, often one that may stand there.
+    // Another number, often a valid one.
     constexpr double kFactors[] = {-1, 0, 1e-6, 0.01, 0.1, 0.5, 0.99, 1.01, 2, 10, 1000, 1e7};
     const double value = std::strtod(node.scalar.c_str(), nullptr);
     node.scalar = kRaw + fmt::format("{:g}", value * kFactors[draw.below(std::size(kFactors))]);
@@ -273,7 +273,7 @@ void replace_value(YamlNode& root, Draw& draw) {
   }
 }
 
-/// A field or an item goes, comes twice, or gets another name.
+/// Removes, duplicates or renames a field or an item.
 void change_shape(YamlNode& root, Draw& draw) {
   std::vector<YamlNode*> all{&root};
   collect(root, all);
@@ -330,12 +330,12 @@ void use(const std::filesystem::path& file, const std::shared_ptr<const Model>& 
   std::vector<std::string> notes;
   try {
     scale_to(scaled, 9, notes);
-  } catch (const InputError&) {  // nobody there to scale
+  } catch (const InputError&) {  // there are no people to scale
   }
   for (Group& group : scene.groups) {
     group.count = std::min(group.count, 2);
     for (Source& source : group.sources) source.count = std::min(source.count, 2);
-    // To fit the gait of the adult takes most of a case; one in ten does.
+    // Fitting the adult's gait takes most of a case; one in ten does.
     if (cart != nullptr && group.control_channel.empty() && group.model == adult_urdf())
       group.body = cart;
   }
@@ -345,18 +345,18 @@ void use(const std::filesystem::path& file, const std::shared_ptr<const Model>& 
   for (int i = 0; i < 2; ++i)
     for (const RootPose& root : simulation.step().roots)
       if (!root.position_m.allFinite() || !root.world_from_root.coeffs().allFinite())
-        throw std::runtime_error("somebody who is nowhere");
+        throw std::runtime_error("an avatar without a finite position");
   simulation.finish();
 }
 
-int run(const Wanted& wanted) {
+int run(const Arguments& arguments) {
   const Scratch scratch;
   const std::vector<YamlNode> sound = seeds();
   const std::shared_ptr<const Model> cart =
       load_model(data_directory() / "scenes" / "bundled" / "robot" / "robot.urdf");
   Tally tally;
-  for (int64_t i = 0; i < wanted.count; ++i) {
-    Draw draw(wanted.seed, static_cast<uint64_t>(i));
+  for (int64_t i = 0; i < arguments.count; ++i) {
+    Draw draw(arguments.seed, static_cast<uint64_t>(i));
     YamlNode root = sound[static_cast<size_t>(i) % sound.size()];
     const size_t changes = 1 + draw.below(3) / 2;
     for (size_t k = 0; k < changes; ++k)
@@ -365,7 +365,7 @@ int run(const Wanted& wanted) {
     write(root, text);
     const std::filesystem::path file = scratch.write("scene.yaml", text);
     try_case(
-        text, fmt::format("hostile_scene_{}_{}.yaml", wanted.seed, i),
+        text, fmt::format("hostile_scene_{}_{}.yaml", arguments.seed, i),
         [&] { use(file, i % 10 == 9 ? nullptr : cart); }, tally);
   }
   return report("scenes", tally);
@@ -375,5 +375,5 @@ int run(const Wanted& wanted) {
 }  // namespace throng::hostile
 
 int main(int argc, char** argv) {
-  return throng::hostile::run(throng::hostile::wanted(argc, argv, 10'000));
+  return throng::hostile::run(throng::hostile::read_arguments(argc, argv, 10'000));
 }

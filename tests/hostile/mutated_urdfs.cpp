@@ -1,5 +1,5 @@
-// URDFs that are wrong in their text or in their tree. Each is refused in words, or read, described
-// and posed.
+// Invalid URDFs, in text or tree. Each must be rejected with an error, or read, described and
+// posed.
 //
 //   mutated_urdfs [COUNT [SEED]]
 #include <fmt/format.h>
@@ -21,7 +21,7 @@
 namespace throng::hostile {
 namespace {
 
-/// Every kind of joint and of geometry, tags that are not used, markers, limits, a follower.
+/// Every kind of joint and geometry, unused tags, markers, limits, a mimic joint.
 constexpr const char* kEverything = R"(<?xml version="1.0"?>
 <!-- all of it -->
 <robot name="everything">
@@ -123,12 +123,12 @@ std::vector<std::string> seeds() {
   return all;
 }
 
-/// Large on purpose: what grows with the square of its size takes minutes here.
+/// Large URDFs, on which quadratic algorithms take minutes.
 std::vector<std::string> giants() {
   const auto robot = [](const std::string& inner) {
     return "<robot name='r'><link name='a'/>" + inner + "</robot>";
   };
-  constexpr size_t kMost = size_t{16} << 20;
+  constexpr size_t kMaxBytes = size_t{16} << 20;
   std::string attributes, joints, visuals, entities;
   for (int i = 0; i < 100'000; ++i) attributes += fmt::format(" a{}='1'", i);
   const std::string prefix(100, 'p');
@@ -146,31 +146,31 @@ std::vector<std::string> giants() {
         i == 0 ? "" : fmt::format("<mimic joint='j{}'/>", i - 1));
   for (int i = 0; i < 60'000; ++i)
     visuals += "<visual><geometry><sphere radius='1'/></geometry></visual>";
-  return {robot(std::string(kMost - 100, ' ')),
-          robot(std::string(kMost - 100, '\n')),
-          robot("<!--" + std::string(kMost - 100, '-') + "-->"),
-          robot(repeated("<!---->", kMost / 7 - 20)),
-          robot(repeated("<?a?>", kMost / 5 - 20)),
-          robot("<![CDATA[" + std::string(kMost - 100, ']') + "]]>"),
-          robot(repeated("<![CDATA[x]]>", kMost / 13 - 20)),
-          robot(repeated("&amp;", kMost / 5 - 20)),
-          robot(repeated("&", kMost - 100)),
-          robot(std::string(kMost - 100, 'x')),
+  return {robot(std::string(kMaxBytes - 100, ' ')),
+          robot(std::string(kMaxBytes - 100, '\n')),
+          robot("<!--" + std::string(kMaxBytes - 100, '-') + "-->"),
+          robot(repeated("<!---->", kMaxBytes / 7 - 20)),
+          robot(repeated("<?a?>", kMaxBytes / 5 - 20)),
+          robot("<![CDATA[" + std::string(kMaxBytes - 100, ']') + "]]>"),
+          robot(repeated("<![CDATA[x]]>", kMaxBytes / 13 - 20)),
+          robot(repeated("&amp;", kMaxBytes / 5 - 20)),
+          robot(repeated("&", kMaxBytes - 100)),
+          robot(std::string(kMaxBytes - 100, 'x')),
           robot("<x" + attributes + "/>"),
-          robot("<" + std::string(kMost - 100, 'n') + "/>"),
-          robot("<x " + std::string(kMost - 100, 'n') + "='1'/>"),
-          robot("<x n='" + std::string(kMost - 100, 'v') + "'/>"),
-          robot(repeated("<x n='" + std::string(4090, '&') + "'/>", kMost / 4200)),
+          robot("<" + std::string(kMaxBytes - 100, 'n') + "/>"),
+          robot("<x " + std::string(kMaxBytes - 100, 'n') + "='1'/>"),
+          robot("<x n='" + std::string(kMaxBytes - 100, 'v') + "'/>"),
+          robot(repeated("<x n='" + std::string(4090, '&') + "'/>", kMaxBytes / 4200)),
           robot(repeated("<x/>", 199'000)),
           robot(repeated("<x><y/></x>", 99'000)),
           robot(repeated("<x>", 100'000)),
           robot(joints),
           robot(chain),
           "<robot name='r'><link name='a'>" + visuals + "</link></robot>",
-          repeated("<", kMost - 10),
-          repeated("<!", kMost / 2 - 10),
-          std::string(kMost - 10, '\0'),
-          robot("") + std::string(kMost - 100, '\0')};
+          repeated("<", kMaxBytes - 10),
+          repeated("<!", kMaxBytes / 2 - 10),
+          std::string(kMaxBytes - 10, '\0'),
+          robot("") + std::string(kMaxBytes - 100, '\0')};
 }
 
 void change_value(std::string& text, Draw& draw) {
@@ -181,7 +181,7 @@ void change_value(std::string& text, Draw& draw) {
   const size_t begin = quotes[draw.below(quotes.size())];
   const size_t end = text.find('"', begin);
   if (end == std::string::npos) return;
-  if (draw.below(4) == 0) {  // that of another attribute
+  if (draw.below(4) == 0) {  // value of another attribute
     const size_t other = quotes[draw.below(quotes.size())];
     const size_t other_end = text.find('"', other);
     if (other_end == std::string::npos) return;
@@ -191,7 +191,7 @@ void change_value(std::string& text, Draw& draw) {
   }
 }
 
-/// A tag, from '<' to '>', goes, comes twice, or moves.
+/// Removes, duplicates or moves a tag, from '<' to '>'.
 void change_tag(std::string& text, Draw& draw) {
   const size_t start = text.find('<', draw.below(text.size()));
   const size_t end = start == std::string::npos ? start : text.find('>', start);
@@ -230,36 +230,36 @@ void change_bytes(std::string& text, Draw& draw) {
 void use(const std::string& text, const std::filesystem::path& file) {
   const Robot robot = parse_urdf(text, file);
   if (robot.links.size() != robot.joints.size() + 1) throw std::runtime_error("not a tree");
-  if (!has_finite_poses(robot)) throw std::runtime_error("a link that is nowhere");
+  if (!has_finite_poses(robot)) throw std::runtime_error("a link without a finite pose");
   if (to_kdl(robot).getNrOfSegments() != robot.joints.size())
     throw std::runtime_error("a KDL tree of other links");
   bool is_complete = false;
   if (describe_urdf(file, is_complete).empty()) throw std::runtime_error("no description");
 }
 
-int run(const Wanted& wanted) {
+int run(const Arguments& arguments) {
   const Scratch scratch;
   const std::vector<std::string> sound = seeds();
   Tally tally;
   const auto attempt = [&](const std::string& text, const std::string& name) {
     const std::filesystem::path file = scratch.write("robot.urdf", text);
     try_case(
-        text, fmt::format("hostile_urdf_{}_{}.urdf", wanted.seed, name), [&] { use(text, file); },
-        tally);
+        text, fmt::format("hostile_urdf_{}_{}.urdf", arguments.seed, name),
+        [&] { use(text, file); }, tally);
   };
-  // As they are, first.
+  // Unchanged, first.
   for (size_t i = 0; i < sound.size(); ++i) attempt(sound[i], fmt::format("sound_{}", i));
   if (tally.ran != static_cast<int64_t>(sound.size())) {
     std::fprintf(stderr, "expected %zu sound robots, found %lld\n", sound.size(),
                  static_cast<long long>(tally.ran));
     return 1;
   }
-  if (wanted.count >= 1000) {
+  if (arguments.count >= 1000) {
     const std::vector<std::string> large = giants();
     for (size_t i = 0; i < large.size(); ++i) attempt(large[i], fmt::format("giant_{}", i));
   }
-  for (int64_t i = tally.tried; i < wanted.count; ++i) {
-    Draw draw(wanted.seed, static_cast<uint64_t>(i));
+  for (int64_t i = tally.tried; i < arguments.count; ++i) {
+    Draw draw(arguments.seed, static_cast<uint64_t>(i));
     std::string text = sound[static_cast<size_t>(i) % sound.size()];
     for (size_t k = 0, changes = 1 + draw.below(3) / 2; k < changes && !text.empty(); ++k) {
       const size_t kind = draw.below(6);
@@ -279,5 +279,5 @@ int run(const Wanted& wanted) {
 }  // namespace throng::hostile
 
 int main(int argc, char** argv) {
-  return throng::hostile::run(throng::hostile::wanted(argc, argv, 3000));
+  return throng::hostile::run(throng::hostile::read_arguments(argc, argv, 3000));
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Tries the packages in a Debian 12 that has nothing else:
-# tests/install/bare_debian_test.sh SOURCE PACKAGES FOLDER [PART...], where PACKAGES is what scripts/package.sh has
-# made, FOLDER keeps the bare Debian, and PART is archive, debs or culling (all of them without one). Wants root,
-# debootstrap and the network; exit code 77 and a reason where there is none.
+# Tries the packages in a bare Debian 12:
+# tests/install/bare_debian_test.sh SOURCE PACKAGES FOLDER [PART...], where PACKAGES is the output folder of
+# scripts/package.sh, FOLDER stores the bare Debian, and PART is archive, debs or culling (default: all). Needs root,
+# debootstrap and the network; otherwise exits with 77 and a reason.
 set -euo pipefail
 
 if [ "${THRONG_BARE:-}" != yes ]; then
@@ -10,14 +10,14 @@ if [ "${THRONG_BARE:-}" != yes ]; then
     echo "skipped: $*"
     exit 77
   }
-  [ "$(id -u)" -eq 0 ] || skip "a Debian of its own wants root"
+  [ "$(id -u)" -eq 0 ] || skip "a bare Debian needs root"
   command -v debootstrap >/dev/null || skip "no debootstrap (scripts/setup.sh package)"
   compgen -G "$2/throng_*.deb" >/dev/null || skip "no packages in $2 (scripts/package.sh)"
-  unshare -m true 2>/dev/null || skip "no mounts of one's own here"
+  unshare -m true 2>/dev/null || skip "private mounts are not allowed here"
   if [ ! -f "$3/base/whole" ]; then
     rm -rf "$3/base"
     mkdir -p "$3"
-    # From where this machine has its packages.
+    # From the mirror of this machine.
     mirror=$(apt-get indextargets --format '$(RELEASE) $(SITE)' | sed -n 's/^bookworm //p' | head -n 1)
     debootstrap --variant=minbase bookworm "$3/base" ${mirror:+"$mirror"} >"$3/debootstrap.log" 2>&1 ||
       skip "debootstrap could not fetch a Debian: $(tail -n 1 "$3/debootstrap.log")"
@@ -35,7 +35,7 @@ fail() {
   echo "$*" >&2
   exit 1
 }
-# A fresh view of the bare Debian; what is done in it is gone with the next.
+# A fresh view of the bare Debian; changes in it disappear with the next one.
 fresh() {
   ! mountpoint -q "$root" || umount -R "$root"
   rm -rf "$folder/upper" "$folder/work"
@@ -49,29 +49,29 @@ fresh() {
   cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
   apt-config dump Acquire >"$root/etc/apt/apt.conf.d/as-outside"
 }
-inside() { # COMMAND LINE: in the bare Debian, with no settings of this machine
+inside() { # COMMAND LINE: runs in the bare Debian, without settings of this machine
   chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 \
     bash -euc "cd /root && $1"
 }
-quietly() { # COMMAND LINE: what it prints is shown where it fails
+quietly() { # COMMAND LINE: shows its output only if it fails
   inside "$1" >"$folder/log" 2>&1 </dev/null || {
     tail -n 40 "$folder/log" >&2
     fail "failed in the bare Debian: $1"
   }
 }
-hash_by() { # THRONG: of a short run
+hash_by() { # THRONG: hash of a short run
   inside "$1 run plaza --seconds 1 --exact --lcm off --log plaza.lcmlog" | awk '$1 == "hash" {print $2}'
 }
 expect_same() { # WHAT EXPECTED FOUND
   [ "$2" = "$3" ] || fail "$1: expected '$2', found '$3'"
   echo "  $1: $3"
 }
-files() { # all that is there but for what apt and dpkg keep of their own work
+files() { # all files except data of apt and dpkg
   (cd "$root" && find . -xdev \( -path ./proc -o -path ./dev -o -path ./throng -o -path ./root -o -path ./tmp \
     -o -path ./var/cache -o -path ./var/lib/apt -o -path ./var/lib/dpkg -o -path ./var/log \) -prune -o -print) | sort
 }
 
-# Two packages and the archive, one hash: that of the first that is tried, by `throng` itself.
+# All packages and the archive must give the hash of the first one.
 same_run() { # THRONG
   local found
   found=$(hash_by "$1")
@@ -87,7 +87,7 @@ try_archive() {
   tar -C "$root/opt/first" -xf "$packages"/throng-*-linux-*.tar.xz
   mv "$root"/opt/first/throng-* "$root/opt/throng"
   same_run /opt/throng/bin/throng
-  # Elsewhere, and by a link from the PATH.
+  # Moved, and started through a link in PATH.
   mv "$root/opt/throng" "$root/srv/moved"
   ln -s /srv/moved/bin/throng "$root/usr/bin/throng"
   same_run throng
@@ -95,7 +95,7 @@ try_archive() {
   missing=$(inside "find /srv/moved -name '*.so*' -o -name throng -type f | while read -r file; do ldd \$file; done" |
     grep -c "not found" || true)
   expect_same "libraries that are missing" 0 "$missing"
-  # Its Python module wants an interpreter and numpy, and nothing else.
+  # Its Python module needs only an interpreter and numpy.
   [ -d "$root/srv/moved/lib/python3/dist-packages" ] || return 0
   quietly "apt-get update && apt-get install -y --no-install-recommends python3-numpy"
   quietly "PYTHONPATH=/srv/moved/lib/python3/dist-packages bash /throng/source/tests/install/python_installed.sh"
@@ -117,7 +117,7 @@ try_debs() {
   for part in "$source"/tests/install/*_installed.sh; do
     [ ! -f "$part" ] || quietly "bash /throng/source/tests/install/$(basename "$part")"
   done
-  # What a package that stays recommends came with the same command, and goes with it.
+  # Purges recommended packages as well, which came with the same command.
   quietly "apt-get purge -y '.*throng.*' && apt-get autoremove -y --purge -o APT::AutoRemove::RecommendsImportant=false \
     -o APT::AutoRemove::SuggestsImportant=false"
   files >"$folder/after.txt"
@@ -133,7 +133,7 @@ try_culling() {
   expect_same "libraries of crowds beside it" "" \
     "$(inside "dpkg-query -W -f '\${db:Status-Status} \${Package}\n' 'libassimp*' 'liborocos*' 'libhdf5*' 'liblcm*' throng 2>/dev/null" |
       sed -n 's/^installed //p')"
-  # What is missing is said by name.
+  # Missing packages are named.
   inside "cmake -S /throng/source/tests/install/project -B all -DTHRONG_SOURCE=/throng/source -DWHAT=all" \
     >"$folder/log" 2>&1 && fail "expected find_package to ask for what scenes need"
   expect_same "what find_package asks for" 1 "$(grep -c "component 'scenes': expected yaml-cpp (Debian: libyaml-cpp-dev)" "$folder/log")"

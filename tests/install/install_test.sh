@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs a build, uses it from outside, moves it and uses it again:
-# tests/install/install_test.sh SOURCE BUILD FOLDER [short], where FOLDER is to try it in. short: the
-# libraries alone, and one program of another project on culling, with every change.
+# Installs a build, uses it from another project, moves it and uses it again:
+# tests/install/install_test.sh SOURCE BUILD FOLDER [short], in FOLDER. short, for every change: only the libraries,
+# and one program of another project on culling.
 set -euo pipefail
 
 source=$1 build=$2 folder=$3
@@ -15,7 +15,7 @@ fail() {
 expect_same() { # WHAT EXPECTED FOUND
   [ "$2" = "$3" ] || fail "$1: expected '$2', found '$3'"
 }
-quietly() { # COMMAND...: what it prints is shown where it fails
+quietly() { # COMMAND...: shows its output only if it fails
   "$@" >"$folder/log" 2>&1 || {
     cat "$folder/log" >&2
     fail "failed: $*"
@@ -30,7 +30,7 @@ try_project() { # WHAT PREFIX [BUILD_TYPE TARGET]
     -DTHRONG_SOURCE="$source" -DWHAT="$1" -DCMAKE_BUILD_TYPE="${3:-Release}"
   quietly cmake --build "$folder/$1" -j "$(nproc)" --target "${4:-all}"
 }
-# Nothing that is installed tells where it was made or first put.
+# Installed files must not name the source, build or install folder.
 expect_no_names() {
   local place named
   for place in "$source" "$build" "$prefix"; do
@@ -58,13 +58,13 @@ expected=$(hash_of "$build/throng")
 [ -n "$expected" ] || fail "expected throng of the build to print a hash"
 expect_same "hash by the installed command" "$expected" "$(hash_of "$prefix/bin/throng")"
 
-# Programs of others: by CMake with all libraries; on a machine that has what culling needs and no more.
+# Programs of other projects: with CMake and all libraries; and with the packages of culling only.
 try_project all "$prefix"
-said=$("$build/hello")
-expect_same "the program of the README" "$said" "$("$folder/all/readme")"
+printed=$("$build/hello")
+expect_same "the program of the README" "$printed" "$("$folder/all/readme")"
 skeleton=$("$build/custom_bodies")
 expect_same "custom_bodies" "$skeleton" "$("$folder/all/custom_bodies")"
-# A volume of one's own, with the workbench: it keeps the law; too thin a one is caught, with the pair.
+# A custom volume on the workbench misses nothing; one that is too thin is detected, with the pair.
 "$folder/all/custom_volume" 20000 1 "$folder/volume" >"$folder/log" || fail "custom_volume: $(cat "$folder/log")"
 grep -q '^capsule: 0 of [0-9]* touching pairs missed' "$folder/log" || fail "custom_volume: $(head -n 1 "$folder/log")"
 status=0
@@ -81,7 +81,7 @@ export folder here source
 status=0
 bash "$source/tests/outside/without.sh" "$hidden" bash -c 'try_project culling "$1"' sh "$prefix" || status=$?
 if [ "$status" -eq 77 ]; then
-  try_project culling "$prefix" # nothing can be hidden here
+  try_project culling "$prefix" # packages cannot be hidden here
 elif [ "$status" -ne 0 ]; then
   fail "culling alone could not be used"
 fi
@@ -91,7 +91,7 @@ for library in liblcm liborocos-kdl liburdf libassimp libyaml-cpp libsqlite3 lib
   ! grep -q "$library" <<<"$linked" || fail "custom_bodies: expected no $library"
 done
 
-# By pkg-config, after the package has moved; the command and CMake go along.
+# With pkg-config after the package was moved; the command and CMake work as well.
 moved=$folder/second/place
 mkdir -p "$folder/second"
 mv "$prefix" "$moved"
@@ -103,16 +103,16 @@ quietly g++ -std=c++20 -O1 "$source/examples/custom_bodies.cpp" "${flags[@]}" -o
 expect_same "custom_bodies by pkg-config" "$skeleton" "$("$folder/by_pkg_config")"
 read -ra flags <<<"$(pc --cflags --libs throng-scenes)"
 quietly g++ -std=c++20 -O1 "$folder/all/readme.cpp" "${flags[@]}" -o "$folder/second/readme"
-# A program that was told no place finds the data by the list of the base directories.
-expect_same "the program of the README by pkg-config" "$said" "$(XDG_DATA_DIRS=$moved/share "$folder/second/readme")"
+# A program without a data folder finds the data through the base directories.
+expect_same "the program of the README by pkg-config" "$printed" "$(XDG_DATA_DIRS=$moved/share "$folder/second/readme")"
 quietly cmake -S "$here/project" -B "$folder/all" -Dthrong_DIR="$(dirname "$(find "$moved" -name throng-config.cmake)")"
 quietly cmake --build "$folder/all" --target readme
-expect_same "the program of the README, moved" "$said" "$("$folder/all/readme")"
-# For the tests of the command and of the examples, which take the programs that $THRONG_TESTED names.
+expect_same "the program of the README, moved" "$printed" "$("$folder/all/readme")"
+# For the tests of the command and of the examples, which use the programs in $THRONG_TESTED.
 mkdir "$folder/programs"
 ln -s "$moved/bin/throng" "$folder/programs/throng"
 ln -s "$folder/all/readme" "$folder/programs/hello"
 ln -s "$folder/all/custom_bodies" "$folder/programs/custom_bodies"
-# And for those of the Python module, which take it from $PYTHONPATH.
+# For the tests of the Python module, which use the one in $PYTHONPATH.
 ln -s "$moved/lib/python3/dist-packages" "$folder/python"
 echo "installed, used from outside, moved and used again"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Python module as a package installs it, beside the command: the same hash, own bodies, and data frames where
-# pandas is there.
+# The Python module as a package installs it, next to the command: the same hash, custom bodies, and data frames if
+# pandas is installed.
 set -euo pipefail
 examples=$(cd "$(dirname "$0")/../../examples" && pwd)
 cd "$(mktemp -d)"
@@ -14,7 +14,7 @@ assert run.hash == sys.argv[1], f"expected the command's hash {sys.argv[1]}, fou
 robot = throng.Model("picker.urdf")
 culler = throng.Culler(robot, exact=True, step_s=0.1)
 culler.step(robot.poses(np.zeros((2, robot.joint_count)), positions_m=[[0, 0, 0], [0.05, 0, 0]]))
-assert len(culler.pairs) > 0, "expected two robots in nearly one place to touch"
+assert len(culler.pairs) > 0, "expected two robots at nearly the same position to touch"
 try:
     import pandas
 except ImportError:

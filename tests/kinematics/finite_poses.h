@@ -1,5 +1,4 @@
-// What a robot read from any bytes has to do: pose without a number that is none.
-// One rule: every link is posed, every joint at the upper end of its range.
+// Checks that every link of a robot has finite poses, with joints at their upper limits.
 #pragma once
 
 #include "kinematics/kinematics.h"

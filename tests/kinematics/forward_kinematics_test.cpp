@@ -1,5 +1,4 @@
-// Forward kinematics against KDL's recursive solver, and against itself: SIMD target by SIMD
-// target, group by group.
+// Forward kinematics equals KDL's, for every SIMD target and any grouping.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -25,7 +24,7 @@ std::vector<int> all_links(const Robot& robot) {
   return links;
 }
 
-/// Postures inside the limits, random roots and scales.
+/// Postures within the limits, random roots and scales.
 struct Crowd {
   std::vector<float> postures;
   std::vector<RootFrame> roots;
@@ -63,7 +62,7 @@ class ForwardKinematics : public testing::TestWithParam<const char*> {
   FlatModel model_;
 };
 
-TEST_P(ForwardKinematics, agrees_with_kdl_in_random_postures) {
+TEST_P(ForwardKinematics, AgreesWithKdlInRandomPostures) {
   const Crowd crowd = random_crowd(model_, 10000);
   const auto poses = poses_of(model_, crowd, SimdTarget::kBest);
   KdlOracle oracle(robot_);
@@ -79,7 +78,7 @@ TEST_P(ForwardKinematics, agrees_with_kdl_in_random_postures) {
       const Eigen::Vector3d position =
           world_from_root * expected.translation() * static_cast<double>(crowd.roots[i].scale);
       worst_m = std::max(worst_m, (found.translation() - position).norm());
-      // For small angles the chord between two rotations, measured in the sine, is the angle.
+      // For small angles the chord between two rotations, measured by the sine, is the angle.
       const Eigen::Matrix3d error =
           found.linear().transpose() * world_from_root * expected.linear();
       const Eigen::Vector3d sine(error(2, 1) - error(1, 2), error(0, 2) - error(2, 0),
@@ -94,7 +93,7 @@ TEST_P(ForwardKinematics, agrees_with_kdl_in_random_postures) {
   EXPECT_LT(worst_rad, 1e-5) << "seed " << kSeed;
 }
 
-TEST_P(ForwardKinematics, every_simd_target_gives_the_bits_of_the_scalar_loop) {
+TEST_P(ForwardKinematics, EqualsTheScalarLoopOnAllTargets) {
   const Crowd crowd = random_crowd(model_, 100);
   const auto expected = poses_of(model_, crowd, SimdTarget::kScalar);
   for (const SimdTarget target : simd_targets_of_this_machine()) {
@@ -105,7 +104,7 @@ TEST_P(ForwardKinematics, every_simd_target_gives_the_bits_of_the_scalar_loop) {
   }
 }
 
-TEST_P(ForwardKinematics, does_not_depend_on_how_avatars_are_grouped) {
+TEST_P(ForwardKinematics, DoesNotDependOnGrouping) {
   const Crowd crowd = random_crowd(model_, 37);
   const auto expected = poses_of(model_, crowd, SimdTarget::kScalar);
   const size_t columns = static_cast<size_t>(model_.column_count());
@@ -114,7 +113,7 @@ TEST_P(ForwardKinematics, does_not_depend_on_how_avatars_are_grouped) {
     for (size_t group = 1; group <= 37; ++group)
       for (size_t first = 0; first < 37; first += group) {
         const size_t count = std::min(group, 37 - first);
-        // One pose more than needed, to see that nobody writes behind the end.
+        // One pose more than needed, to detect writes behind the end.
         std::vector<PartPose> found(count * outputs + 1);
         std::memset(static_cast<void*>(&found.back()), 0x5a, sizeof(PartPose));
         const PartPose sentinel = found.back();
@@ -130,7 +129,7 @@ TEST_P(ForwardKinematics, does_not_depend_on_how_avatars_are_grouped) {
       }
 }
 
-TEST_P(ForwardKinematics, an_output_is_the_same_whatever_else_is_asked_for) {
+TEST_P(ForwardKinematics, DoesNotDependOnOtherOutputs) {
   const Crowd crowd = random_crowd(model_, 9);
   const auto expected = poses_of(model_, crowd, SimdTarget::kScalar);
   for (int link = 0; link < model_.output_count(); ++link) {
@@ -138,14 +137,14 @@ TEST_P(ForwardKinematics, an_output_is_the_same_whatever_else_is_asked_for) {
     const auto found = poses_of(alone, crowd, SimdTarget::kBest);
     for (size_t i = 0; i < found.size(); ++i) {
       const PartPose& one = expected[i * robot_.links.size() + static_cast<size_t>(link)];
-      // Constant parts fold differently, so the same number only up to rounding.
+      // Constant parts are merged differently; the numbers agree up to rounding.
       const double off = (to_isometry(one).matrix() - to_isometry(found[i]).matrix()).norm();
       ASSERT_LT(off, 1e-5) << "link " << robot_.links[static_cast<size_t>(link)].name;
     }
   }
 }
 
-TEST_P(ForwardKinematics, no_origin_strays_beyond_its_reach) {
+TEST_P(ForwardKinematics, KeepsOriginsWithinTheirReach) {
   const Crowd crowd = random_crowd(model_, 1000);
   const auto poses = poses_of(model_, crowd, SimdTarget::kBest);
   for (size_t i = 0; i < poses.size(); ++i) {

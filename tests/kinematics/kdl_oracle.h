@@ -1,4 +1,4 @@
-// The slow and obvious way to pose a robot: KDL's own recursive solver, one link at a time.
+// KdlOracle poses a robot with KDL's recursive solver, one link at a time: the slow reference.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,7 +15,7 @@ class KdlOracle {
   explicit KdlOracle(const Robot& robot)
       : robot_(robot), tree_(to_kdl(robot)), solver_(tree_), joints_(tree_.getNrOfJoints()) {}
 
-  /// `posture` by column: joints that move by themselves, in the robot's order.
+  /// `posture`: values by column, for independent joints in the robot's order.
   void set(const float* posture) {
     std::vector<double> values(robot_.joints.size());
     for (size_t i = 0; i < values.size(); ++i)
@@ -30,9 +30,10 @@ class KdlOracle {
 
   Eigen::Isometry3d root_from(const std::string& link) {
     if (joints_.rows() == 0)
-      return Eigen::Isometry3d::Identity();  // KDL reads joint 0 all the same
+      return Eigen::Isometry3d::Identity();  // KDL reads joint 0 even if there is none
     KDL::Frame frame;
-    if (solver_.JntToCart(joints_, frame, link) < 0) throw std::logic_error("KDL knows no " + link);
+    if (solver_.JntToCart(joints_, frame, link) < 0)
+      throw std::logic_error("KDL has no link " + link);
     Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) out.linear()(r, c) = frame.M(r, c);

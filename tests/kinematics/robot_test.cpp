@@ -1,5 +1,4 @@
-// What read_urdf() makes of sound files, and how it refuses unsound ones: each defect with its
-// line.
+// read_urdf() on valid files, and its errors for anything but files.
 #include "kinematics/robot.h"
 
 #include <gmock/gmock.h>
@@ -27,7 +26,7 @@ std::vector<std::string> names_of(const std::vector<Link>& links) {
   return names;
 }
 
-TEST(ReadUrdf, orders_links_from_the_root_and_joints_like_their_child_links) {
+TEST(ReadUrdf, OrdersLinksFromTheRootAndJointsLikeTheirChildren) {
   const Robot robot = read_urdf(fixture("mimic_hand.urdf"));
   EXPECT_EQ(robot.name, "mimic_hand");
   EXPECT_THAT(names_of(robot.links), ElementsAre("palm", "proximal", "middle", "tip", "thumb"));
@@ -37,7 +36,7 @@ TEST(ReadUrdf, orders_links_from_the_root_and_joints_like_their_child_links) {
   }
 }
 
-TEST(ReadUrdf, reads_joints_with_unit_axes_and_limits) {
+TEST(ReadUrdf, ReadsJointsWithUnitAxesAndLimits) {
   const Robot robot = read_urdf(fixture("skew_arm.urdf"));
   const Joint& lift = robot.joints[1];
   EXPECT_EQ(lift.name, "lift");
@@ -50,11 +49,10 @@ TEST(ReadUrdf, reads_joints_with_unit_axes_and_limits) {
   EXPECT_EQ(robot.joints[6].kind, Joint::Kind::kContinuous);
   EXPECT_EQ(robot.joints[6].lower, -std::numbers::pi);
   EXPECT_EQ(robot.joints[6].upper, std::numbers::pi);
-  EXPECT_EQ(robot.joints[7].axis, Eigen::Vector3d::UnitX())
-      << "the axis of a joint that names none";
+  EXPECT_EQ(robot.joints[7].axis, Eigen::Vector3d::UnitX()) << "the default axis of a joint";
 }
 
-TEST(ReadUrdf, origins_turn_about_fixed_axes_roll_pitch_yaw) {
+TEST(ReadUrdf, RotatesOriginsAboutFixedAxesRollPitchYaw) {
   const Robot robot = read_urdf(fixture("skew_arm.urdf"));
   const Eigen::Isometry3d& pose = robot.joints[0].parent_from_joint;
   const Eigen::Matrix3d expected = (Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitZ()) *
@@ -65,7 +63,7 @@ TEST(ReadUrdf, origins_turn_about_fixed_axes_roll_pitch_yaw) {
   EXPECT_EQ(pose.translation(), Eigen::Vector3d(0.1, -0.2, 0.2));
 }
 
-TEST(ReadUrdf, a_follower_knows_its_leader_wherever_it_stands) {
+TEST(ReadUrdf, FindsTheLeaderOfAMimicJointAnywhere) {
   const Robot robot = read_urdf(fixture("mimic_hand.urdf"));
   const Joint& tip = robot.joints[2];
   ASSERT_TRUE(tip.mimic);
@@ -74,7 +72,7 @@ TEST(ReadUrdf, a_follower_knows_its_leader_wherever_it_stands) {
   EXPECT_EQ(tip.mimic->offset, 0.1);
 }
 
-TEST(ReadUrdf, reads_every_kind_of_geometry) {
+TEST(ReadUrdf, ReadsEveryKindOfGeometry) {
   const Robot robot = read_urdf(fixture("wheels.urdf"));
   ASSERT_EQ(robot.links[1].visual.size(), 1u);
   const Geometry& box = robot.links[1].visual[0];
@@ -88,7 +86,7 @@ TEST(ReadUrdf, reads_every_kind_of_geometry) {
   EXPECT_EQ(robot.links.back().collision[0].kind, Geometry::Kind::kSphere);
 }
 
-TEST(ReadUrdf, resolves_packages_and_scales_of_a_vendors_humanoid) {
+TEST(ReadUrdf, ResolvesPackagesAndScalesOfAHumanoid) {
   const Robot robot = read_urdf(fixture("humanoid_description/urdf/humanoid.urdf"));
   int meshes = 0;
   for (const Link& link : robot.links)
@@ -103,7 +101,7 @@ TEST(ReadUrdf, resolves_packages_and_scales_of_a_vendors_humanoid) {
   EXPECT_EQ(meshes, 8);
 }
 
-TEST(ReadUrdf, notes_what_it_does_not_use_once_per_tag) {
+TEST(ReadUrdf, NotesUnusedTagsOnceEach) {
   const Robot robot = read_urdf(fixture("humanoid_description/urdf/humanoid.urdf"));
   EXPECT_THAT(robot.notes, testing::UnorderedElementsAre(
                                HasSubstr("<transmission> x25"), HasSubstr("<gazebo> x2"),
@@ -113,13 +111,13 @@ TEST(ReadUrdf, notes_what_it_does_not_use_once_per_tag) {
                                HasSubstr("<dynamics> x27"), HasSubstr("<safety_controller> x27")));
 }
 
-TEST(ReadUrdf, refuses_what_is_no_file) {
+TEST(ReadUrdf, RejectsAnythingButFiles) {
   EXPECT_THROW(read_urdf(fixture("")), InputError);
   EXPECT_THROW(read_urdf(fixture("no_such.urdf")), InputError);
   EXPECT_THROW(read_urdf("/dev/zero"), InputError);
 }
 
-TEST(ReadUrdf, takes_bom_crlf_comments_cdata_and_entities) {
+TEST(ReadUrdf, AcceptsBomCrlfCommentsCdataAndEntities) {
   const Robot robot = parse(
       "\xef\xbb\xbf<?xml version=\"1.0\"?>\r\n<!DOCTYPE robot>\r\n<!-- <link> -->\r\n"
       "<robot name='R&amp;D'>\r\n<link name=\"a&lt;b\"/><gazebo><![CDATA[ </x> "
@@ -128,7 +126,7 @@ TEST(ReadUrdf, takes_bom_crlf_comments_cdata_and_entities) {
   EXPECT_EQ(robot.links[0].name, "a<b");
 }
 
-TEST(ReadUrdf, takes_line_breaks_and_tabs_between_numbers) {
+TEST(ReadUrdf, AcceptsLineBreaksAndTabsBetweenNumbers) {
   const Robot robot = parse(
       "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='fixed'>"
       "<parent link='a'/><child link='b'/><origin xyz='1\n\t2 3 '/></joint></robot>");

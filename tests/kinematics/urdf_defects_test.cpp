@@ -1,5 +1,5 @@
-// Every defect of a URDF is refused, with its line and the reason. urdfdom alone accepts a third of
-// these in silence and crashes on some.
+// Every defect of a URDF is rejected with its line and the reason. urdfdom alone accepts a third of
+// these without a message and crashes on some.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -51,15 +51,13 @@ struct Defect {
 // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
 void PrintTo(const Defect& defect, std::ostream* out) { *out << defect.name; }
 
-class Defects : public testing::TestWithParam<Defect> {};
+class UrdfDefects : public testing::TestWithParam<Defect> {};
 
-TEST_P(Defects, are_refused_with_line_and_reason) {
+TEST_P(UrdfDefects, AreRejectedWithLineAndReason) {
   EXPECT_THAT(complaint_about(GetParam().text), HasSubstr(GetParam().complaint));
 }
 
-TEST(Defects, of_the_lines_below_come_from_a_sound_robot) {
-  EXPECT_EQ(complaint_about(Lines{}.text()), "accepted");
-}
+TEST(UrdfDefects, AreAddedToAValidRobot) { EXPECT_EQ(complaint_about(Lines{}.text()), "accepted"); }
 
 std::string joint(const std::string& name, const std::string& parent, const std::string& child,
                   const std::string& inner = "", const std::string& type = "continuous") {
@@ -85,7 +83,7 @@ std::string mass(const std::string& value) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    OfTheTree, Defects,
+    Tree, UrdfDefects,
     testing::Values(
         Defect{"two_parents",
                Lines{.more = fmt::format("<link name='c'/>\n{}{}", joint("k", "a", "c"),
@@ -110,9 +108,9 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"no_child", Lines{.ends = R"(<parent link="a"/>)"}.text(),
                "robot.urdf:4: expected <child link=...> in <joint>"},
         Defect{"link_twice", Lines{.link_b = R"(<link name="a"/>)"}.text(),
-               "robot.urdf:3: expected each link name once, found 'a' again, first on line 2"},
+               "robot.urdf:3: expected unique link names, found 'a' again, first on line 2"},
         Defect{"joint_twice", Lines{.more = with_link_c(joint("j", "b", "c"))}.text(),
-               "robot.urdf:10: expected each joint name once"},
+               "robot.urdf:10: expected unique joint names"},
         Defect{"empty_link_name", Lines{.link_a = R"(<link name=""/>)"}.text(),
                "robot.urdf:2: expected a name for this <link>, found an empty one"},
         Defect{"blank_link_name", Lines{.link_a = R"(<link name="  "/>)"}.text(), "robot.urdf:2"},
@@ -126,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
-    OfJoints, Defects,
+    Joints, UrdfDefects,
     testing::Values(
         Defect{"zero_axis", Lines{.axis = R"(<axis xyz="0 0 0"/>)"}.text(),
                "robot.urdf:7: expected a joint axis that is not zero, found '0 0 0'"},
@@ -163,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"unknown_type", Lines{.type = "revolut"}.text(),
                "found 'revolut' (did you mean 'revolute'?)"},
         Defect{
-            "mimics_nobody",
+            "mimics_an_unknown_joint",
             Lines{.limit =
                       R"(<limit lower="0" upper="1" effort="1" velocity="1"/><mimic joint="x"/>)"}
                 .text(),
@@ -173,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
             Lines{.limit =
                       R"(<limit lower="0" upper="1" effort="1" velocity="1"/><mimic joint="j"/>)"}
                 .text(),
-            "robot.urdf:8: expected a mimic chain that ends at a free joint, found a circle "
+            "robot.urdf:8: expected a mimic chain that ends at a free joint, found a cycle "
             "through 'j'"},
         Defect{
             "mimics_in_a_circle",
@@ -181,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(
                       R"(<limit lower="0" upper="1" effort="1" velocity="1"/><mimic joint="k"/>)",
                   .more = with_link_c(joint("k", "b", "c", R"(<mimic joint="j"/>)"))}
                 .text(),
-            "a circle through"},
+            "a cycle through"},
         Defect{
             "mimics_a_fixed_joint",
             Lines{.limit =
@@ -192,7 +190,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
-    OfLinks, Defects,
+    Links, UrdfDefects,
     testing::Values(
         Defect{"negative_mass", Lines{.link_a = mass("-1")}.text(),
                "robot.urdf:2: expected a mass that is not negative, found '-1'"},
@@ -241,7 +239,7 @@ std::string chain(int links) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    OfTheText, Defects,
+    Text, UrdfDefects,
     testing::Values(
         Defect{"empty", "", "robot.urdf:1: expected an XML element, found none"},
         Defect{"no_xml", "hello", "expected an XML element, found none"},
@@ -276,7 +274,7 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"cut_in_a_value", "<robot name=\"r", "a closing quote for 'name'"},
         Defect{"quote_in_an_attributes_name", "<robot name=\"r\" a\"b=\"c\"/>",
                "robot.urdf:1: expected '=' after the attribute 'a'"},
-        Defect{"cut_in_a_comment", "<robot name=\"r\"><!-- ", "'-->' to end what '<!--' begins"},
+        Defect{"cut_in_a_comment", "<robot name=\"r\"><!-- ", "'-->' to close '<!--'"},
         Defect{"two_robots", "<robot name=\"r\"><link name=\"a\"/></robot><robot/>",
                "one outermost element"},
         Defect{"nested_200000_deep", repeated("<a>", 200000),
@@ -291,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"17_megabytes", std::string(17u << 20, ' '), "expected at most 16777216 bytes"}),
     [](const auto& test) { return test.param.name; });
 
-TEST(Defects, takes_the_longest_chain_it_allows) {
+TEST(UrdfDefects, ExcludeTheLongestAllowedChain) {
   const Robot robot = parse(chain(257));
   EXPECT_EQ(robot.joints.size(), 256u);
 }

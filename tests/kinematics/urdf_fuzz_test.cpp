@@ -1,5 +1,4 @@
-// Damaged URDFs: whatever happens to the bytes, parse_urdf() either throws InputError or returns a
-// robot that is sound and poses finitely.
+// Damaged URDFs: parse_urdf() throws InputError or returns a valid robot with finite poses.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -85,7 +84,7 @@ class Mutator {
     }
   }
 
-  /// Puts one attribute's value in the place of another's: names collide, numbers wander.
+  /// Replaces one attribute's value with another's: names collide, numbers change.
   void replace_a_value(std::string& text, size_t at) {
     const auto value_after = [&](size_t from) {
       const size_t open = text.find('"', from);
@@ -115,7 +114,7 @@ void expect_sound(const Robot& robot) {
   }
 }
 
-TEST(DamagedUrdf, is_refused_in_words_or_sound) {
+TEST(DamagedUrdf, IsRejectedOrValid) {
   const uint64_t seed = from_environment("THRONG_FUZZ_SEED", 1);
   const uint64_t rounds = from_environment("THRONG_FUZZ_ROUNDS", 2000);
   const std::filesystem::path fixtures =
@@ -138,7 +137,7 @@ TEST(DamagedUrdf, is_refused_in_words_or_sound) {
       }
     }
   }
-  // Otherwise the damage is so heavy that nothing behind the first check is ever reached.
+  // Otherwise the damage is so heavy that nothing passes the first check.
   EXPECT_GT(accepted, 100) << "seed " << seed;
 }
 

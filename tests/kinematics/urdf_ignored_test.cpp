@@ -1,5 +1,4 @@
-// What a URDF says to no purpose is skipped and listed, and sizes that only look harmless are
-// refused before a parser sees them.
+// Parts of a URDF without effect are skipped and listed; excessive sizes are rejected.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@
 #include "kinematics/robot.h"
 #include "kinematics/xml_scan.h"
 
-namespace throng::urdf_idle_test {
+namespace throng::urdf_ignored_test {
 namespace {
 
 using testing::Contains;
@@ -47,7 +46,7 @@ std::string shape(const std::string& tag, const std::string& geometry) {
   return fmt::format("<{0}><geometry>{1}</geometry></{0}>", tag, geometry);
 }
 
-TEST(UrdfIdle, MarkersWithoutSizeAreSkippedAndListed) {
+TEST(UrdfIgnored, SkipsAndListsMarkersWithoutSize) {
   for (const char* geometry :
        {"<box size='0 0 0'/>", "<box size='0.0 -0 1'/>", "<sphere radius='0'/>",
         "<cylinder radius='0' length='0'/>", "<cylinder radius='0.0' length='0.2'/>"})
@@ -59,20 +58,20 @@ TEST(UrdfIdle, MarkersWithoutSizeAreSkippedAndListed) {
     }
 }
 
-TEST(UrdfIdle, NotesCommandNoTerminal) {
+TEST(UrdfIgnored, EscapesControlCharactersInNotes) {
   const Robot read = parse("<robot name='r'><link name='foot'/><\x1b[31mloud/><torn\xff/></robot>");
   EXPECT_THAT(read.notes, Contains(HasSubstr("<\\x1b[31mloud>")));
   EXPECT_THAT(read.notes, Contains(HasSubstr("<torn\\xff>")));
 }
 
-TEST(UrdfIdle, WhatHasASurfaceStaysBesideAMarker) {
+TEST(UrdfIgnored, KeepsSurfacesNextToMarkers) {
   const Robot read =
       parse(robot(shape("visual", "<box size='0 0 0'/>") + shape("visual", "<box size='1 2 3'/>")));
   ASSERT_EQ(read.links[0].visual.size(), 1u);
   EXPECT_EQ(read.links[0].visual[0].box_size_m, Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(UrdfIdle, APlateAndANegativeSizeAreStillRefused) {
+TEST(UrdfIgnored, RejectsPlatesAndNegativeSizes) {
   for (const char* geometry :
        {"<box size='1 1 0'/>", "<box size='0 0 -1'/>", "<sphere radius='-1'/>",
         "<cylinder radius='1' length='0'/>", "<box size='0 0'/>", "<box size='nan 0 0'/>"})
@@ -81,7 +80,7 @@ TEST(UrdfIdle, APlateAndANegativeSizeAreStillRefused) {
         << geometry;
 }
 
-TEST(UrdfIdle, IncompleteInertiaIsSkippedAndListed) {
+TEST(UrdfIgnored, SkipsAndListsIncompleteInertia) {
   const char* const mass = "<mass value='2'/>";
   for (const std::string& inertia :
        {std::string(mass), fmt::format("{}<inertia ixx='1' iyy='1'/>", mass),
@@ -97,14 +96,14 @@ TEST(UrdfIdle, IncompleteInertiaIsSkippedAndListed) {
   EXPECT_EQ(whole.links[0].mass_kg, 2);
 }
 
-TEST(UrdfIdle, LinesKeepTheirNumbersBehindWhatIsSkipped) {
+TEST(UrdfIgnored, KeepsLineNumbersAfterSkippedTags) {
   EXPECT_THAT(
       complaint_about(robot("<visual>\n<geometry>\n<box size='0 0 0'/>\n</geometry>\n</visual>\n" +
                             shape("visual", "<box size='1 1 -1'/>"))),
       HasSubstr("robot.urdf:8: "));
 }
 
-TEST(UrdfIdle, ZeroBytesAtTheEndAreSkippedAndElsewhereRefused) {
+TEST(UrdfIgnored, SkipsZeroBytesAtTheEndOnly) {
   const std::string sound = robot("");
   const Robot read = parse(sound + std::string(3, '\0'));
   EXPECT_THAT(read.notes, Contains("the last 3 bytes are zero: skipped"));
@@ -116,7 +115,7 @@ TEST(UrdfIdle, ZeroBytesAtTheEndAreSkippedAndElsewhereRefused) {
 
 const std::string kBox = "<geometry><box size='1 1 1'/></geometry>";
 
-/// Two links with a box each and a joint between them.
+/// Returns two links with a box each and a joint between them.
 std::string jointed(const std::string& type, const std::string& in_joint) {
   return fmt::format(
       "<robot name='r'>\n<link name='a'><collision>{0}</collision></link>\n"
@@ -125,7 +124,7 @@ std::string jointed(const std::string& type, const std::string& in_joint) {
       kBox, type, in_joint);
 }
 
-TEST(UrdfIdle, WhatNoShapeDependsOnRefusesNoRobot) {
+TEST(UrdfIgnored, AcceptsDefectsThatNoShapeDependsOn) {
   const std::string collision = "<collision>" + kBox + "</collision>";
   for (const std::string& text : {
            robot("<visual>" + kBox + "<material/></visual>"),
@@ -157,13 +156,14 @@ TEST(UrdfIdle, WhatNoShapeDependsOnRefusesNoRobot) {
     const Link& link = parse(text).links[0];
     EXPECT_EQ(link.collision.size() + link.visual.size(), 1u) << text;
   }
-  EXPECT_THAT(parse(robot(collision + shape("visual", "<plane/>"))).notes,
-              Contains("<visual> of link 'foot', line 3: skipped, its <collision> counts: expected "
-                       "<mesh>, <box>, <cylinder>, <sphere> or <capsule>, found <plane>"));
+  EXPECT_THAT(
+      parse(robot(collision + shape("visual", "<plane/>"))).notes,
+      Contains("<visual> of link 'foot', line 3: skipped in favour of <collision>: expected "
+               "<mesh>, <box>, <cylinder>, <sphere> or <capsule>, found <plane>"));
   EXPECT_THAT(complaint_about(robot("<visual/>")), HasSubstr("robot.urdf:3: expected"));
 }
 
-TEST(UrdfIdle, ARobotWithoutANameIsCalledAfterItsFile) {
+TEST(UrdfIgnored, NamesUnnamedRobotsAfterTheirFile) {
   for (const char* attribute : {"", "name=''", "name='  '"}) {
     const Robot read = parse_urdf(fmt::format("<robot {}><link name='a'/></robot>", attribute),
                                   "models/humanoid.urdf");
@@ -173,7 +173,7 @@ TEST(UrdfIdle, ARobotWithoutANameIsCalledAfterItsFile) {
   EXPECT_EQ(parse_urdf("<robot name='a&#10;b'><link name='a'/></robot>", "x.urdf").name, "a\\x0ab");
 }
 
-/// A box `base` with a joint above it.
+/// Returns a box `base` with a joint above it.
 std::string freed(const std::string& type, const std::string& in_world = "",
                   const std::string& more = "") {
   return fmt::format(
@@ -183,7 +183,7 @@ std::string freed(const std::string& type, const std::string& in_world = "",
       in_world, "<collision>" + kBox + "</collision>", more, type);
 }
 
-TEST(UrdfIdle, AFreeJointBetweenTheWorldAndTheRobotIsItsRoot) {
+TEST(UrdfIgnored, CutsOffTheWorldAboveAFreeJoint) {
   const std::string frames =
       "<link name='map'/><joint name='above' type='planar'><parent link='map'/><child "
       "link='world'/></joint><link name='camera'/><joint name='beside' type='fixed'><parent "
@@ -210,15 +210,15 @@ TEST(UrdfIdle, AFreeJointBetweenTheWorldAndTheRobotIsItsRoot) {
                                         "</collision></link><joint name='too' type='floating'>"
                                         "<parent link='world'/><child link='other'/></joint>")),
               HasSubstr("it has several degrees of freedom"));
-  // A frame that hangs on a robot.
+  // A frame below a robot.
   const Robot hung = parse(freed("fixed", "",
                                  "<link name='target'/><joint name='any' type='floating'><parent "
                                  "link='base'/><child link='target'/></joint>"));
   EXPECT_EQ(hung.links.size(), 2u);
-  EXPECT_THAT(hung.notes, Contains(HasSubstr("skipped with all from 'target' on")));
+  EXPECT_THAT(hung.notes, Contains(HasSubstr("skipped with all links from 'target' on")));
 }
 
-TEST(UrdfIdle, ACapsuleIsAShape) {
+TEST(UrdfIgnored, ReadsCapsules) {
   const Robot read =
       parse(robot("<collision><origin xyz='0 0 1'/><geometry><capsule radius='0.5' length='2'/>"
                   "</geometry></collision>" +
@@ -237,7 +237,7 @@ TEST(UrdfIdle, ACapsuleIsAShape) {
                   .collision.empty());
 }
 
-TEST(UrdfIdle, ASphericalJointIsThreeThatTurn) {
+TEST(UrdfIgnored, ReadsASphericalJointAsThree) {
   const std::string text =
       "<robot name='r'><link name='a'/><link name='ball_x'/><link name='c'/>"
       "<joint name='ball' type='spherical'><parent link='a'/><child link='ball_x'/><origin xyz='0 "
@@ -263,7 +263,7 @@ TEST(UrdfIdle, ASphericalJointIsThreeThatTurn) {
   EXPECT_THAT(assumptions_of(text), testing::ElementsAre(HasSubstr("'ball' (line 1)")));
 }
 
-TEST(UrdfIdle, AQuaternionTurnsAsItsAnglesDo) {
+TEST(UrdfIgnored, ReadsQuaternionsLikeAngles) {
   const auto turned = [](const std::string& by) {
     return parse(jointed("fixed", fmt::format("<origin xyz='1 2 3' {}/>", by))).joints[0];
   };
@@ -273,14 +273,14 @@ TEST(UrdfIdle, AQuaternionTurnsAsItsAnglesDo) {
             1e-12);
 }
 
-TEST(UrdfIdle, AJointWithoutLimitsIsAnAssumption) {
+TEST(UrdfIgnored, ListsAssumptionsForMissingLimits) {
   const auto read = [](const std::string& type, const std::string& in_joint) {
     return parse(jointed(type, in_joint));
   };
   const Robot turning = read("revolute", "");
   EXPECT_EQ(turning.joints[0].kind, Joint::Kind::kContinuous);
   EXPECT_THAT(assumptions_of(jointed("revolute", "")),
-              testing::ElementsAre("revolute joints without <limit> turn as continuous ones do: "
+              testing::ElementsAre("revolute joints without <limit> are read as continuous ones: "
                                    "'j' (line 4)"));
   const Robot sliding = read("prismatic", "");
   EXPECT_EQ(sliding.joints[0].lower, 0);
@@ -289,13 +289,13 @@ TEST(UrdfIdle, AJointWithoutLimitsIsAnAssumption) {
               testing::ElementsAre("prismatic joints without <limit> stay at 0 m: 'j' (line 4)"));
   for (const char* type : {"revolute", "prismatic"})
     EXPECT_THAT(assumptions_of(jointed(type, "<limit effort='1' velocity='1'/>")),
-                testing::ElementsAre("joints whose <limit> has neither lower nor upper, which are "
-                                     "then 0, do not move: 'j' (line 4)"));
+                testing::ElementsAre("joints without lower and upper in <limit> do not move, "
+                                     "because both are 0: 'j' (line 4)"));
   EXPECT_THAT(assumptions_of(jointed("revolute", "<limit upper='1'/>")), testing::IsEmpty());
   EXPECT_THAT(assumptions_of(jointed("continuous", "")), testing::IsEmpty());
 }
 
-TEST(UrdfSize, ATagHasAtMost64AttributesAndNamesOf256Bytes) {
+TEST(UrdfSize, LimitsAttributesTo64AndNamesTo256Bytes) {
   const auto with_attributes = [](int count) {
     std::string text = "<x";
     for (int i = 0; i < count; ++i) text += fmt::format(" a{}='1'", i);
@@ -310,7 +310,7 @@ TEST(UrdfSize, ATagHasAtMost64AttributesAndNamesOf256Bytes) {
       HasSubstr("names of at most 256 bytes"));
 }
 
-TEST(UrdfSize, ARobotHasAtMost16384Shapes) {
+TEST(UrdfSize, LimitsShapesTo16384) {
   const auto with_shapes = [](int count) {
     std::string shapes;
     for (int i = 0; i < count; ++i) shapes += shape("visual", "<sphere radius='1'/>");
@@ -320,7 +320,7 @@ TEST(UrdfSize, ARobotHasAtMost16384Shapes) {
   EXPECT_THAT(complaint_about(with_shapes(16'385)), HasSubstr("expected at most 16384 shapes"));
 }
 
-TEST(MeshPath, PackagesAreFoundUnderShareOfAnAmentPrefix) {
+TEST(MeshPath, FindsPackagesUnderShareOfAnAmentPrefix) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / fmt::format("throng_ament_{}", ::getpid());
   fs::create_directories(folder / "install/share/my_robot/meshes");
@@ -337,7 +337,7 @@ TEST(MeshPath, PackagesAreFoundUnderShareOfAnAmentPrefix) {
   fs::remove_all(folder);
 }
 
-TEST(MeshPath, UrisAreReadInEachOfTheirForms) {
+TEST(MeshPath, ReadsEveryFormOfUri) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / fmt::format("throng uris {}", ::getpid());
   fs::create_directories(folder / "robot_description/meshes");
@@ -378,7 +378,7 @@ TEST(MeshPath, UrisAreReadInEachOfTheirForms) {
   fs::remove_all(folder);
 }
 
-TEST(RootTag, IsFoundBehindWhateverMayStandBeforeIt) {
+TEST(RootTag, IsFoundAfterAnyProlog) {
   EXPECT_EQ(root_tag_of("<robot name='r'>"), "robot");
   EXPECT_EQ(root_tag_of("\xef\xbb\xbf \r\n<?xml version='1.0'?><!-- <sdf> -->\n<!DOCTYPE robot>"
                         "<robot>"),
@@ -390,4 +390,4 @@ TEST(RootTag, IsFoundBehindWhateverMayStandBeforeIt) {
 }
 
 }  // namespace
-}  // namespace throng::urdf_idle_test
+}  // namespace throng::urdf_ignored_test

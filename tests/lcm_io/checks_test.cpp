@@ -1,5 +1,5 @@
-// THRONG_CHECKSUMS: no flipped bit of a log goes unnoticed, what is damaged is named, what is
-// mended is sound, and a run says by what it was made and what it leaves out.
+// THRONG_CHECKSUMS: every flipped bit of a log is detected, damage is located, repaired logs are
+// sound, and the origin of a run is stated.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,6 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A file of which single bits are turned over and back.
 class BitFlipper {
  public:
   explicit BitFlipper(const std::vector<uint8_t>& bytes) : bytes_(bytes) {
@@ -32,26 +31,25 @@ class BitFlipper {
   BitFlipper(const BitFlipper&) = delete;
   BitFlipper& operator=(const BitFlipper&) = delete;
 
-  /// Whether the log with this one bit turned over is called sound.
+  /// Returns whether the log with this bit flipped is reported as sound.
   bool is_called_sound(size_t bit) {
     put(bit / 8, static_cast<uint8_t>(bytes_[bit / 8] ^ 1u << bit % 8));
     bool is_sound = false;
     try {
       is_sound = check_log(file_.path()).is_sound();
     } catch (const InputError&) {
-      EXPECT_LT(bit / 8, 4u) << "only the first magic makes it no log at all";
+      EXPECT_LT(bit / 8, 4u) << "only damage of the first magic number makes the file no log";
     }
     put(bit / 8, bytes_[bit / 8]);
     return is_sound;
   }
-  /// Where a bit lies, for people.
   std::string place_of(size_t bit) const {
     LogReader log(file_.path());
     for (LogEvent event; log.next(event) == LogReader::Status::kEvent;)
       if (event.offset + event.bytes > bit / 8)
         return "byte " + std::to_string(bit / 8 - event.offset) + " of event " +
                std::to_string(event.number) + " on " + std::string(event.channel);
-    return "behind the end";
+    return "after the end";
   }
   const std::filesystem::path& path() const { return file_.path(); }
 
@@ -64,7 +62,7 @@ class BitFlipper {
   int descriptor_ = -1;
 };
 
-/// A log without adults, so that it is small.
+/// A log without adults, to keep it small.
 std::vector<uint8_t> small_log(int frames, int avatars = 2) {
   const ScratchFile file;
   SyntheticRun run(
@@ -74,12 +72,12 @@ std::vector<uint8_t> small_log(int frames, int avatars = 2) {
   return bytes_of(file.path());
 }
 
-TEST(Checks, NoFlippedBitOfASmallLogGoesUnnoticed) {
+TEST(Checksums, DetectEveryFlippedBitOfASmallLog) {
   const std::vector<uint8_t> bytes = small_log(2);
   BitFlipper log(bytes);
   ASSERT_TRUE(check_log(log.path()).is_sound());
-  // No exceptions: there is no bit that carries no meaning. A sanitizer would take a quarter of an
-  // hour for all of them.
+  // Every bit is significant. Sanitizer builds test a part only, because all bits take a quarter of
+  // an hour.
   constexpr size_t kEvery = THRONG_SLOWNESS > 1 ? 9 : 1;
   int unnoticed = 0;
   for (size_t bit = 0; bit < 8 * bytes.size(); bit += kEvery)
@@ -87,7 +85,7 @@ TEST(Checks, NoFlippedBitOfASmallLogGoesUnnoticed) {
   EXPECT_EQ(unnoticed, 0) << "of " << 8 * bytes.size() << " bits, every " << kEvery;
 }
 
-/// People who come and go, an obstacle, a driven group, and levels from a deadline.
+/// People who enter and leave, an obstacle, an externally controlled group, and levels of a budget.
 std::vector<uint8_t> log_of_a_real_run() {
   const ScratchFile scene(".yaml"), file;
   std::ofstream(scene.path()) << R"(name: checks
@@ -102,7 +100,7 @@ groups:
     count: 30
     spawn: {min_m: [3, 1], max_m: [9, 5]}
     sources:
-      - {area: {min_m: [0, 1], max_m: [2, 5]}, count: 6, rate_per_s: 4, random: true}
+      - {area: {min_m: [0, 1], max_m: [2, 5]}, count: 6, rate_per_s: 4, arrivals: poisson}
     goals:
       - {min_m: [11, 2], max_m: [12, 4]}
     on_arrival: leave
@@ -122,7 +120,7 @@ groups:
   return bytes_of(file.path());
 }
 
-TEST(Checks, NoneOfAThousandFlippedBitsOfARealRunGoesUnnoticed) {
+TEST(Checksums, DetectAThousandFlippedBitsOfARealRun) {
   constexpr uint64_t kSeed = 14;
   const std::vector<uint8_t> bytes = log_of_a_real_run();
   BitFlipper log(bytes);
@@ -137,10 +135,10 @@ TEST(Checks, NoneOfAThousandFlippedBitsOfARealRunGoesUnnoticed) {
   }
 }
 
-/// A log of a few frames, its events, and what becomes of it when it is damaged and mended.
-class Mending : public testing::Test {
+/// A log of a few frames, its events, and the results of damage and repair.
+class LogRepair : public testing::Test {
  protected:
-  Mending() : bytes_(small_log(6)) {
+  LogRepair() : bytes_(small_log(6)) {
     write_bytes(file_.path(), bytes_);
     LogReader log(file_.path());
     for (LogEvent event; log.next(event) == LogReader::Status::kEvent;)
@@ -150,13 +148,11 @@ class Mending : public testing::Test {
     std::string channel;
     uint64_t offset, bytes, data_bytes;
   };
-  /// The n-th event of a channel.
   const Event& event(std::string_view channel, int n) const {
     for (const Event& event : events_)
       if (event.channel == channel && n-- == 0) return event;
     throw std::out_of_range("no such event");
   }
-  /// Turns a bit of its data over; counted from the end where negative.
   void damage(const Event& event, int64_t byte) {
     const auto data = event.offset + event.bytes - event.data_bytes;
     bytes_[static_cast<size_t>(byte >= 0 ? data + static_cast<uint64_t>(byte)
@@ -171,31 +167,32 @@ class Mending : public testing::Test {
     write_bytes(file_.path(), bytes_);
     return check_log(file_.path());
   }
-  LogReport check_mended() {
+  LogReport check_repaired() {
     write_bytes(file_.path(), bytes_);
-    repair_log(file_.path(), mended_.path());
-    return check_log(mended_.path());
+    repair_log(file_.path(), repaired_.path());
+    return check_log(repaired_.path());
   }
 
-  ScratchFile file_, mended_;
+  ScratchFile file_, repaired_;
   std::vector<uint8_t> bytes_;
   std::vector<Event> events_;
 };
 
-TEST_F(Mending, DamageIsNamedByChannelAndFrame) {
-  // The last bytes of a states message are joint values, which may be anything.
+TEST_F(LogRepair, NamesDamageByChannelAndFrame) {
+  // The last bytes of a states message are joint positions, which may have any value.
   damage(event("THRONG_STATES", 3), -10);
   const LogReport report = check();
   ASSERT_EQ(report.problem_count, 1) << testing::PrintToString(report.problems);
-  EXPECT_THAT(report.problems[0], HasSubstr("THRONG_STATES: damaged, 1 message, between the checks "
-                                            "of frame 2 and those of frame 3"));
+  EXPECT_THAT(report.problems[0],
+              HasSubstr("THRONG_STATES: damaged, 1 message, between the checksums "
+                        "of frame 2 and those of frame 3"));
   ASSERT_EQ(report.damage.size(), 1u);
   EXPECT_TRUE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 3).offset));
   EXPECT_FALSE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 2).offset));
   EXPECT_FALSE(report.damage[0].contains(Channel::kStates, event("THRONG_STATES", 4).offset));
 }
 
-TEST_F(Mending, TwoDamagesAreTwo) {
+TEST_F(LogRepair, ReportsTwoDamagesSeparately) {
   damage(event("THRONG_STATES", 1), -10);
   damage(event("THRONG_FRAME_STATS", 4), 80);
   const LogReport report = check();
@@ -206,53 +203,53 @@ TEST_F(Mending, TwoDamagesAreTwo) {
   EXPECT_EQ(report.damage[1].to_frame, 4);
 }
 
-TEST_F(Mending, AMessageThatIsMissingIsCounted) {
+TEST_F(LogRepair, CountsAMissingMessage) {
   erase(event("THRONG_FRAME_STATS", 2));
   EXPECT_THAT(check().problems, testing::Contains(HasSubstr(
-                                    "THRONG_FRAME_STATS: 0 messages, 1 were written, between the "
-                                    "checks of frame 1 and those of frame 2")));
+                                    "THRONG_FRAME_STATS: 0 messages instead of 1, between the "
+                                    "checksums of frame 1 and those of frame 2")));
 }
 
-TEST_F(Mending, WhatIsMendedHoldsNothingThatIsDamaged) {
+TEST_F(LogRepair, RemovesAllDamage) {
   damage(event("THRONG_STATES", 3), -10);
-  const LogReport report = check_mended();
+  const LogReport report = check_repaired();
   EXPECT_TRUE(report.damage.empty()) << testing::PrintToString(report.problems);
   EXPECT_TRUE(report.repaired);
   EXPECT_EQ(report.log_events, static_cast<int64_t>(events_.size()) - 1);
-  // It is not called sound: it says what it lacks.
+  // The log is not sound, because it reports the missing messages.
   EXPECT_FALSE(report.is_sound() || report.finished);
   EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kStates)].missing, 1);
-  EXPECT_TRUE(report.hash_agrees) << "the events are all there";
+  EXPECT_TRUE(report.hash_agrees) << "no event is missing";
 }
 
-TEST_F(Mending, EventsThatAreDamagedAreLeftOutAndTheHashSaysSo) {
+TEST_F(LogRepair, RemovesDamagedEventsAndReportsTheHash) {
   damage(event("THRONG_EVENTS", 2), 66);
-  const LogReport report = check_mended();
+  const LogReport report = check_repaired();
   EXPECT_TRUE(report.damage.empty()) << testing::PrintToString(report.problems);
   EXPECT_TRUE(report.repaired);
   EXPECT_FALSE(report.hash_agrees);
   EXPECT_THAT(report.problems, testing::Contains(HasSubstr("the events in the log have another")));
 }
 
-TEST_F(Mending, MendedAgainItStaysAsItIs) {
+TEST_F(LogRepair, IsIdempotent) {
   damage(event("THRONG_STATES", 3), -10);
   damage(event("THRONG_CHECKSUMS", 4), 70);
-  check_mended();
-  const auto once = bytes_of(mended_.path());
+  check_repaired();
+  const auto once = bytes_of(repaired_.path());
   bytes_ = once;
-  check_mended();
-  EXPECT_EQ(bytes_of(mended_.path()), once);
+  check_repaired();
+  EXPECT_EQ(bytes_of(repaired_.path()), once);
 }
 
-TEST_F(Mending, AFlippedBitOfAMendedLogIsFound) {
+TEST_F(LogRepair, LeavesALogWhoseFlippedBitsAreDetected) {
   damage(event("THRONG_STATES", 3), -10);
-  check_mended();
-  const auto mended = bytes_of(mended_.path());
-  write_bytes(file_.path(), mended);
+  check_repaired();
+  const auto repaired = bytes_of(repaired_.path());
+  write_bytes(file_.path(), repaired);
   LogReader log(file_.path());
   for (LogEvent event; log.next(event) == LogReader::Status::kEvent;) {
     if (event.channel != "THRONG_STATES") continue;
-    bytes_ = mended;
+    bytes_ = repaired;
     bytes_[event.offset + event.bytes - 9] ^= 1;
     const LogReport report = check();
     ASSERT_EQ(report.damage.size(), 1u) << testing::PrintToString(report.problems);
@@ -260,11 +257,11 @@ TEST_F(Mending, AFlippedBitOfAMendedLogIsFound) {
   }
 }
 
-TEST_F(Mending, WhatLiesBehindTheLastChecksIsNotCovered) {
+TEST_F(LogRepair, ReportsMessagesAfterTheLastChecksums) {
   const Event& last = event("THRONG_CHECKSUMS", 3);
   bytes_.resize(last.offset + last.bytes);
   LogReport report = check();
-  EXPECT_TRUE(report.is_sound() && !report.finished) << "killed behind frame 3";
+  EXPECT_TRUE(report.is_sound() && !report.finished) << "killed after frame 3";
   EXPECT_EQ(report.checked_frame, 3);
   EXPECT_EQ(report.uncovered, 0);
 
@@ -277,36 +274,36 @@ TEST_F(Mending, WhatLiesBehindTheLastChecksIsNotCovered) {
   EXPECT_THAT(describe_coverage(report), testing::Contains(HasSubstr("not covered: ")));
 }
 
-TEST_F(Mending, ALogWithoutItsLastChecksIsCutOff) {
+TEST_F(LogRepair, ReportsALogWithoutLastChecksumsAsCutOff) {
   erase(events_.back());
   ASSERT_EQ(events_.back().channel, "THRONG_CHECKSUMS");
   const LogReport report = check();
   EXPECT_TRUE(report.is_sound());
   EXPECT_FALSE(report.finished);
-  EXPECT_EQ(report.uncovered, 2) << "the last ends and THRONG_END: nothing vouches for them";
+  EXPECT_EQ(report.uncovered, 2) << "the last ends and THRONG_END have no checksums";
 }
 
-TEST_F(Mending, NothingComesBehindTheLastChecks) {
+TEST_F(LogRepair, ReportsMessagesAfterTheEnd) {
   const Event& states = event("THRONG_STATES", 5);
   const std::vector<uint8_t> copy(
       bytes_.begin() + static_cast<ptrdiff_t>(states.offset),
       bytes_.begin() + static_cast<ptrdiff_t>(states.offset + states.bytes));
   bytes_.insert(bytes_.end(), copy.begin(), copy.end());
-  EXPECT_THAT(check().problems, testing::Contains(HasSubstr("behind the last one of the run")));
+  EXPECT_THAT(check().problems, testing::Contains(HasSubstr("after the last one of the run")));
 }
 
-TEST_F(Mending, AChannelThatNoRunHasIsNamed) {
+TEST_F(LogRepair, NamesAnUnknownChannel) {
   const Event& counters = event("THRONG_FRAME_STATS", 2);
   bytes_[counters.offset + kLogHeadBytes + 3] ^= 1;
   const LogReport report = check();
   EXPECT_THAT(report.problems,
-              testing::Contains(HasSubstr("'THRNNG_FRAME_STATS' is no channel of a run")));
+              testing::Contains(HasSubstr("'THRNNG_FRAME_STATS' is not a channel of a run")));
   EXPECT_THAT(report.problems,
-              testing::Contains(HasSubstr("THRONG_FRAME_STATS: 0 messages, 1 were")));
-  EXPECT_TRUE(check_mended().damage.empty());
+              testing::Contains(HasSubstr("THRONG_FRAME_STATS: 0 messages instead of 1")));
+  EXPECT_TRUE(check_repaired().damage.empty());
 }
 
-TEST(Checks, TheTotalsOfTheEndAreThoseBeforeItAndTheLastChecksAreOneMore) {
+TEST(Checksums, AreTheOnlyMessageAfterTheTotalsOfTheEnd) {
   SyntheticRun run({.avatars = 5, .seed = 3});
   const auto messages = messages_of(run, 4);
   std::map<std::string, int64_t> before_end;
@@ -324,14 +321,15 @@ TEST(Checks, TheTotalsOfTheEndAreThoseBeforeItAndTheLastChecksAreOneMore) {
   ASSERT_EQ(messages.back().channel, Channel::kChecksums);
   ASSERT_EQ(decode(messages.back().bytes, last), "");
   EXPECT_TRUE(last.is_last);
-  EXPECT_EQ(last.seq, before_end["THRONG_CHECKSUMS"]) << "it comes behind the end and is not in it";
-  EXPECT_EQ(last.number, static_cast<int64_t>(messages.size()) - 1);
+  EXPECT_EQ(last.seq, before_end["THRONG_CHECKSUMS"])
+      << "it follows the end and is not counted there";
+  EXPECT_EQ(last.message_index, static_cast<int64_t>(messages.size()) - 1);
   EXPECT_EQ(last.hash, end.hash);
   EXPECT_EQ(sum_of(Channel::kEnd, last).messages, 1);
   EXPECT_EQ(sum_of(Channel::kChecksums, last).messages, last.seq) << "all before it";
 }
 
-TEST(Checks, ComeWithTheCountersOfEveryFrame) {
+TEST(Checksums, FollowTheStatisticsOfEveryFrame) {
   SyntheticRun run({.seed = 3});
   const auto messages = messages_of(run, 30);
   int64_t frames = 0;
@@ -343,7 +341,7 @@ TEST(Checks, ComeWithTheCountersOfEveryFrame) {
   EXPECT_EQ(frames, 30);
 }
 
-TEST(Checks, AreRefusedWhereTheyAreDamagedThemselves) {
+TEST(Checksums, AreRejectedWhenDamaged) {
   SyntheticRun run({.avatars = 3, .seed = 3});
   auto bytes = messages_of(run, 1).back().bytes;
   ASSERT_EQ(check_message(Channel::kChecksums, bytes), "");
@@ -354,7 +352,7 @@ TEST(Checks, AreRefusedWhereTheyAreDamagedThemselves) {
   }
 }
 
-TEST(Checks, ImpossibleTotalsAreRefusedEvenWhereTheOwnChecksumIsRight) {
+TEST(Checksums, RejectImpossibleTotalsWithAValidChecksum) {
   SyntheticRun run({.avatars = 3, .seed = 3});
   checksums_t sound;
   ASSERT_EQ(decode(messages_of(run, 1).back().bytes, sound), "");
@@ -367,13 +365,14 @@ TEST(Checks, ImpossibleTotalsAreRefusedEvenWhereTheOwnChecksumIsRight) {
     return check_message(Channel::kChecksums, bytes);
   };
   EXPECT_EQ(defect([](checksums_t&) {}), "");
-  EXPECT_THAT(defect([](checksums_t& c) { c.number = -1; }), HasSubstr("found number -1"));
+  EXPECT_THAT(defect([](checksums_t& c) { c.message_index = -1; }),
+              HasSubstr("found message_index -1"));
   EXPECT_THAT(defect([](checksums_t& c) { c.messages[2] = -5; }), HasSubstr("found messages -5"));
   EXPECT_THAT(defect([](checksums_t& c) { c.bytes[2] = INT64_MAX; }),
               HasSubstr("found bytes 922337"));
 }
 
-/// What somebody else's recorder makes of a run on the wire: the clock's stamps, its own numbers.
+/// Records a run as an independent recorder does: with clock times as stamps and its own numbers.
 void record(const std::vector<MessageList::Message>& messages, const std::filesystem::path& file,
             size_t first = 0, size_t left_out = SIZE_MAX) {
   LogFile log(file);
@@ -385,7 +384,7 @@ void record(const std::vector<MessageList::Message>& messages, const std::filesy
   log.close();
 }
 
-TEST(Checks, ARecordingOfTheWireIsCheckedByTheSendersNumbers) {
+TEST(Checksums, CoverARecordingByTheSendersNumbers) {
   SyntheticRun run({.avatars = 4, .seed = 3, .crowd = SyntheticRun::Crowd::kRovers});
   auto messages = messages_of(run, 20);
   const ScratchFile file;
@@ -406,7 +405,7 @@ TEST(Checks, ARecordingOfTheWireIsCheckedByTheSendersNumbers) {
   EXPECT_EQ(report.damage[0].channel, Channel::kStates);
 }
 
-TEST(Checks, WhatARecorderMissedIsMissingAndNothingElseIsSuspected) {
+TEST(Checksums, ReportOnlyTheMessagesThatARecorderMissed) {
   SyntheticRun run({.avatars = 4, .seed = 3, .crowd = SyntheticRun::Crowd::kRovers});
   const auto messages = messages_of(run, 20);
   const ScratchFile file;
@@ -418,7 +417,7 @@ TEST(Checks, WhatARecorderMissedIsMissingAndNothingElseIsSuspected) {
   }
 }
 
-TEST(Checks, TheRestOfARunIsCheckedFromTheHashThatItWentOnFrom) {
+TEST(Checksums, ContinueFromTheHashOfAResumedRun) {
   const ScratchFile file;
   SyntheticRun whole({.seed = 3, .pairs = 100});
   Resumed resumed;
@@ -440,7 +439,7 @@ TEST(Checks, TheRestOfARunIsCheckedFromTheHashThatItWentOnFrom) {
   EXPECT_TRUE(report.hash_agrees);
 }
 
-TEST(Checks, AHashThatIsNotTheEventsIsAProblem) {
+TEST(Checksums, ReportAHashThatDiffersFromTheEvents) {
   struct Liar : Sink {
     explicit Liar(LogSink& to) : log(to) {}
     void begin(const RunInfo& run) override { log.begin(run); }
@@ -462,8 +461,8 @@ TEST(Checks, AHashThatIsNotTheEventsIsAProblem) {
   EXPECT_THAT(report.problems[0], HasSubstr("of its events up to frame 3, those in the log have"));
 }
 
-/// What a run with these properties says of itself.
-checksums_t told_by(const std::function<void(RunInfo&)>& change) {
+/// Returns the description of a run after `change`.
+checksums_t checksums_of(const std::function<void(RunInfo&)>& change) {
   SyntheticRun run({.avatars = 3});
   RunInfo info = run.info();
   change(info);
@@ -472,8 +471,8 @@ checksums_t told_by(const std::function<void(RunInfo&)>& change) {
   return out;
 }
 
-TEST(Checks, ARunSaysWhatItLeavesOut) {
-  EXPECT_EQ(told_by([](RunInfo&) {}).omits, "");
+TEST(Checksums, StateTheContactsThatARunOmits) {
+  EXPECT_EQ(checksums_of([](RunInfo&) {}).omits, "");
   const std::pair<Strategy, const char*> cases[] = {
       {Strategy::kNone, "every contact: nothing was tested"},
       {Strategy::kSphere, "body parts: a pair is two whole bodies whose spheres meet"},
@@ -483,17 +482,18 @@ TEST(Checks, ARunSaysWhatItLeavesOut) {
       {Strategy::kTwoPass, ""},
   };
   for (const auto& [strategy, words] : cases) {
-    const checksums_t told = told_by([s = strategy](RunInfo& info) { info.strategy = s; });
-    EXPECT_EQ(told.omits, words);
-    EXPECT_EQ(told.strategy, name_of(strategy));
+    const checksums_t found = checksums_of([s = strategy](RunInfo& info) { info.strategy = s; });
+    EXPECT_EQ(found.omits, words);
+    EXPECT_EQ(found.strategy, name_of(strategy));
   }
-  EXPECT_THAT(told_by([](RunInfo& info) { info.culling = false; }).omits,
-              HasSubstr("every contact"));
-  const checksums_t hurried = told_by([](RunInfo& info) { info.culler.budget_tests = 500; });
-  EXPECT_THAT(hurried.omits, HasSubstr("their level says how far they came"));
-  EXPECT_EQ(hurried.budget_tests, 500);
-  EXPECT_EQ(hurried.budget_ms, -1);
-  EXPECT_EQ(hurried.hash_kind, static_cast<int32_t>(EventHashKind::kEventsAndLevels));
+  EXPECT_THAT(checksums_of([](RunInfo& info) { info.culling = false; }).omits,
+              HasSubstr("all contacts"));
+  const checksums_t with_budget =
+      checksums_of([](RunInfo& info) { info.culler.budget_tests = 500; });
+  EXPECT_THAT(with_budget.omits, HasSubstr("their level names the last test passed"));
+  EXPECT_EQ(with_budget.budget_tests, 500);
+  EXPECT_EQ(with_budget.budget_ms, -1);
+  EXPECT_EQ(with_budget.hash_kind, static_cast<int32_t>(EventHashKind::kEventsAndLevels));
 }
 
 }  // namespace

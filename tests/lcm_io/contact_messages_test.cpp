@@ -1,5 +1,4 @@
-// What a run says of where parts touch: to the last bit, in as many messages as it takes, and
-// judged in its log.
+// Contact points are sent bit for bit in as many messages as needed, and checked in the log.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +30,7 @@ Rows some_rows(size_t count) {
   return rows;
 }
 
-TEST(ContactMessages, HoldEveryRowToTheBit) {
+TEST(ContactPointMessages, PreserveEveryRowBitForBit) {
   SyntheticRun run({.avatars = 20});
   RunInfo info = run.info();
   info.culler.proximity = {0, 0, 0.1, true};
@@ -54,7 +53,7 @@ TEST(ContactMessages, HoldEveryRowToTheBit) {
       const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
       ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
       updates += update == RunReader::Update::kContactPoints;
-      reader.take(name_of(m.channel), m.bytes);  // the wire may repeat a datagram
+      reader.take(name_of(m.channel), m.bytes);  // the network may repeat a datagram
     }
     EXPECT_EQ(updates, 1);
     EXPECT_EQ(messages, std::max<size_t>(1, (count + 1197) / 1198));
@@ -62,7 +61,7 @@ TEST(ContactMessages, HoldEveryRowToTheBit) {
   }
 }
 
-TEST(ContactMessages, ThatCannotBeAreRefused) {
+TEST(ContactPointMessages, AreRejectedWhenInvalid) {
   contact_points_t m{};
   m.schema = kSchema;
   m.chunk_count = 1;
@@ -89,7 +88,6 @@ TEST(ContactMessages, ThatCannotBeAreRefused) {
   EXPECT_NE(defect(), "");
 }
 
-/// The rows of a run, by frame.
 using ByFrame = std::map<int64_t, Rows>;
 
 ByFrame logged_points(Simulation& simulation, int frames, const std::filesystem::path& log) {
@@ -117,7 +115,7 @@ ByFrame read_points(const std::filesystem::path& log) {
   return out;
 }
 
-TEST(ContactMessages, OfALogAreThoseOfItsRunAndItsPosesCulledAgainHaveSome) {
+TEST(ContactPointMessages, SurviveLoggingAndCullingOfTheLog) {
   constexpr int kFrames = 60;
   const ScratchFile log, again_log;
   Scene scene = small_scene("robot_in_crowd", 2, 160);
@@ -128,8 +126,7 @@ TEST(ContactMessages, OfALogAreThoseOfItsRunAndItsPosesCulledAgainHaveSome) {
   for (const auto& [frame, points] : expected) rows += points.size();
   EXPECT_GT(rows, 100u);
   const ByFrame found = read_points(log.path());
-  ASSERT_EQ(found.size(), static_cast<size_t>(kFrames))
-      << "also of frames in which nothing touches";
+  ASSERT_EQ(found.size(), static_cast<size_t>(kFrames)) << "also for frames without contacts";
   for (const auto& [frame, points] : expected)
     ASSERT_TRUE(same_bits<ContactPoint>(found.at(frame), points)) << "frame " << frame;
   const LogReport report = check_log(log.path());
@@ -155,9 +152,9 @@ TEST(ContactMessages, OfALogAreThoseOfItsRunAndItsPosesCulledAgainHaveSome) {
   EXPECT_GT(shared, rows * 9 / 10);
 }
 
-TEST(ContactMessages, ThatWereDamagedAreToldByTheCheck) {
+TEST(ContactPointMessages, AreReportedWhenDamaged) {
   const ScratchFile log;
-  SyntheticRun run({.near = true});
+  SyntheticRun run({.proximity = true});
   LogSink sink(log.path(), {});
   run.play(sink, 30);
   ASSERT_TRUE(check_log(log.path()).is_sound());

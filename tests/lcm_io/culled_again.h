@@ -1,4 +1,4 @@
-// A run that is simulated and logged, and its log culled again.
+// Runs a scene, logs it and culls the log again.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,6 @@
 
 namespace throng {
 
-/// What a frame of a run was.
 struct CulledFrame {
   std::vector<RootPose> roots;
   std::vector<float> postures;
@@ -30,7 +29,7 @@ inline CulledFrame culled_frame_of(const Frame& frame) {
           frame.hash};
 }
 
-/// A bundled scene, small enough to be looked at triangle by triangle.
+/// A bundled scene, small enough for triangle tests of all pairs.
 inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 80) {
   Scene scene = load_scene(name);
   std::vector<std::string> notes;
@@ -42,7 +41,6 @@ inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 8
 
 using DriveAvatars = std::function<void(Simulation&)>;
 
-/// Runs a scene, logs it, and returns its frames.
 inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
                                        const std::filesystem::path& log,
                                        const LogOptions& options = {},
@@ -61,7 +59,6 @@ inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
   return moments;
 }
 
-/// The log's world, ready to be stepped.
 inline SimulationOptions options_of(const LogRun& run, int threads = 1) {
   SimulationOptions options;
   options.threads = threads;

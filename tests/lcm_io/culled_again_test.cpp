@@ -1,4 +1,4 @@
-// The poses of a log, culled again, touch where its run said, as far as quantised states tell.
+// Culling the logged poses again gives the contacts of the run, up to the quantisation of states.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ void PrintTo(const Case& c, std::ostream* out) {
   *out << c.avatars << " in " << c.scene << ", seed " << c.seed;
 }
 
-/// Robots of every driven group go round, roll and bend as no gait would.
+/// Moves the robots of all externally controlled groups in wild motions, which gaits never reach.
 void drive_wildly(Simulation& simulation, uint64_t seed) {
   const RunInfo& info = simulation.info();
   for (uint32_t id = 0; id < info.model_of_avatar.size(); ++id) {
@@ -42,13 +42,13 @@ void drive_wildly(Simulation& simulation, uint64_t seed) {
   }
 }
 
-class CulledAgain : public testing::TestWithParam<Case> {};
+class CulledLog : public testing::TestWithParam<Case> {};
 
-TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
+TEST_P(CulledLog, HasThePairsOfItsRunExceptNearContacts) {
   constexpr int kFrames = 180;
   const ScratchFile log;
   Scene scene = small_scene(GetParam().scene, GetParam().seed, GetParam().avatars);
-  // Fewer who give way, or keep a side of their own, hardly touch.
+  // Small crowds that avoid each other hardly touch.
   scene.body_avoidance = GetParam().avatars > 100;
   if (!scene.body_avoidance) scene.steering.model = SteeringKind::kOrca;
   const std::vector<CulledFrame> run = logged(
@@ -65,33 +65,33 @@ TEST_P(CulledAgain, HasThePairsOfItsRunButForThoseThatNearlyTouch) {
     only += expect_near(placed, run[i], again[i]);
     pairs += run[i].pairs.size();
   }
-  EXPECT_GT(pairs, scene.body_avoidance ? 10u : 100u) << "too few to say anything";
+  EXPECT_GT(pairs, scene.body_avoidance ? 10u : 100u) << "too few for a conclusion";
   EXPECT_LT(only, 20 + static_cast<int>(pairs / 100));
-  std::cout << pairs << " pairs, " << only << " in one of the two only\n";
+  std::cout << pairs << " pairs, " << only << " in one run only\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, CulledAgain,
+INSTANTIATE_TEST_SUITE_P(Scenes, CulledLog,
                          testing::Values(Case{"plaza", 1}, Case{"plaza", 2}, Case{"plaza", 3},
                                          Case{"corridor", 1}, Case{"station_platform", 1},
                                          Case{"bottleneck", 2, 200}, Case{"bottleneck", 3, 200},
                                          Case{"robot_in_crowd", 1}, Case{"robot_in_crowd", 2},
                                          Case{"paper_350", 1}));
 
-TEST(CulledAgainBound, TwoPeopleAreOffByLessThanHalfAMillimetreTogether) {
+TEST(CulledLogBound, IsBelowHalfAMillimetreForTwoPeople) {
   const ScratchFile log;
   const Scene scene = small_scene("plaza", 1);
   const std::vector<CulledFrame> run = logged(scene, 100, log.path());
   const Simulation shape(scene, {});
   const Placed placed(shape);
-  double tallest_m = 0, most_m = 0;
+  double tallest_m = 0, max_m = 0;
   for (size_t frame = 0; frame < run.size(); frame += 9)
     for (uint32_t id = 0; id < run[frame].roots.size(); ++id) {
       tallest_m =
           std::max(tallest_m, placed.scale(id) * static_cast<double>(placed.model(id).height_m));
-      most_m = std::max(most_m, placed.error_m(run[frame], id));
+      max_m = std::max(max_m, placed.error_m(run[frame], id));
     }
-  std::cout << "people of up to " << tallest_m << " m: " << most_m * 1e3 << " mm\n";
-  EXPECT_LT(2 * most_m, 5e-4);
+  std::cout << "people of up to " << tallest_m << " m: " << max_m * 1e3 << " mm\n";
+  EXPECT_LT(2 * max_m, 5e-4);
 }
 
 }  // namespace

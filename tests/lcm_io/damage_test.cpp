@@ -1,4 +1,4 @@
-// Damaged logs: every cut and every flipped byte gets a report, none a crash.
+// Damaged logs: every cut and every flipped byte gets a report; none crashes the check.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@
 namespace throng::damage_test {
 namespace {
 
-/// A log without adults, so that it is small enough to be cut at every byte.
-class Damage : public testing::Test {
+/// A log without adults, small enough for a cut at every byte.
+class DamagedLog : public testing::Test {
  protected:
-  Damage() {
+  DamagedLog() {
     SyntheticRun run({.avatars = 2, .seed = 6, .pairs = 5, .crowd = SyntheticRun::Crowd::kRovers});
     LogSink sink(file_.path());
     run.play(sink, 4);
@@ -34,10 +34,10 @@ class Damage : public testing::Test {
 
   ScratchFile file_, damaged_;
   std::vector<uint8_t> bytes_;
-  std::vector<uint64_t> offsets_;  // of the events, and the size
+  std::vector<uint64_t> offsets_;
 };
 
-TEST_F(Damage, ACutAnywhereIsReportedWithTheEventsBeforeIt) {
+TEST_F(DamagedLog, IsReportedForEveryCut) {
   ASSERT_LT(bytes_.size(), 20'000u);
   for (size_t size = 4; size < bytes_.size(); ++size) {
     const LogReport report = report_of(std::span(bytes_).first(size));
@@ -50,7 +50,7 @@ TEST_F(Damage, ACutAnywhereIsReportedWithTheEventsBeforeIt) {
   }
 }
 
-TEST_F(Damage, AFlippedByteAnywhereIsReported) {
+TEST_F(DamagedLog, IsReportedForEveryFlippedByte) {
   int unnoticed = 0;
   for (size_t i = 0; i < bytes_.size(); ++i) {
     auto bytes = bytes_;
@@ -58,13 +58,13 @@ TEST_F(Damage, AFlippedByteAnywhereIsReported) {
     try {
       unnoticed += report_of(bytes).is_sound() ? 1 : 0;
     } catch (const InputError&) {
-      EXPECT_LT(i, 4u) << "only the first magic makes it no log at all";
+      EXPECT_LT(i, 4u) << "only damage of the first magic number makes the file no log";
     }
   }
   EXPECT_EQ(unnoticed, 0) << "of " << bytes_.size();
 }
 
-TEST_F(Damage, RandomDamageNeverCrashesTheJudge) {
+TEST_F(DamagedLog, NeverCrashesTheCheck) {
   constexpr uint64_t kSeed = 20;
   for (uint64_t round = 0; round < 3000; ++round) {
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << " round " << round);
@@ -82,7 +82,7 @@ TEST_F(Damage, RandomDamageNeverCrashesTheJudge) {
   }
 }
 
-TEST_F(Damage, HostileLengthsAreDamageNotACrash) {
+TEST_F(DamagedLog, MayContainAnyLengths) {
   for (const int32_t length : {0x7fffffff, -1, INT32_MIN, kMaxDataBytes + 1}) {
     for (const size_t field : {size_t{20}, size_t{24}}) {
       auto bytes = bytes_;
@@ -90,12 +90,12 @@ TEST_F(Damage, HostileLengthsAreDamageNotACrash) {
       const LogReport report = report_of(bytes);
       EXPECT_TRUE(report.damaged) << "length " << length;
       EXPECT_EQ(report.log_events, static_cast<int64_t>(offsets_.size()) - 2)
-          << "all but the one hit";
+          << "all but the damaged one";
     }
   }
 }
 
-TEST_F(Damage, ReadingGoesOnBehindLostMagicAndSaysWhatIsMissing) {
+TEST_F(DamagedLog, IsReadAfterALostMagicNumber) {
   auto bytes = bytes_;
   bytes[offsets_[3]] = 0;
   const LogReport report = report_of(bytes);
@@ -108,7 +108,7 @@ TEST_F(Damage, ReadingGoesOnBehindLostMagicAndSaysWhatIsMissing) {
   EXPECT_EQ(missing, 1);
 }
 
-TEST_F(Damage, AMessageOfAnotherRunIsNamedAndNotCompared) {
+TEST_F(DamagedLog, NamesMessagesOfAnotherRun) {
   for (size_t i = 1; i + 1 < offsets_.size(); ++i) {
     auto bytes = bytes_;
     const uint64_t channel_bytes = get_big_endian<uint32_t>(bytes.data() + offsets_[i] + 20);
@@ -117,12 +117,12 @@ TEST_F(Damage, AMessageOfAnotherRunIsNamedAndNotCompared) {
     const std::string_view channel(
         reinterpret_cast<const char*>(bytes.data()) + offsets_[i] + kLogHeadBytes, channel_bytes);
     const char* words =
-        channel == "THRONG_CHECKSUMS" ? "checks that are damaged themselves" : "of another run";
+        channel == "THRONG_CHECKSUMS" ? "checksums that are damaged themselves" : "of another run";
     EXPECT_THAT(report.problems, testing::Contains(testing::HasSubstr(words))) << "event " << i;
   }
 }
 
-TEST_F(Damage, ATornLogIsRepairedToItsSoundPart) {
+TEST_F(DamagedLog, IsRepairedToItsSoundPart) {
   const ScratchFile repaired;
   const size_t size = offsets_[offsets_.size() - 3] + 17;
   report_of(std::span(bytes_).first(size));
@@ -134,18 +134,18 @@ TEST_F(Damage, ATornLogIsRepairedToItsSoundPart) {
   EXPECT_TRUE(check_log(repaired.path()).is_sound());
 }
 
-TEST_F(Damage, RepairingAFinishedLogChangesNothing) {
+TEST_F(DamagedLog, IsUnchangedByRepairIfSound) {
   const ScratchFile repaired;
   repair_log(file_.path(), repaired.path());
   EXPECT_EQ(bytes_of(repaired.path()), bytes_);
 }
 
-TEST_F(Damage, ALogIsNotRepairedOntoItself) {
+TEST_F(DamagedLog, IsNotRepairedInPlace) {
   EXPECT_THROW(repair_log(file_.path(), file_.path()), EnvironmentError);
   EXPECT_EQ(bytes_of(file_.path()), bytes_);
 }
 
-TEST_F(Damage, AnEndWithoutABeginAndASecondBeginAreNamed) {
+TEST_F(DamagedLog, NamesUnpairedEvents) {
   // The same THRONG_EVENTS message twice, renumbered so that only the pairing is wrong.
   LogReader log(file_.path());
   LogFile out(damaged_.path());
@@ -156,7 +156,7 @@ TEST_F(Damage, AnEndWithoutABeginAndASecondBeginAreNamed) {
     if (event.channel != "THRONG_EVENTS" || !is_first) continue;
     is_first = false;
     std::vector<uint8_t> again(event.data.begin(), event.data.end());
-    put_big_endian(again.data() + size_t{5} * 8,  // behind the fingerprint and four numbers
+    put_big_endian(again.data() + size_t{5} * 8,  // after the fingerprint and four numbers
                    int64_t{1});
     out.write(event.channel, event.stamp_us, again);
   }

@@ -1,4 +1,4 @@
-// The run description: what was described can be posed elsewhere, and what is unsound is refused.
+// Run descriptions allow posing on another machine; unsound ones are rejected.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ run_description_t sent_and_received(const run_description_t& description) {
   return out;
 }
 
-TEST(Description, CarriesTheSceneTheModelsAndTheirMeshes) {
+TEST(RunDescription, ContainsSceneModelsAndMeshes) {
   SyntheticRun run({.avatars = 7, .seed = 42});
   const run_description_t got = sent_and_received(describe(run.info()));
   EXPECT_EQ(got.scene, "synthetic");
@@ -42,7 +42,7 @@ TEST(Description, CarriesTheSceneTheModelsAndTheirMeshes) {
   }
 }
 
-TEST(Description, NamesBodiesAndPartsForPeople) {
+TEST(RunDescription, NamesBodiesAndParts) {
   SyntheticRun run({.avatars = 7});
   const run_description_t got = sent_and_received(describe(run.info()));
   EXPECT_EQ(body_name(got, 0), "walkers 0");
@@ -60,7 +60,7 @@ TEST(Description, NamesBodiesAndPartsForPeople) {
   EXPECT_FALSE(has_pair(got, PairKey(0, 8, 0, 0)));
 }
 
-TEST(Description, AModelFromItPosesLikeTheModelItDescribes) {
+TEST(RunDescription, GivesModelsWithEqualPoses) {
   constexpr uint64_t kSeed = 8;
   SyntheticRun run({.avatars = 3});
   const run_description_t got = sent_and_received(describe(run.info()));
@@ -91,7 +91,7 @@ TEST(Description, AModelFromItPosesLikeTheModelItDescribes) {
   }
 }
 
-TEST(Description, RangesCoverTheLimitsAndAFollowedJointKeepsItsTurns) {
+TEST(RunDescription, HasRangesThatCoverTheLimits) {
   const auto ranges = column_ranges(*rover());
   const FlatModel& flat = rover()->kinematics;
   const auto at = [&](const char* name) {
@@ -105,7 +105,7 @@ TEST(Description, RangesCoverTheLimitsAndAFollowedJointKeepsItsTurns) {
   EXPECT_NEAR(at("shoulder").half, 1.65, 1e-7);
 }
 
-TEST(Description, EveryDefectIsRefusedWithAReason) {
+TEST(RunDescription, IsRejectedWithAReasonForEveryDefect) {
   SyntheticRun run({.avatars = 4, .crowd = SyntheticRun::Crowd::kRovers});
   const run_description_t sound = describe(run.info());
   ASSERT_EQ(defect_of(sound), "");
@@ -126,7 +126,7 @@ TEST(Description, EveryDefectIsRefusedWithAReason) {
       {"axis", [](auto& d) { d.models[0].joints[0].axis[1] = 0; }},
       {"rotation", [](auto& d) { d.models[0].joints[0].rotation_wxyz[0] = 2; }},
       {"limit", [](auto& d) { d.models[0].joints[2].lower = 9; }},
-      {"one name", [](auto& d) { d.models[0].joints[1].name = d.models[0].joints[0].name; }},
+      {"same name", [](auto& d) { d.models[0].joints[1].name = d.models[0].joints[0].name; }},
       {"empty name", [](auto& d) { d.models[0].root_link.clear(); }},
       {"mimic of joint 77", [](auto& d) { d.models[0].joints[3].mimic_joint = 77; }},
       {"mimic of joint 3", [](auto& d) { d.models[0].joints[3].mimic_joint = 3; }},

@@ -1,6 +1,5 @@
 #!/bin/sh
-# An example in the documentation is the program that is built and run here, to the letter: the block
-# that begins with ```LANGUAGE NAME.
+# A block ```LANGUAGE NAME of the documentation equals the program that is built and tested.
 set -eu
 doc=$1 block=$2 program=$3
 awk -v fence='```'"$block" '$0 == fence { inside = 1; next } /^```$/ { inside = 0 } inside' "$doc" |

@@ -21,7 +21,6 @@ std::string text_of(const fs::path& file) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Names of the fields of a .lcm file, in order.
 std::vector<std::string> fields_of(const fs::path& file) {
   static const std::regex field(R"(^\s+\w+\s+(\w+)(\[\w+\])?;)");
   std::vector<std::string> fields;
@@ -32,7 +31,6 @@ std::vector<std::string> fields_of(const fs::path& file) {
   return fields;
 }
 
-/// The part of the document below a heading, up to the next heading.
 std::string section(const std::string& document, const std::string& heading) {
   const size_t start = document.find("\n" + heading + "\n");
   if (start == std::string::npos) return "";
@@ -57,7 +55,7 @@ TEST(Documentation, ListsEveryTypeWithEveryField) {
       ++fields;
       const bool is_listed = own.find("`" + field + "`") != std::string::npos ||
                              (is_message && common.find("`" + field + "`") != std::string::npos);
-      EXPECT_TRUE(is_listed) << name << " has a field '" << field << "' that docs/lcm.md lacks";
+      EXPECT_TRUE(is_listed) << name << ": field '" << field << "' is missing in docs/lcm.md";
     }
   }
   EXPECT_GT(types, 15);

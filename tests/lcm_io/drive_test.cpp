@@ -1,4 +1,4 @@
-// Avatars that something outside moves: where they are sent, within what their bounds hold.
+// Externally controlled avatars take commanded poses, within their bounds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ ExternalPose standing_at(double x, double y) {
   return pose;
 }
 
-TEST(Drive, ASceneSaysWhichGroupIsDriven) {
+TEST(ExternalControl, IsSetByTheScene) {
   const ScratchFile file(".yaml");
   const auto load = [&file](const std::string& keys) {
     const std::string text =
@@ -54,7 +54,7 @@ TEST(Drive, ASceneSaysWhichGroupIsDriven) {
     EXPECT_THROW(load(wrong), InputError) << wrong;
 }
 
-TEST(Drive, TheReachHoldsEveryPostureWithinTheLimits) {
+TEST(ExternalControl, HasAReachThatBoundsEveryPosture) {
   constexpr uint64_t kSeed = 3;
   for (const auto& model : {rover(), adult()}) {
     const auto& columns = model->kinematics.columns();
@@ -65,7 +65,7 @@ TEST(Drive, TheReachHoldsEveryPostureWithinTheLimits) {
     for (uint64_t trial = 0; trial < 1000; ++trial) {
       const RandomKey key{kSeed, trial, 0, Purpose::kStyle};
       for (size_t c = 0; c < row.size(); ++c) {
-        // A third each at the lower limit, at the upper, and anywhere.
+        // A third each at the lower limit, at the upper limit, and in between.
         const auto where = random_bits(key, static_cast<uint32_t>(2 * c)) % 3;
         row[c] = where == 0 ? columns[c].lower
                  : where == 1
@@ -81,14 +81,14 @@ TEST(Drive, TheReachHoldsEveryPostureWithinTheLimits) {
           farthest_m = std::max(farthest_m, (to_isometry(poses[p]) * vertex.cast<double>()).norm());
     }
     EXPECT_LE(farthest_m, reach_m) << model->name << ", seed " << kSeed;
-    EXPECT_GT(farthest_m, 0.4 * reach_m) << model->name << ": the bound means something";
+    EXPECT_GT(farthest_m, 0.4 * reach_m) << model->name << ": the bound is not too large";
   }
 }
 
-TEST(Drive, AnAvatarIsWhereItIsToldAndHoldsUntilItIsToldAgain) {
+TEST(ExternalControl, HoldsEachPoseUntilTheNext) {
   Simulation simulation(rover_in_crowd(), {});
   const uint32_t id = rover_of(simulation);
-  EXPECT_THAT(simulation.notes(), testing::Contains(testing::HasSubstr("driven by what comes on "
+  EXPECT_THAT(simulation.notes(), testing::Contains(testing::HasSubstr("controlled through "
                                                                        "LCM channel ROBOT_DRIVE")));
   EXPECT_EQ(simulation.info().control_channels.back(), kChannel);
   simulation.step();
@@ -109,7 +109,7 @@ TEST(Drive, AnAvatarIsWhereItIsToldAndHoldsUntilItIsToldAgain) {
   }
 }
 
-TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
+TEST(ExternalControl, ClampsAndCountsValuesOutOfRange) {
   Simulation simulation(rover_in_crowd(), {});
   const uint32_t id = rover_of(simulation);
   simulation.step();
@@ -118,7 +118,7 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   ExternalPose far = standing_at(1e9, -1e9);
   far.joints = far_joints;
   EXPECT_EQ(simulation.set_pose(id, far), 4)
-      << "x, y, the mast and the shoulder; the wheel goes round";
+      << "x, y, the mast and the shoulder; the wheel is continuous";
   const Frame& frame = simulation.step();
   EXPECT_EQ(frame.roots[id].position_m.x(), ground.max_m.x());
   EXPECT_EQ(frame.roots[id].position_m.y(), ground.min_m.y());
@@ -133,11 +133,11 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   wild.velocity_mps = {kNan, 1e300};
   wild.joints = no_numbers;
   EXPECT_EQ(simulation.set_pose(id, wild), 8);
-  const Frame& held = simulation.step();
-  EXPECT_EQ(held.roots[id].position_m.x(), ground.max_m.x()) << "what is no number changes nothing";
-  EXPECT_FLOAT_EQ(row_of(held, id)[1], 0.8f);
-  EXPECT_TRUE(held.roots[id].world_from_root.coeffs().allFinite());
-  EXPECT_TRUE(std::isfinite(held.speeds_mps[id]));
+  const Frame& unchanged = simulation.step();
+  EXPECT_EQ(unchanged.roots[id].position_m.x(), ground.max_m.x()) << "NaN changes nothing";
+  EXPECT_FLOAT_EQ(row_of(unchanged, id)[1], 0.8f);
+  EXPECT_TRUE(unchanged.roots[id].world_from_root.coeffs().allFinite());
+  EXPECT_TRUE(std::isfinite(unchanged.speeds_mps[id]));
 
   const std::vector<double> two(2);
   ExternalPose wrong = standing_at(0, 0);
@@ -147,7 +147,7 @@ TEST(Drive, WhatIsOutOfRangeIsSetToTheNearestAndCounted) {
   EXPECT_EQ(simulation.set_pose(99'999, standing_at(0, 0)), -1);
 }
 
-/// The rover goes round in a circle among the people, its arm anywhere.
+/// Moves the rover in a circle among the people, with random arm positions.
 void drive_in_a_circle(Simulation& simulation, int64_t frame) {
   const double t = static_cast<double>(frame) / 60;
   const RandomKey key{1, static_cast<uint64_t>(frame), 0, Purpose::kStyle};
@@ -161,7 +161,7 @@ void drive_in_a_circle(Simulation& simulation, int64_t frame) {
   ASSERT_GE(simulation.set_pose(rover_of(simulation), pose), 0);
 }
 
-TEST(Drive, TheSameCommandsGiveTheSameFramesForEveryNumberOfThreadsAndPairSearch) {
+TEST(ExternalControl, IsIndependentOfThreadsAndPairSearch) {
   std::vector<uint64_t> hashes;
   for (const auto& [threads, search] :
        {std::pair(1, PairSearch::kGrid), std::pair(3, PairSearch::kGrid),
@@ -176,14 +176,14 @@ TEST(Drive, TheSameCommandsGiveTheSameFramesForEveryNumberOfThreadsAndPairSearch
       for (const PairKey& pair : frame.pairs) touched += pair.b() == rover_of(simulation) ? 1 : 0;
       drive_in_a_circle(simulation, i);
     }
-    EXPECT_GT(touched, 0) << "somebody touches the rover";
+    EXPECT_GT(touched, 0) << "a person touches the rover";
     hashes.push_back(simulation.finish().hash);
   }
   EXPECT_EQ(hashes[1], hashes[0]);
   EXPECT_EQ(hashes[2], hashes[0]);
 }
 
-TEST(Drive, PeopleKeepClearOfWhatIsDriven) {
+TEST(ExternalControl, MovesAvatarsThatPeopleAvoid) {
   Simulation simulation(rover_in_crowd(), {});
   const uint32_t id = rover_of(simulation);
   int64_t deep = 0, frames = 0;
@@ -202,12 +202,12 @@ TEST(Drive, PeopleKeepClearOfWhatIsDriven) {
   }
   EXPECT_LT(nearest_m, 1.5) << "they do meet";
   EXPECT_LT(deep, frames / 100)
-      << "frames in which somebody stands inside the rover's disc; nearest " << nearest_m << " m";
+      << "frames in which a person stands inside the rover's disc; nearest " << nearest_m << " m";
 }
 
-/// A run whose rover is driven over LCM's transport within one process.
-struct Driven {
-  Driven()
+/// A run whose rover is controlled over LCM within one process.
+struct ControlledRun {
+  ControlledRun()
       : lcm(std::make_shared<lcm::LCM>("memq://")),
         simulation(rover_in_crowd(), {}),
         receiver(simulation.info(), lcm),
@@ -242,8 +242,8 @@ struct Driven {
   int64_t next_seq = 0;
 };
 
-TEST(PoseCommandReceiver, TheNewestMessageMovesTheRobotAndSilenceHoldsIt) {
-  Driven run;
+TEST(PoseCommandReceiver, AppliesTheNewestMessageAndHoldsItsPose) {
+  ControlledRun run;
   const double start = run.x_after_a_step();
   EXPECT_LE(std::abs(start), 0.5) << "in its spawn area";
   run.send(run.message(1));
@@ -255,15 +255,15 @@ TEST(PoseCommandReceiver, TheNewestMessageMovesTheRobotAndSilenceHoldsIt) {
   EXPECT_EQ(run.counts().frames_without_command, 2) << "the first and the last";
 }
 
-TEST(PoseCommandReceiver, WhatIsMissingLateOrRefusedIsCounted) {
-  Driven run;
+TEST(PoseCommandReceiver, CountsMissingLateAndRejectedMessages) {
+  ControlledRun run;
   run.send(run.message(1));
   const pose_command_t late = run.message(9);
-  run.next_seq += 3;  // lost
+  run.next_seq += 3;
   run.send(run.message(2));
   EXPECT_EQ(run.x_after_a_step(), 2);
   run.send(late);
-  EXPECT_EQ(run.x_after_a_step(), 2) << "overtaken by a newer one";
+  EXPECT_EQ(run.x_after_a_step(), 2) << "a newer one arrived before";
   pose_command_t other = run.message(5);
   other.avatar = {0};
   run.send(other);
@@ -274,28 +274,28 @@ TEST(PoseCommandReceiver, WhatIsMissingLateOrRefusedIsCounted) {
   joints.joint_position_count = 1;
   run.send(joints);
   EXPECT_EQ(run.x_after_a_step(), 2);
-  EXPECT_EQ(run.counts().refusal, "1 joint values, the avatars have 3");
+  EXPECT_EQ(run.counts().refusal, "1 joint positions, expected 3");
   pose_command_t old = run.message(5);
   old.schema = 1;
   run.send(old);
   EXPECT_EQ(run.x_after_a_step(), 2);
-  EXPECT_EQ(run.counts().missing, 3) << "one of the four holes came late";
+  EXPECT_EQ(run.counts().missing, 3) << "one of the four gaps was filled late";
   EXPECT_EQ(run.counts().late, 1);
   EXPECT_EQ(run.counts().refused, 3);
-  run.next_seq = 0;  // a controller that was started again
+  run.next_seq = 0;  // a restarted controller
   run.send(run.message(7));
   EXPECT_EQ(run.x_after_a_step(), 7);
 }
 
-TEST(PoseCommandReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASecondOnly) {
-  Driven run;
+TEST(PoseCommandReceiver, RestartsTheNumberingAfterASecond) {
+  ControlledRun run;
   pose_command_t wild = run.message(1);
   wild.seq = 1'000'000'000'000;
   run.send(run.message(2));
   EXPECT_EQ(run.x_after_a_step(), 2);
   run.send(wild);
   EXPECT_EQ(run.x_after_a_step(), 1);
-  // It goes on sending all the time.
+  // It continues to send.
   testing::internal::CaptureStderr();
   const auto start = std::chrono::steady_clock::now();
   double x = 1;
@@ -306,18 +306,18 @@ TEST(PoseCommandReceiver, ANumberThatNobodyReachesAgainIgnoresAControllerForASec
   }
   EXPECT_GT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              testing::HasSubstr("note: drive channel ROBOT_DRIVE: nothing newer than number "
+              testing::HasSubstr("note: control channel ROBOT_DRIVE: no message after number "
                                  "1000000000000 came for 1."));
   EXPECT_EQ(x, 5);
   run.send(run.message(6));
   EXPECT_EQ(run.x_after_a_step(), 6);
   EXPECT_EQ(run.counts().restarts, 1);
-  EXPECT_LT(run.counts().missing, 3) << "nobody sent the numbers in between";
+  EXPECT_LT(run.counts().missing, 3) << "the numbers in between were never sent";
 }
 
-TEST(PoseCommandReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere) {
+TEST(PoseCommandReceiver, SurvivesDamagedMessages) {
   constexpr uint64_t kSeed = 21;
-  Driven run;
+  ControlledRun run;
   const pose_command_t sound = run.message(1);
   std::vector<uint8_t> bytes(static_cast<size_t>(sound.getEncodedSize()));
   sound.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
@@ -345,8 +345,8 @@ TEST(PoseCommandReceiver, DamagedMessagesNeitherStopTheRunNorPutTheRobotNowhere)
   EXPECT_GT(run.counts().messages, 1000);
 }
 
-TEST(PoseCommandReceiver, ContactsOfTheRobotComeBackOverLcm) {
-  Driven run;
+TEST(PoseCommandReceiver, LeadsToContactsThatAreReceivedOverLcm) {
+  ControlledRun run;
   LcmSink sink({}, run.lcm);
   int64_t contacts = 0;
   struct Context {
@@ -361,7 +361,7 @@ TEST(PoseCommandReceiver, ContactsOfTheRobotComeBackOverLcm) {
       },
       &context);
   sink.begin(run.simulation.info());
-  // Onto the nearest person's place, wherever that is.
+  // Onto the position of the nearest person.
   for (int i = 0; i < 30; ++i) {
     const Frame& frame = run.simulation.step();
     sink.frame(run.simulation.info(), frame);

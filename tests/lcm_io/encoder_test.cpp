@@ -1,4 +1,4 @@
-// One encoder and many targets: each gets what it would get alone, to the byte.
+// RunEncoder gives each target the bytes of a separate encoder.
 #include <gtest/gtest.h>
 
 #include "base/errors.h"
@@ -9,7 +9,6 @@
 namespace throng::encoder_test {
 namespace {
 
-/// Keeps every message, the description and the last checks among them.
 struct WholeRun : MessageList {
   void after_begin(TargetState& target_state) override {
     for (int chunk = 0; chunk < target_state.description_chunks(); ++chunk)
@@ -33,7 +32,7 @@ void expect_same(const MessageList& found, const MessageList& expected, const st
   }
 }
 
-TEST(RunEncoder, GivesEachTargetWhatItWouldGetAlone) {
+TEST(RunEncoder, GivesEachTargetTheMessagesOfASeparateEncoder) {
   const EncoderOptions all[] = {{.with_instance = false, .with_clock_times = false, .threads = 2},
                                 {.state_every = 4},
                                 {.state_every = 1.5, .part_poses = true}};
@@ -50,7 +49,7 @@ TEST(RunEncoder, GivesEachTargetWhatItWouldGetAlone) {
   EXPECT_LT(together[1].messages.size(), together[0].messages.size());
 }
 
-TEST(RunEncoder, NumbersEachTargetWithoutAGapWhereAnotherAsksForMore) {
+TEST(RunEncoder, NumbersTheMessagesOfEachTargetWithoutGaps) {
   struct Repeating : WholeRun {
     void after_frame(TargetState& target_state) override { target_state.send_description_chunk(0); }
   } often;
@@ -62,10 +61,10 @@ TEST(RunEncoder, NumbersEachTargetWithoutAGapWhereAnotherAsksForMore) {
   RunEncoder own({}, alone);
   SyntheticRun(kCrowd).play(own, 5);
   EXPECT_EQ(often.messages.size(), once.messages.size() + 5);
-  expect_same(once, alone, "beside one that repeats the description");
+  expect_same(once, alone, "with a target that repeats the description");
 }
 
-TEST(RunEncoder, LeavesOutATargetThatWantsNothingAndGoesOnForTheOthers) {
+TEST(RunEncoder, SkipsATargetThatWantsNoMessages) {
   struct Deaf : WholeRun {
     bool wants_messages() const override { return messages.size() < 20; }
   } deaf;
@@ -77,10 +76,10 @@ TEST(RunEncoder, LeavesOutATargetThatWantsNothingAndGoesOnForTheOthers) {
   RunEncoder own({}, alone);
   SyntheticRun(kCrowd).play(own, 20);
   EXPECT_LT(deaf.messages.size(), other.messages.size());
-  expect_same(other, alone, "beside one that wants nothing");
+  expect_same(other, alone, "with a target that wants no messages");
 }
 
-TEST(RunEncoder, SaysEveryStageInItsOrder) {
+TEST(RunEncoder, SendsTheStagesInTheirOrder) {
   SyntheticRun run({.avatars = 3});
   CullingCounters counters;
   uint64_t number = 0;

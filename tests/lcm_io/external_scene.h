@@ -1,5 +1,5 @@
-// A scene with a driven group, for the tests of what drives it.
-// One rule: the rovers have the last ids.
+// A scene with an externally controlled group, for tests of its control. The rovers have the last
+// ids.
 #pragma once
 
 #include <string>

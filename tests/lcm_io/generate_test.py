@@ -1,4 +1,4 @@
-"""What lcmtypes/generate.py refuses, with file, line, and what was expected. generate_test.py SOURCE"""
+"""Tests of lcmtypes/generate.py: generated code, and errors with file and line. generate_test.py SOURCE"""
 
 import pathlib
 import subprocess
@@ -11,7 +11,7 @@ HEADER = "".join((SOURCE / "lcmtypes/end_t.lcm").read_text().partition("{\n")[2]
 
 
 class Generate(unittest.TestCase):
-    def made(self, text, name="a_t"):
+    def generated(self, text, name="a_t"):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder, name + ".lcm")
             file.write_text(text)
@@ -20,23 +20,23 @@ class Generate(unittest.TestCase):
             layouts = pathlib.Path(folder, "throng/layouts.hpp")
             return done.stderr.replace(str(file), "FILE").strip(), layouts.read_text() if layouts.exists() else ""
 
-    def refused(self, fields, said, above=""):
-        self.assertEqual(self.made(f"package throng;\n{above}struct a_t {{\n{fields}}}\n")[0], said)
+    def rejected(self, fields, message, above=""):
+        self.assertEqual(self.generated(f"package throng;\n{above}struct a_t {{\n{fields}}}\n")[0], message)
 
-    def test_refuses_what_it_does_not_understand(self):
-        self.refused("  int32_t n\n", "FILE:3: expected a field 'TYPE NAME;' or 'TYPE NAME[LENGTH];', found 'int32_t n'")
-        self.refused("  int32_t a[n];\n", "FILE:3: expected a length that is a number or a field above, found 'n'")
-        self.refused("  word a;\n", "FILE:1: expected types of LCM or of a .lcm file, found 'word a'")
-        self.refused("  int32_t a;\n  //! a < b\n", "FILE:4: expected fields of a_t, found 'b'")
-        self.refused("  int32_t n;\n  int32_t a[n];\n  int32_t b[2];\n  //! a < b\n",
+    def test_rejects_invalid_files(self):
+        self.rejected("  int32_t n\n", "FILE:3: expected a field 'TYPE NAME;' or 'TYPE NAME[LENGTH];', found 'int32_t n'")
+        self.rejected("  int32_t a[n];\n", "FILE:3: expected a length that is a number or a field above, found 'n'")
+        self.rejected("  word a;\n", "FILE:1: expected types of LCM or of a .lcm file, found 'word a'")
+        self.rejected("  int32_t a;\n  //! a < b\n", "FILE:4: expected fields of a_t, found 'b'")
+        self.rejected("  int32_t n;\n  int32_t a[n];\n  int32_t b[2];\n  //! a < b\n",
                      "FILE:6: expected a rule of fields that have one length, found 'a < b'")
-        self.refused("  double a[2];\n  //! each left\n",
-                     "FILE:4: expected as many names as the field above has items, found 'each left'")
-        self.refused("  int32_t a;\n", "FILE:1: expected the fields that every message of a run begins with, found 'a_t'",
+        self.rejected("  double a[2];\n  //! each left\n",
+                     "FILE:4: expected one name per item of the field above, found 'each left'")
+        self.rejected("  int32_t a;\n", "FILE:1: expected the fields that every message of a run begins with, found 'a_t'",
                      "//! channel THRONG_A\n")
 
-    def test_makes_what_a_chained_rule_and_a_table_say(self):
-        error, layouts = self.made("package throng;\n//! channel THRONG_A\n//! csv\nstruct a_t {\n" + HEADER +
+    def test_generates_chained_rules_and_tables(self):
+        error, layouts = self.generated("package throng;\n//! channel THRONG_A\n//! csv\nstruct a_t {\n" + HEADER +
                                    "  int32_t n;\n  int32_t a[n];\n  //! 0 <= a < frame\n  double b[2];\n  //! each left, right\n}\n")
         self.assertEqual(error, "")
         self.assertIn("if (!(0 <= m.a[i] && m.a[i] < m.frame)) return", layouts)

@@ -1,5 +1,5 @@
-# Sourced by tests that need multicast: goes on in a network namespace of its own, where it works on
-# any machine; skips the test where that is not allowed.
+# Sourced by tests that need multicast: continues in a separate network namespace, where it works on
+# any machine; skips the test if namespaces are not allowed.
 if [ "${THRONG_IN_NAMESPACE:-}" != yes ]; then
   for flags in -n -rn; do
     if unshare $flags true 2>/dev/null; then

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Java finds lcm-spy and every type of ours on the class path of scripts/spy.sh.
+# Java finds lcm-spy and all message types on the class path of scripts/spy.sh.
 set -eu
 spy=$1 jar=$2
 shift 2

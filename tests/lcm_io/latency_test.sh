@@ -1,6 +1,6 @@
 #!/bin/sh
-# A robot hears its own near rows and contacts on channels of its own, with stamps by which their latency is known; what
-# the run computes and logs is as without them.
+# A robot receives its proximity rows and contacts on separate channels, with stamps for their latency. The log is the
+# same as without them.
 set -eu
 . "$(dirname "$0")/in_namespace.sh"
 throng=$1 latency=$2 scene=$3
@@ -9,17 +9,17 @@ run() { "$throng" run "$scene" --seconds 1 --closest-parts 0.3 "$@" >"$dir/table
 
 timeout 60 "$latency" ROBOT >"$dir/latency" &
 pids=$!
-sleep 0.3 # it says nothing when it starts
-run --publish-for picker:ROBOT --publish-for all:EVERYBODY --log "$dir/told.lcmlog"
+sleep 0.3 # the listener prints nothing at its start
+run --publish-for picker:ROBOT --publish-for all:ALL_BODIES --log "$dir/published.lcmlog"
 wait $pids || fail "the listener failed"
 pids=
 cat "$dir/latency"
-grep -q '^60 frames, 0 missing' "$dir/latency" || fail "not every frame was heard"
-grep '^told  *picker by ROBOT: 1 bodies' "$dir/table" || fail "the run does not say what it told"
-rows=$(sed -n 's/^told  *all by EVERYBODY:.* \([0-9]*\) near rows/\1/p' "$dir/table")
-grep -q "^near .* $rows of two people" "$dir/table" || fail "all is not all: $rows"
+grep -q '^60 frames, 0 missing' "$dir/latency" || fail "some frames were not received"
+grep '^published  *picker by ROBOT: 1 bodies' "$dir/table" || fail "the run does not report the published rows"
+rows=$(sed -n 's/^published  *all by ALL_BODIES:.* \([0-9]*\) proximity rows/\1/p' "$dir/table")
+grep -q "^proximity .* $rows of two people" "$dir/table" || fail "expected all rows, found $rows"
 run --lcm off --log "$dir/quiet.lcmlog"
-cmp "$dir/told.lcmlog" "$dir/quiet.lcmlog" || fail "the logs differ"
+cmp "$dir/published.lcmlog" "$dir/quiet.lcmlog" || fail "the logs differ"
 for wrong in "--publish-for nobody:ROBOT" "--publish-for picker" "--publish-for picker:ROBOT --lcm off"; do
   code=0
   # shellcheck disable=SC2086

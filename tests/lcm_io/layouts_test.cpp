@@ -1,5 +1,5 @@
-// The checks that are made from the .lcm files, judged by another reading of the same files: every
-// field of every type is found in an encoded message, changed there, and refused or read as it is.
+// The checks generated from the .lcm files, tested with an independent reader of these files. Each
+// field of each type is changed in an encoded message, and is rejected or read with its value.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,13 +17,12 @@ namespace throng {
 namespace {
 
 using Bytes = std::vector<uint8_t>;
-using FieldName = std::pair<std::string, std::string>;  // of a type
+using FieldName = std::pair<std::string, std::string>;
 
 struct Field {
   std::string type, name, length;
 };
 
-/// The .lcm files, line by line.
 struct Definitions {
   std::map<std::string, std::vector<Field>> types;
   std::set<FieldName> ruled;
@@ -48,7 +47,7 @@ struct Definitions {
   }
 };
 
-/// Where a field, or an item of it, lies in an encoded message.
+/// Position of a field, or of one item, in an encoded message.
 struct Place {
   FieldName field;
   size_t at = 0, bytes = 0;
@@ -113,7 +112,7 @@ Bytes encoded(const Message& message) {
   return bytes;
 }
 
-/// What decode() says; a message that it takes is the one that was sent, to the byte.
+/// Returns the result of decode(); an accepted message must encode to the same bytes.
 std::string defect_of(const std::string& type, std::span<const uint8_t> bytes) {
 #define THRONG_DECODE(Message)                                                \
   if (type == #Message) {                                                     \
@@ -129,7 +128,7 @@ std::string defect_of(const std::string& type, std::span<const uint8_t> bytes) {
   return "no such message";
 }
 
-/// As controllers and listeners of lockstep have them, which are no messages of a run.
+/// Lockstep messages, which have no header of a run.
 template <class Message>
 Message of_avatars() {
   Message m{};
@@ -141,10 +140,10 @@ Message of_avatars() {
   return m;
 }
 
-/// A sound message of each type that is no part of another.
+/// A valid message of each type.
 std::map<std::string, Bytes> samples() {
   std::map<std::string, Bytes> out;
-  SyntheticRun run({.avatars = 12, .seed = 3, .pairs = 12, .comings = true, .near = true});
+  SyntheticRun run({.avatars = 12, .seed = 3, .pairs = 12, .comings = true, .proximity = true});
   for (const auto& m : messages_of(run, 2, {.part_poses = true}))
     with_type_of(m.channel, [&]<class Message>() { out.emplace(Message::getTypeName(), m.bytes); });
   SyntheticRun rovers({.avatars = 4, .crowd = SyntheticRun::Crowd::kRovers});
@@ -176,7 +175,7 @@ std::vector<Bytes> values_in_place_of(std::span<const uint8_t> was) {
   return out;
 }
 
-TEST(Layouts, EveryFieldOfEveryTypeIsCheckedWhereItsDefinitionPutsIt) {
+TEST(Layouts, CheckEveryFieldOfEveryType) {
   const Definitions definitions;
   const std::map<std::string, Bytes> sound = samples();
   std::set<FieldName> met, refused;
@@ -195,7 +194,7 @@ TEST(Layouts, EveryFieldOfEveryTypeIsCheckedWhereItsDefinitionPutsIt) {
         ASSERT_NO_THROW(defect = defect_of(type, changed));
         if (!defect.empty()) refused.insert(place.field);
         if (place.is_length && changed != bytes) {
-          EXPECT_NE(defect, "") << "a length that does not fit";
+          EXPECT_NE(defect, "") << "a length that exceeds the message";
         }
       }
     }
@@ -203,14 +202,14 @@ TEST(Layouts, EveryFieldOfEveryTypeIsCheckedWhereItsDefinitionPutsIt) {
   for (const auto& [type, fields] : definitions.types)
     for (const Field& field : fields)
       EXPECT_TRUE(met.contains({type, field.name}))
-          << type << "::" << field.name << " is in no sample";
+          << type << "::" << field.name << " is missing in the samples";
   for (const FieldName& field : definitions.ruled)
     EXPECT_TRUE(refused.contains(field))
         << field.first << "::" << field.second << " takes any value";
   EXPECT_GT(definitions.ruled.size(), 30u);
 }
 
-TEST(Layouts, ARuleThatIsBrokenIsSaidWithWhatWasFound) {
+TEST(Layouts, ReportBrokenRulesWithTheirValues) {
   stamp_t stamp{};
   stamp.schema = kSchema;
   stamp.events = -4;

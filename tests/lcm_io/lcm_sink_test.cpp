@@ -1,5 +1,4 @@
-// Publishing: everything arrives in order over a lossless transport, and a dead network is reported
-// once.
+// LcmSink delivers all messages in order over a lossless transport and reports a dead network once.
 #include "lcm_io/wire/lcm_sink.h"
 
 #include <gmock/gmock.h>
@@ -15,10 +14,10 @@
 namespace throng::lcm_sink_test {
 namespace {
 
-/// LCM's transport within one process, with a reader on the other end.
+/// LCM within one process, with a reader as the receiver.
 struct Loop {
   Loop() : lcm(std::make_shared<lcm::LCM>("memq://")) {
-    // Functions, not members: g++ 12's sanitizer mistakes LCM's call through a member pointer.
+    // Functions, because the sanitizer of g++ 12 mistakes LCM's call through a member pointer.
     lcm->subscribeFunction("THRONG_.*", &Loop::on_message, this);
   }
   static void on_message(const lcm::ReceiveBuffer* buffer, const std::string& channel, Loop* loop) {
@@ -42,7 +41,7 @@ struct Loop {
   int64_t messages = 0, received = 0, begins = 0, ends = 0;
 };
 
-TEST(LcmSink, DeliversEverythingInOrder) {
+TEST(LcmSink, DeliversAllMessagesInOrder) {
   Loop loop;
   LcmSink sink({.part_poses = true}, loop.lcm);
   ASSERT_TRUE(sink.good());
@@ -63,15 +62,15 @@ TEST(LcmSink, DeliversEverythingInOrder) {
   EXPECT_EQ(loop.reader.tally(Channel::kEnd).messages, 5);
   const end_t& end = *loop.reader.end();
   for (size_t i = 0; i < end.channels.size(); ++i) {
-    const int64_t behind = end.channels[i] == "THRONG_CHECKSUMS" ? 1 : 0;  // the last checks
+    const int64_t behind = end.channels[i] == "THRONG_CHECKSUMS" ? 1 : 0;
     EXPECT_EQ(end.messages[i] + behind, loop.reader.tally(*channel_of(end.channels[i])).messages)
         << end.channels[i];
   }
   EXPECT_TRUE(loop.reader.checks()->is_last);
-  EXPECT_EQ(loop.reader.checks()->number, sink.messages() - 1);
+  EXPECT_EQ(loop.reader.checks()->message_index, sink.messages() - 1);
 }
 
-TEST(LcmSink, TheDescriptionComesAgainEverySecond) {
+TEST(LcmSink, RepeatsTheDescriptionEverySecond) {
   Loop loop;
   LcmSink sink({}, loop.lcm);
   SyntheticRun run({.avatars = 50});
@@ -91,7 +90,7 @@ TEST(LcmSink, TheDescriptionComesAgainEverySecond) {
   EXPECT_LE(rounds, 1 + static_cast<int64_t>(elapsed.count()));
 }
 
-TEST(LcmSink, ANetworkThatIsNotThereIsToldOnceAndTheRunGoesOn) {
+TEST(LcmSink, ReportsAMissingNetworkOnce) {
   std::vector<std::string> warnings;
   LcmSink sink(
       {.url = "nosuchtransport://", .warn = [&](const std::string& w) { warnings.push_back(w); }});
@@ -103,12 +102,12 @@ TEST(LcmSink, ANetworkThatIsNotThereIsToldOnceAndTheRunGoesOn) {
   EXPECT_EQ(sink.messages(), 0);
 }
 
-TEST(LcmSink, TheDefaultUrlStaysOnThisMachineAndHasAReceiveBuffer) {
+TEST(LcmSink, HasALocalDefaultUrlWithAReceiveBuffer) {
   EXPECT_THAT(std::string(kDefaultLcmUrl), testing::HasSubstr("ttl=0"));
   EXPECT_THAT(std::string(kDefaultLcmUrl), testing::HasSubstr("recv_buf_size="));
   const auto doc = bytes_of(std::filesystem::path(THRONG_SOURCE_DIR) / "docs/lcm.md");
   EXPECT_THAT(std::string(doc.begin(), doc.end()), testing::HasSubstr(std::string(kDefaultLcmUrl)))
-      << "the documentation names the URL that is in use";
+      << "the documentation names the default URL";
 }
 
 }  // namespace

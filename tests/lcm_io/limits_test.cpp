@@ -1,5 +1,5 @@
-// What loads can be written, and what is written can be read: scenes whose fields stand at the
-// limits and just beyond are refused while loading, or their log says what they are.
+// Scenes with fields at their limits and beyond are rejected while loading, or their logs can be
+// read.
 #include "base/limits.h"
 
 #include <fmt/format.h>
@@ -19,12 +19,12 @@
 namespace throng::limits_test {
 namespace {
 
-/// A scene and a robot of which some fields, drawn by the seed, stand at a limit or beyond it.
-class OddScene {
+/// A scene and a robot; some fields, drawn by the seed, are at or beyond a limit.
+class SceneAtLimits {
  public:
-  explicit OddScene(uint64_t seed) : key_{seed, 0, 0, Purpose::kBoxWorld} {
-    odd_ = 1 + static_cast<int>(bits() % 3);
-    for (int i = 0; i < odd_; ++i) which_ |= uint64_t{1} << bits() % kFields;
+  explicit SceneAtLimits(uint64_t seed) : key_{seed, 0, 0, Purpose::kBoxWorld} {
+    changed_ = 1 + static_cast<int>(bits() % 3);
+    for (int i = 0; i < changed_; ++i) which_ |= uint64_t{1} << bits() % kFields;
   }
 
   void write(const std::filesystem::path& folder) {
@@ -34,25 +34,22 @@ class OddScene {
     std::ofstream(folder / "r.urdf", std::ios::binary) << urdf();
     std::ofstream(folder / "s.yaml", std::ios::binary) << yaml();
   }
-  /// People to scale to; 0: none.
   int total() { return std::stoi(number(1, "0", {"1", "7", "40"})); }
 
  private:
   static constexpr int kFields = 16;
 
   uint64_t bits() { return random_bits(key_, index_++); }
-  bool is_odd(int field) const { return (which_ >> field & 1) != 0; }
-  std::string number(int field, const char* sound, const std::vector<std::string>& odd) {
-    return is_odd(field) ? odd[bits() % odd.size()] : sound;
+  bool is_changed(int field) const { return (which_ >> field & 1) != 0; }
+  std::string number(int field, const char* sound, const std::vector<std::string>& changed) {
+    return is_changed(field) ? changed[bits() % changed.size()] : sound;
   }
-  /// In double quotes of YAML.
   std::string yaml_name(int field, const char* sound) {
     return number(field, sound,
                   {std::string(120, 'x'), std::string(121, 'x'), "a\\0b", "\\0", "\\e[31m", "a\\nb",
                    "a\\tb", "\\x7f", "\\N", "\\u2028", "\\\"\\\\'<script>", "a\xff", "\xed\xa0\x80",
                    std::string(60, '\x61') + "\xe2\x82\xac", " ", "null", "\xf0\x9f\xa4\x96"});
   }
-  /// In double quotes of XML.
   std::string xml_name(int field, const char* sound) {
     return number(
         field, sound,
@@ -92,16 +89,17 @@ class OddScene {
                {"", ", height_m: 100", ", height_m: 0.01", ", height_m: 101",
                 ", control_channel: A_B"}),
         yaml_name(15, "o"),
-        is_odd(0) ? "mesh, position_m: [5, 5], file: m.tri"
-                  : number(9, "box, position_m: [5, 5], size_m: [1, 1, 1]",
-                           {"box, position_m: [5, 5], size_m: [1e-9, 1, 10000]",
-                            "cylinder, position_m: [5, 5], diameter_m: 1e-9, height_m: 1e4",
-                            "box, position_m: [99, 5], bottom_m: 1000, size_m: [1, 1, 10001]"}));
+        is_changed(0)
+            ? "mesh, position_m: [5, 5], file: m.tri"
+            : number(9, "box, position_m: [5, 5], size_m: [1, 1, 1]",
+                     {"box, position_m: [5, 5], size_m: [1e-9, 1, 10000]",
+                      "cylinder, position_m: [5, 5], diameter_m: 1e-9, height_m: 1e4",
+                      "box, position_m: [99, 5], bottom_m: 1000, size_m: [1, 1, 10001]"}));
   }
 
   RandomKey key_;
   uint32_t index_ = 0;
-  int odd_ = 0;
+  int changed_ = 0;
   uint64_t which_ = 0;
   std::string link_name_;
 };
@@ -134,7 +132,7 @@ void expect_read_back(const Simulation& simulation) {
   }
 }
 
-/// Every message of two frames; nothing of a state is cut to what its numbers hold.
+/// Expects sound messages of two frames, without clamped values.
 void expect_sound_messages(Simulation& simulation) {
   MessageList list;
   EncoderOptions options;
@@ -150,20 +148,20 @@ void expect_sound_messages(Simulation& simulation) {
   EXPECT_EQ(encoder.target_state().clamped(), 0);
 }
 
-TEST(Limits, WhatLoadsCanBeWrittenAndWhatIsWrittenCanBeRead) {
+TEST(Limits, MakeEveryLoadedSceneLoggable) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "throng_limits_test";
   std::filesystem::create_directories(folder);
   int refused = 0, read_back = 0;
   for (uint64_t seed = 1; seed <= 600; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
-    OddScene odd(seed);
-    odd.write(folder);
+    SceneAtLimits changed(seed);
+    changed.write(folder);
     std::unique_ptr<Simulation> simulation;
     try {
       Scene scene = load_scene((folder / "s.yaml").string());
       std::vector<std::string> notes;
-      if (const int total = odd.total(); total > 0) scale_to(scene, total, notes);
+      if (const int total = changed.total(); total > 0) scale_to(scene, total, notes);
       simulation = std::make_unique<Simulation>(std::move(scene), SimulationOptions{});
     } catch (const InputError& error) {
       ++refused;
@@ -190,7 +188,7 @@ std::string refusal_of(Scene scene, int total) {
   return "accepted";
 }
 
-TEST(Limits, OfPlacesHoldForPlansThatGrow) {
+TEST(Limits, HoldForScaledPlans) {
   Scene street = load_scene("plaza");
   street.ground = {{-50'000, -2}, {50'000, 2}};
   street.obstacles.clear();
@@ -204,7 +202,7 @@ TEST(Limits, OfPlacesHoldForPlansThatGrow) {
   EXPECT_THAT(refusal_of(box, 30), testing::HasSubstr("expected a box of at most 1000 m, found "));
 }
 
-TEST(Limits, OfGroupsAndModelsAreThoseOfTheirNumbers) {
+TEST(Limits, CoverTheNumbersOfGroupsAndModels) {
   SyntheticRun run({.avatars = 3});
   RunInfo info = run.info();
   info.groups.resize(kMaxGroups, "g");
@@ -213,7 +211,7 @@ TEST(Limits, OfGroupsAndModelsAreThoseOfTheirNumbers) {
   run_description_t got;
   EXPECT_EQ(decode(encode_description(info), got), "");
   EXPECT_EQ(got.group_of_avatar[1], kMaxGroups - 1);
-  info.groups.emplace_back("one more");
+  info.groups.emplace_back("another");
   info.control_channels.emplace_back();
   info.group_of_avatar[1] = kMaxGroups;
   EXPECT_THROW(encode_description(info), InputError);

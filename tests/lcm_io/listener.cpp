@@ -1,5 +1,5 @@
-// Counts the pair events of one run with nothing but generated LCM code, to prove that nothing else
-// is needed: prints "begins N ends N" and exits 0 if they are what THRONG_END says.
+// Counts the pair events of one run with generated LCM code only. Prints "begins N ends N" and
+// exits with 0 if the counts equal those of THRONG_END.
 #include <chrono>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
@@ -11,7 +11,7 @@ namespace {
 
 struct Listener {
   long begins = 0, ends = 0;
-  int64_t said_begins = 0, said_ends = 0;
+  int64_t stated_begins = 0, stated_ends = 0;
   bool is_over = false;
 };
 
@@ -23,8 +23,8 @@ void on_events(const lcm::ReceiveBuffer*, const std::string&, const throng::even
 void on_end(const lcm::ReceiveBuffer*, const std::string&, const throng::end_t* message,
             Listener* listener) {
   listener->is_over = true;
-  listener->said_begins = message->begins;
-  listener->said_ends = message->ends;
+  listener->stated_begins = message->begins;
+  listener->stated_ends = message->ends;
 }
 
 }  // namespace
@@ -41,6 +41,6 @@ int main(int argc, char** argv) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(50);
   while (!listener.is_over && std::chrono::steady_clock::now() < deadline) lcm.handleTimeout(200);
   std::printf("begins %ld ends %ld\n", listener.begins, listener.ends);
-  if (!listener.is_over) return std::fprintf(stderr, "no THRONG_END came\n"), 1;
-  return listener.begins == listener.said_begins && listener.ends == listener.said_ends ? 0 : 1;
+  if (!listener.is_over) return std::fprintf(stderr, "no THRONG_END received\n"), 1;
+  return listener.begins == listener.stated_begins && listener.ends == listener.stated_ends ? 0 : 1;
 }

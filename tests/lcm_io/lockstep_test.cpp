@@ -1,4 +1,4 @@
-// Driven groups in lockstep: a run depends on what is answered, never on when.
+// Lockstep: the result of a run depends on the replies, not on their timing.
 #include "lcm_io/wire/lockstep.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@
 namespace throng::lockstep_test {
 namespace {
 
-/// Answers a turn with everybody where the turn says, a row of joints left out.
+/// Replies with the poses of the request, without joint positions.
 step_reply_t reply_to(const step_request_t& request) {
   step_reply_t m{};
   m.run_id = request.run_id;
@@ -42,7 +42,7 @@ step_reply_t reply_to(const step_request_t& request) {
   return m;
 }
 
-/// A law that needs no more than the turn: in a spiral, at the speed of a walker.
+/// Replies with positions on a spiral at walking speed, computed from the request only.
 step_reply_t moved(const step_request_t& request) {
   step_reply_t m = reply_to(request);
   if (request.is_first != 0) return m;
@@ -100,7 +100,7 @@ const InLockstep::Respond kMoves = [](InLockstep& run, const step_request_t& req
   run.send(moved(request));
 };
 
-TEST(Lockstep, AFrameIsWhereTheAnswerToTheLastOneSays) {
+TEST(Lockstep, AppliesRepliesToTheNextFrame) {
   InLockstep run(kMoves);
   const uint32_t id = rover_of(run.simulation);
   run.lockstep.begin(run.simulation);
@@ -122,7 +122,7 @@ TEST(Lockstep, AFrameIsWhereTheAnswerToTheLastOneSays) {
   EXPECT_EQ(run.counts().requests, 51);
 }
 
-TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
+TEST(Lockstep, GivesAHashIndependentOfDelaysAndOtherReplies) {
   constexpr uint64_t kSeed = 11;
   constexpr int kFrames = 120;
   const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
@@ -132,16 +132,16 @@ TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
       std::this_thread::sleep_for(std::chrono::microseconds(random_bits(key, 0) % 5000));
       step_reply_t reply = moved(request), wrong = reply;
       wrong.x_m[0] = 7;
-      wrong.frame = request.frame + 1;  // refused
+      wrong.frame = request.frame + 1;
       self.send(wrong);
       wrong.frame = request.frame - 1;
-      if (request.frame >= 0) self.send(wrong);  // late
+      if (request.frame >= 0) self.send(wrong);
       wrong.frame = request.frame;
       ++wrong.instance;
-      self.send(wrong);  // of another run
+      self.send(wrong);
       self.send(reply);
       --wrong.instance;
-      self.send(wrong);  // repeated, or late
+      self.send(wrong);
     });
     EXPECT_EQ(run.hash_after(kFrames), expected) << "seed " << kSeed << " trial " << trial;
     EXPECT_EQ(run.counts().replies, kFrames + 1);
@@ -151,7 +151,7 @@ TEST(Lockstep, TheHashDoesNotDependOnDelaysOrOnWhatElseComes) {
   }
 }
 
-TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
+TEST(Lockstep, CountsAndIgnoresInvalidReplies) {
   InLockstep run([](InLockstep& self, const step_request_t& request) {
     step_reply_t wrong = reply_to(request);
     wrong.x_m[0] = 7;
@@ -159,16 +159,16 @@ TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
     if (request.frame == 1) wrong.frame = 5;
     if (request.frame == 2) wrong.frame = 1;
     if (request.frame == 3) ++wrong.run_id;
-    if (request.frame == 4) wrong.schema = 1;
+    if (request.frame == 4) wrong.schema = kSchema + 1;
     if (request.frame >= 0) self.send(wrong);
     step_reply_t reply = reply_to(request);
     reply.x_m[0] = request.frame == -1 ? reply.x_m[0] : 3;
-    self.send(reply);  // to frame 5 the wrong one is the answer
+    self.send(reply);  // for frame 5 the wrong reply is valid
   });
   const uint32_t id = rover_of(run.simulation);
   run.lockstep.begin(run.simulation);
   const std::vector<std::string> refusals = {"avatar 0 is not of group 'rovers'",
-                                             "an answer to frame 5, asked was 1"};
+                                             "a reply to frame 5, expected frame 1"};
   for (int64_t i = 0; i <= 5; ++i) {
     const Frame& frame = run.step();
     if (i > 0) {
@@ -178,18 +178,18 @@ TEST(Lockstep, WhatIsNoAnswerIsCountedAndNotUsed) {
       EXPECT_EQ(run.counts().refusal, refusals[static_cast<size_t>(i)]);
     }
   }
-  EXPECT_EQ(run.simulation.step().roots[id].position_m.x(), 7) << "the first answer counts";
+  EXPECT_EQ(run.simulation.step().roots[id].position_m.x(), 7) << "the first reply counts";
   EXPECT_EQ(run.counts().refused, 3);
   EXPECT_EQ(run.counts().late, 1);
   EXPECT_EQ(run.counts().other_runs, 1);
   EXPECT_EQ(run.counts().replies, 7);
-  EXPECT_EQ(run.counts().refusal, "schema 1, this program reads 3");
+  EXPECT_EQ(run.counts().refusal, "schema 2, this program reads 1");
 }
 
-TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
+TEST(Lockstep, NamesAvatarsWithoutAReply) {
   const InLockstep::Respond half = [](InLockstep& run, const step_request_t& request) {
     step_reply_t m = reply_to(request);
-    if (request.frame == 1)  // the rest of the group stays silent
+    if (request.frame == 1)  // the rest of the group does not reply
       for (auto* column : {&m.x_m, &m.y_m, &m.z_m}) column->resize(1);
     if (request.frame == 1)
       for (auto* column : {&m.qw, &m.qx, &m.qy, &m.qz, &m.vx_mps, &m.vy_mps}) column->resize(1);
@@ -202,22 +202,22 @@ TEST(Lockstep, WhoDoesNotAnswerIsNamed) {
   run.step();
   EXPECT_FALSE(run.lockstep.after(run.simulation, run.simulation.step()));
   EXPECT_EQ(run.lockstep.failure(),
-            "lockstep: no answer to frame 1 within 0.7 s for avatars 61, 62 of group 'rovers' "
-            "(ROBOT_DRIVE_ANSWER); is the controller alive? A slow one: --lockstep-timeout");
+            "lockstep: no reply to frame 1 within 0.7 s for avatars 61, 62 of group 'rovers' "
+            "(ROBOT_DRIVE_REPLY); check the controller, or raise --lockstep-timeout");
   EXPECT_THAT(run.requests.back().avatar, testing::ElementsAre(61, 62))
-      << "asked again, those who are missing";
+      << "requested again for the missing avatars";
 
-  InLockstep nobody([](InLockstep&, const step_request_t&) {}, 0.1);
+  InLockstep silent([](InLockstep&, const step_request_t&) {}, 0.1);
   try {
-    nobody.lockstep.begin(nobody.simulation);
+    silent.lockstep.begin(silent.simulation);
     ADD_FAILURE() << "a run without a controller began";
   } catch (const EnvironmentError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("no answer to the turn before the first frame "
+    EXPECT_THAT(error.what(), testing::HasSubstr("no reply to the request before the first frame "
                                                  "within 0.1 s for avatar 60 of group 'rovers'"));
   }
 }
 
-TEST(Lockstep, SeveralControllersMayShareAGroup) {
+TEST(Lockstep, LetsSeveralControllersShareAGroup) {
   InLockstep run(
       [](InLockstep& self, const step_request_t& request) {
         const step_reply_t all = moved(request);
@@ -239,7 +239,7 @@ TEST(Lockstep, SeveralControllersMayShareAGroup) {
   EXPECT_EQ(hash, InLockstep(kMoves, 30, rover_in_crowd(60, 3)).hash_after(30));
 }
 
-TEST(Lockstep, AStoppedRunWaitsNoLonger) {
+TEST(Lockstep, StopsWaitingWhenTheRunIsStopped) {
   InLockstep run([](InLockstep& self, const step_request_t& request) {
     if (request.frame < 0) self.send(reply_to(request));
   });
@@ -249,7 +249,7 @@ TEST(Lockstep, AStoppedRunWaitsNoLonger) {
   EXPECT_EQ(run.lockstep.failure(), "");
 }
 
-TEST(Lockstep, AResumedRunGoesOnAsTheWholeOne) {
+TEST(Lockstep, ResumesFromACheckpoint) {
   constexpr int kFrames = 90, kBefore = 40;
   const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
   const ScratchFile file(".checkpoint");
@@ -263,10 +263,10 @@ TEST(Lockstep, AResumedRunGoesOnAsTheWholeOne) {
   resume(after.simulation, file.path());
   EXPECT_EQ(after.hash_after(kFrames - kBefore), expected);
   EXPECT_EQ(after.requests.front().frame, kBefore - 1);
-  EXPECT_NE(after.requests.front().is_first, 0) << "what it was told stays as it was";
+  EXPECT_NE(after.requests.front().is_first, 0) << "the resumed run waits for its controllers";
 }
 
-TEST(Lockstep, ScenesThatCannotBeAreRefused) {
+TEST(Lockstep, RejectsUnsuitableScenes) {
   const auto refusal = [](Scene scene) {
     const Simulation simulation(std::move(scene), {});
     try {
@@ -276,22 +276,24 @@ TEST(Lockstep, ScenesThatCannotBeAreRefused) {
     }
     return std::string();
   };
-  Scene nobody = rover_in_crowd(20);
-  nobody.groups.pop_back();
-  EXPECT_EQ(refusal(nobody),
-            "--lockstep: expected a scene with a driven group ('driven: CHANNEL'), found none");
+  Scene no_rovers = rover_in_crowd(20);
+  no_rovers.groups.pop_back();
+  EXPECT_EQ(refusal(no_rovers),
+            "--lockstep: expected a scene with an externally controlled group (control_channel: "
+            "CHANNEL), found none");
   Scene longer = rover_in_crowd(20);
-  longer.groups.back().control_channel = std::string(57, 'x');
-  EXPECT_THAT(refusal(longer), testing::HasSubstr("at most 56 characters, for '_ANSWER'"));
+  longer.groups.back().control_channel = std::string(58, 'x');
+  EXPECT_THAT(refusal(longer),
+              testing::HasSubstr("at most 57 characters, because '_REPLY' is appended"));
   Scene shared = rover_in_crowd(20);
   shared.groups.push_back(shared.groups.back());
   EXPECT_EQ(refusal(shared),
-            "--lockstep: expected a channel for each driven group, found 'ROBOT_DRIVE' for "
-            "several");
+            "--lockstep: expected a separate control channel for each group, found "
+            "'ROBOT_DRIVE' for several groups");
   EXPECT_EQ(refusal(rover_in_crowd(20)), "");
 }
 
-TEST(Lockstep, DamagedAnswersMoveNobodyWhereNobodyCanBe) {
+TEST(Lockstep, SurvivesDamagedReplies) {
   constexpr uint64_t kSeed = 23;
   uint64_t round = 0;
   InLockstep run([&round](InLockstep& self, const step_request_t& request) {

@@ -1,4 +1,4 @@
-// A log as a world: streamed, torn, damaged, of several runs, with fewer states than frames.
+// Replaying logs: streamed, torn, damaged, with several runs, with fewer states than frames.
 #include "lcm_io/replay/log_motion.h"
 
 #include <gmock/gmock.h>
@@ -14,13 +14,13 @@
 #include "lcm_io/replay/log_survey.h"
 #include "nearly_touching.h"
 
-namespace throng::log_world_test {
+namespace throng::log_motion_test {
 namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
 
-TEST(LogMotion, IsTheSameForAnyThreadsAndTarget) {
+TEST(LogMotion, IsIndependentOfThreadsAndSimdTarget) {
   const ScratchFile log;
   logged(small_scene("plaza", 4, 150), 60, log.path());
   const LogRun run = read_log_run(log.path());
@@ -36,7 +36,7 @@ TEST(LogMotion, IsTheSameForAnyThreadsAndTarget) {
   EXPECT_EQ(hashes.size(), 1u);
 }
 
-TEST(LogMotion, GoesOnFromACheckpoint) {
+TEST(LogMotion, ResumesFromACheckpoint) {
   for (const char* name : {"rush_hour", "paper_50"}) {
     const ScratchFile log;
     logged(small_scene(name, 5), 80, log.path());
@@ -53,12 +53,12 @@ TEST(LogMotion, GoesOnFromACheckpoint) {
       rest.resume(saved[stop], "test");
       EXPECT_EQ(rest.saved(), saved[stop]);
       for (size_t i = stop + 1; i < 80; ++i)
-        ASSERT_EQ(rest.step().hash, expected[i]) << name << ", stopped behind frame " << stop;
+        ASSERT_EQ(rest.step().hash, expected[i]) << name << ", stopped after frame " << stop;
     }
   }
 }
 
-TEST(LogMotion, WhatItsPosesAreNamesTheRun) {
+TEST(LogMotion, HasARunIdThatDependsOnItsPoses) {
   const ScratchFile one, same, other;
   logged(small_scene("plaza", 1, 20), 10, one.path());
   logged(small_scene("plaza", 1, 20), 10, same.path());
@@ -73,7 +73,7 @@ TEST(LogMotion, WhatItsPosesAreNamesTheRun) {
   EXPECT_NE(id(one, VolumeKind::kObb), id(other, VolumeKind::kObb));
 }
 
-/// Pairs of `run` at the frames that states were written of, by the rule of the encoder.
+/// Pairs of `run` at the frames with states, by the rule of the encoder.
 std::vector<size_t> frames_with_states(int frames, double every) {
   std::vector<size_t> out;
   int64_t last = -1;
@@ -85,7 +85,7 @@ std::vector<size_t> frames_with_states(int frames, double every) {
   return out;
 }
 
-TEST(LogMotion, WithFewerStatesThanFramesIsCulledAtItsStates) {
+TEST(LogMotion, CullsALogWithFewStatesAtThose) {
   for (const double every : {6.0, 2.4, 1.2}) {
     SCOPED_TRACE(testing::Message() << "every " << every);
     const ScratchFile log;
@@ -99,7 +99,7 @@ TEST(LogMotion, WithFewerStatesThanFramesIsCulledAtItsStates) {
     EXPECT_EQ(source.facts.anomalies.size(), 0u);
     const Simulation shape(scene, {});
     EXPECT_THAT(Simulation(source.scene, options_of(source)).notes(),
-                Contains(HasSubstr("frames apart: culled at those")));
+                Contains(HasSubstr("frames apart: culled at these")));
     const std::vector<CulledFrame> again = culled_again(log.path());
     ASSERT_EQ(again.size(), frames.size());
     const Placed placed(shape);
@@ -107,7 +107,7 @@ TEST(LogMotion, WithFewerStatesThanFramesIsCulledAtItsStates) {
   }
 }
 
-TEST(LogMotion, ATornLogIsCulledAsFarAsItIsWhole) {
+TEST(LogMotion, CullsTheSoundPartOfATornLog) {
   const ScratchFile log, torn;
   logged(small_scene("plaza", 7, 40), 40, log.path());
   const std::vector<CulledFrame> whole = culled_again(log.path());
@@ -130,7 +130,6 @@ TEST(LogMotion, ATornLogIsCulledAsFarAsItIsWhole) {
   EXPECT_GT(shorter, 3);
 }
 
-/// The offset of the n-th message of a channel, and how long it is.
 std::pair<size_t, size_t> message_at(const std::filesystem::path& log, Channel channel, int n) {
   LogReader reader(log);
   LogEvent event;
@@ -139,20 +138,20 @@ std::pair<size_t, size_t> message_at(const std::filesystem::path& log, Channel c
   return {0, 0};
 }
 
-TEST(LogMotion, StatesThatChecksumsDisproveAreNotUsed) {
+TEST(LogMotion, SkipsStatesWithWrongChecksums) {
   const ScratchFile log, hurt;
   logged(small_scene("plaza", 8, 40), 40, log.path());
   const std::vector<CulledFrame> whole = culled_again(log.path());
   std::vector<uint8_t> bytes = bytes_of(log.path());
   for (const int frame : {11, 12, 30}) {
     const auto [offset, size] = message_at(log.path(), Channel::kStates, frame);
-    bytes[offset + size - 40] ^= 0x04;  // a joint of somebody
+    bytes[offset + size - 40] ^= 0x04;  // a joint of an avatar
   }
   write_bytes(hurt.path(), bytes);
   const LogRun run = read_log_run(hurt.path());
   ASSERT_EQ(run.facts.anomalies.size(), 1u);
   EXPECT_EQ(run.facts.anomalies[0].count, 3);
-  EXPECT_EQ(run.facts.anomalies[0].first, "behind frame 10");
+  EXPECT_EQ(run.facts.anomalies[0].first, "after frame 10");
   const std::vector<CulledFrame> found = culled_again(hurt.path());
   ASSERT_EQ(found.size(), whole.size());
   for (size_t i = 0; i < found.size(); ++i) {
@@ -165,7 +164,7 @@ TEST(LogMotion, StatesThatChecksumsDisproveAreNotUsed) {
   EXPECT_THROW(read_log_run(hurt.path()), InputError) << "a damaged description";
 }
 
-TEST(LogMotion, GoesOnBehindBytesThatAreNoMessage) {
+TEST(LogMotion, ContinuesAfterInvalidBytes) {
   const ScratchFile log, hurt;
   logged(small_scene("plaza", 9, 40), 40, log.path());
   const std::vector<CulledFrame> whole = culled_again(log.path());
@@ -179,7 +178,7 @@ TEST(LogMotion, GoesOnBehindBytesThatAreNoMessage) {
     EXPECT_EQ(found[i].pairs, whole[i == 20 ? 19 : i].pairs) << "frame " << i;
 }
 
-TEST(LogMotion, IsOverWhereNothingComesForLong) {
+TEST(LogMotion, EndsAtALongGap) {
   const ScratchFile log, hurt;
   LogOptions options;
   options.state_every = 60;
@@ -193,10 +192,10 @@ TEST(LogMotion, IsOverWhereNothingComesForLong) {
   write_bytes(hurt.path(), bytes);
   const LogSurvey survey = survey_log(hurt.path());
   EXPECT_EQ(survey.steps, 8);
-  EXPECT_THAT(survey.notes, Contains(HasSubstr("no states for 13 s behind frame 420")));
+  EXPECT_THAT(survey.notes, Contains(HasSubstr("no states for 13 s after frame 420")));
 }
 
-TEST(LogMotion, OfSeveralRunsTheFirstIsCulled) {
+TEST(LogMotion, CullsTheFirstOfSeveralRuns) {
   const ScratchFile first, second, both;
   logged(small_scene("plaza", 1, 20), 20, first.path());
   logged(small_scene("plaza", 2, 20), 50, second.path());
@@ -209,11 +208,11 @@ TEST(LogMotion, OfSeveralRunsTheFirstIsCulled) {
     const std::vector<CulledFrame> found = culled_again(both.path());
     EXPECT_EQ(found.size(), 20u);
     EXPECT_EQ(found.back().hash, hash);
-    EXPECT_THAT(survey_log(both.path()).notes, Contains(HasSubstr("more than one run")));
+    EXPECT_THAT(survey_log(both.path()).notes, Contains(HasSubstr("several runs")));
   }
 }
 
-TEST(LogMotion, OfAResumedRunBeginsWhereThatWentOn) {
+TEST(LogMotion, StartsAResumedRunAtItsFirstFrame) {
   const ScratchFile log;
   const Scene scene = small_scene("plaza", 3);
   Simulation before(scene, {});
@@ -240,7 +239,7 @@ TEST(LogMotion, OfAResumedRunBeginsWhereThatWentOn) {
               Contains(HasSubstr("first states are those of frame 30")));
 }
 
-TEST(LogMotion, ALogOfALogHasItsPairs) {
+TEST(LogMotion, GivesEqualPairsForALogOfALog) {
   const ScratchFile log, twice;
   const Scene scene = small_scene("station_platform", 4);
   const std::vector<CulledFrame> run = logged(scene, 60, log.path());
@@ -263,8 +262,8 @@ TEST(LogMotion, ALogOfALogHasItsPairs) {
   }
 }
 
-TEST(LogMotion, SpheresHoldEveryPostureOfTheLog) {
-  // A crowd that was made up bends its joints anyhow.
+TEST(LogMotion, BoundsEveryPostureBySpheres) {
+  // A synthetic crowd bends its joints in any way.
   for (const uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const ScratchFile log;
@@ -302,4 +301,4 @@ TEST(LogMotion, SpheresHoldEveryPostureOfTheLog) {
 }
 
 }  // namespace
-}  // namespace throng::log_world_test
+}  // namespace throng::log_motion_test

@@ -1,4 +1,4 @@
-// Logs: reproducible to the byte, readable by LCM's own code, and honest about a full disk.
+// Logs are reproducible bytewise, readable by LCM's code, and report a full disk.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,16 +36,16 @@ std::vector<uint8_t> log_of(uint64_t seed, uint64_t instance, const LogOptions& 
   return bytes_of(file.path());
 }
 
-TEST(Log, TheSameRunGivesTheSameBytes) {
+TEST(Log, IsReproducible) {
   const auto first = log_of(1, 111);
   EXPECT_GT(first.size(), 100'000u);
-  EXPECT_EQ(first, log_of(1, 222)) << "instance and clock stay out";
+  EXPECT_EQ(first, log_of(1, 222)) << "instance and clock are not in the log";
   EXPECT_NE(first, log_of(2, 111));
-  EXPECT_NE(first, log_of(1, 111, {.with_clock_times = true})) << "clock times were asked for";
+  EXPECT_NE(first, log_of(1, 111, {.with_clock_times = true})) << "clock times were requested";
 }
 
-/// Tens of thousands of avatars take more messages a frame than are encoded at a time.
-TEST(Log, HasTheSameBytesForEveryNumberOfThreads) {
+/// Tens of thousands of avatars take more messages per frame than are encoded at a time.
+TEST(Log, IsIndependentOfTheNumberOfThreads) {
   std::vector<uint8_t> expected;
   for (const int threads : {1, 2, 3}) {
     const ScratchFile file;
@@ -60,14 +60,14 @@ TEST(Log, HasTheSameBytesForEveryNumberOfThreads) {
   }
 }
 
-TEST(Log, NamesNoPathOfThisMachine) {
+TEST(Log, ContainsNoPathOfThisMachine) {
   const auto bytes = log_of(1, 1);
   const std::string text(bytes.begin(), bytes.end());
   EXPECT_EQ(text.find("/a/folder"), std::string::npos);
   EXPECT_EQ(text.find(data_directory().string()), std::string::npos);
 }
 
-TEST(Log, IsReadByLcmsOwnReader) {
+TEST(Log, IsReadableByLcm) {
   const ScratchFile file;
   SyntheticRun run({.seed = 9, .pairs = 500});
   LogSink sink(file.path());
@@ -91,17 +91,17 @@ TEST(Log, IsReadByLcmsOwnReader) {
   EXPECT_EQ(last_stamp, 149 * 1'000'000 / 60) << "stamps are simulation time";
 }
 
-TEST(Log, OurReaderAndLcmsAgreeOnEveryEvent) {
+TEST(Log, IsReadAsByLcm) {
   const ScratchFile file;
   SyntheticRun run({.seed = 9});
   LogSink sink(file.path());
   run.play(sink, 70);
-  lcm::LogFile theirs(file.path().string(), "r");
-  LogReader ours(file.path());
+  lcm::LogFile lcm_reader(file.path().string(), "r");
+  LogReader reader(file.path());
   LogEvent event;
   uint64_t offset = 0;
-  while (ours.next(event) == LogReader::Status::kEvent) {
-    const lcm::LogEvent* expected = theirs.readNextEvent();
+  while (reader.next(event) == LogReader::Status::kEvent) {
+    const lcm::LogEvent* expected = lcm_reader.readNextEvent();
     ASSERT_NE(expected, nullptr);
     EXPECT_EQ(event.number, expected->eventnum);
     EXPECT_EQ(event.stamp_us, expected->timestamp);
@@ -111,11 +111,11 @@ TEST(Log, OurReaderAndLcmsAgreeOnEveryEvent) {
     EXPECT_EQ(event.offset, offset);
     offset += event.bytes;
   }
-  EXPECT_EQ(theirs.readNextEvent(), nullptr);
-  EXPECT_EQ(offset, ours.size());
+  EXPECT_EQ(lcm_reader.readNextEvent(), nullptr);
+  EXPECT_EQ(offset, reader.size());
 }
 
-TEST(Log, AFinishedRunChecksClean) {
+TEST(Log, IsSoundAfterAFinishedRun) {
   const ScratchFile file;
   SyntheticRun run({.seed = 3, .pairs = 300});
   LogSink sink(file.path());
@@ -133,7 +133,7 @@ TEST(Log, AFinishedRunChecksClean) {
   EXPECT_EQ(report.channels[static_cast<size_t>(Channel::kStates)].messages, 130);
 }
 
-TEST(Log, ARunWithADeadlineAndPeopleWhoComeAndGoChecksClean) {
+TEST(Log, IsSoundWithABudgetAndChangingPeople) {
   const ScratchFile file;
   SyntheticRun run({.seed = 3, .pairs = 300, .comings = true, .deadline = true});
   LogSink sink(file.path());
@@ -144,9 +144,9 @@ TEST(Log, ARunWithADeadlineAndPeopleWhoComeAndGoChecksClean) {
   EXPECT_EQ(report.begins, run.begins());
 }
 
-TEST(Log, APairOfSomebodyWhoIsAbsentIsAProblem) {
-  struct Everybody : Sink {  // says that avatar 0 has left, and keeps its pairs
-    explicit Everybody(LogSink& to) : log(to) {}
+TEST(Log, IsUnsoundWithAPairOfAnAbsentAvatar) {
+  struct AbsentAvatar : Sink {  // reports avatar 0 as absent, and keeps its pairs
+    explicit AbsentAvatar(LogSink& to) : log(to) {}
     void begin(const RunInfo& run) override { log.begin(run); }
     void frame(const RunInfo& run, const Frame& frame) override {
       std::vector<uint8_t> present(frame.roots.size(), 1);
@@ -161,14 +161,14 @@ TEST(Log, APairOfSomebodyWhoIsAbsentIsAProblem) {
   const ScratchFile file;
   SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 60});
   LogSink sink(file.path());
-  Everybody everybody(sink);
-  run.play(everybody, 3);
+  AbsentAvatar absent_avatar(sink);
+  run.play(absent_avatar, 3);
   const LogReport report = check_log(file.path());
   EXPECT_FALSE(report.is_sound());
   EXPECT_THAT(report.problems, testing::Each(testing::HasSubstr("of an avatar that is absent")));
 }
 
-TEST(Log, IsDescribedForPeople) {
+TEST(Log, IsDescribedAsText) {
   const ScratchFile file;
   SyntheticRun run({.seed = 3});
   LogSink sink(file.path());
@@ -176,37 +176,38 @@ TEST(Log, IsDescribedForPeople) {
   const std::string text = describe_log(file.path());
   for (const char* expected :
        {"scene synthetic, seed 3, 20 avatars", "model adult", "model rover", "1 obstacle",
-        "group walkers: 14 avatars", "group robots: 6 avatars, driven by ROBOT_DRIVE",
+        "group walkers: 14 avatars", "group robots: 6 avatars, controlled by ROBOT_DRIVE",
         "THRONG_STATES", "finished"})
     EXPECT_THAT(text, testing::HasSubstr(expected));
   EXPECT_THAT(text, testing::HasSubstr(std::to_string(run.begins()) + " begins"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("problem")));
 }
 
-TEST(Log, AFullDiskIsToldWithTheFilesName) {
+TEST(Log, ReportsAFullDiskWithTheFileName) {
   SyntheticRun run({.avatars = 500});
   LogSink sink("/dev/full");
   try {
     run.play(sink, 300);
-    FAIL() << "nothing was said";
+    FAIL() << "no error";
   } catch (const EnvironmentError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("/dev/full"));
     EXPECT_THAT(error.what(), testing::HasSubstr("No space left"));
   }
 }
 
-TEST(Log, AFolderThatIsNotThereIsTold) {
+TEST(Log, ReportsAMissingFolder) {
   EXPECT_THROW(LogSink("/no/such/folder/run.lcmlog"), EnvironmentError);
 }
 
-TEST(Log, NothingStaysUnwrittenLongerThanTheFlushInterval) {
+TEST(Log, IsWrittenWithinTheFlushInterval) {
   const ScratchFile file;
   SyntheticRun run({.avatars = 3, .pairs = 2, .crowd = SyntheticRun::Crowd::kAdults});
   LogSink sink(file.path(), {.flush_s = 0.05});
   sink.begin(run.info());
-  EXPECT_EQ(std::filesystem::file_size(file.path()), sink.bytes()) << "the description at once";
+  EXPECT_EQ(std::filesystem::file_size(file.path()), sink.bytes())
+      << "the description is written at once";
   using Clock = std::chrono::steady_clock;
-  // At every frame's end, whatever was not handed to the file is at most flush_s old, less a frame.
+  // At the end of each frame, bytes not yet in the file are at most flush_s old, less a frame.
   std::vector<std::pair<Clock::time_point, uint64_t>> history;
   for (int i = 0; i < 40; ++i) {
     const auto started = Clock::now();
@@ -223,7 +224,7 @@ TEST(Log, NothingStaysUnwrittenLongerThanTheFlushInterval) {
   }
 }
 
-TEST(Log, WithoutAFlushIntervalEveryFrameIsInTheFileBeforeTheNext) {
+TEST(Log, HoldsEveryFrameBeforeTheNextWithoutAFlushInterval) {
   const ScratchFile file;
   SyntheticRun run({.avatars = 3, .pairs = 2, .crowd = SyntheticRun::Crowd::kAdults});
   LogSink sink(file.path(), {.flush_s = 0});
@@ -234,7 +235,7 @@ TEST(Log, WithoutAFlushIntervalEveryFrameIsInTheFileBeforeTheNext) {
   }
 }
 
-/// Everything that comes out of a pipe, read after a while and in small pieces.
+/// Reads a pipe after a while, in small pieces.
 class SlowReader {
  public:
   explicit SlowReader(const std::filesystem::path& pipe)
@@ -261,7 +262,7 @@ std::vector<uint8_t> counted(size_t bytes) {
   return out;
 }
 
-TEST(FileWriter, AFileThatIsTooSlowLosesNothing) {
+TEST(FileWriter, LosesNothingWithASlowFile) {
   const ScratchFile pipe;
   std::filesystem::remove(pipe.path());
   ASSERT_EQ(::mkfifo(pipe.path().c_str(), 0600), 0);
@@ -273,16 +274,16 @@ TEST(FileWriter, AFileThatIsTooSlowLosesNothing) {
   EXPECT_TRUE(reader.all() == bytes);
 }
 
-TEST(FileWriter, AfterAnErrorTheFileIsTheBeginningOfWhatWasPut) {
+TEST(FileWriter, LeavesAPrefixAfterAnError) {
   const ScratchFile file;
-  const rlimit most = {6'500'000, 6'500'000};
+  const rlimit limit = {6'500'000, 6'500'000};
   const std::vector<uint8_t> bytes = counted(12'000'000);
-  // In a process of its own, whose files may not grow beyond the limit.
+  // In a child process whose files may not grow beyond the limit.
   const pid_t child = ::fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
-    ::setrlimit(RLIMIT_FSIZE, &most);
-    int told = 0;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    int errors = 0;
     FileWriter writer(file.path());
     for (size_t at = 0; at < bytes.size(); at += 500'000) {
       try {
@@ -290,29 +291,29 @@ TEST(FileWriter, AfterAnErrorTheFileIsTheBeginningOfWhatWasPut) {
         writer.start_writing();
         writer.check();
       } catch (const EnvironmentError&) {
-        ++told;
+        ++errors;
         const rlimit free = {RLIM_INFINITY, RLIM_INFINITY};
-        ::setrlimit(RLIMIT_FSIZE, &free);  // as if there were room again
+        ::setrlimit(RLIMIT_FSIZE, &free);  // as if space were available again
       }
     }
     try {
       writer.close();
     } catch (const EnvironmentError&) {
-      ++told;
+      ++errors;
     }
-    std::_Exit(told);
+    std::_Exit(errors);
   }
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 1) << "told once";
+  EXPECT_EQ(WEXITSTATUS(status), 1) << "reported once";
   std::ifstream in(file.path(), std::ios::binary);
-  const std::vector<uint8_t> held{std::istreambuf_iterator<char>(in), {}};
-  ASSERT_EQ(held.size(), 6'500'000u);
-  EXPECT_TRUE(std::equal(held.begin(), held.end(), bytes.begin()));
+  const std::vector<uint8_t> content{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_EQ(content.size(), 6'500'000u);
+  EXPECT_TRUE(std::equal(content.begin(), content.end(), bytes.begin()));
 }
 
-TEST(Log, ARunGivenUpLeavesAReadableLog) {
+TEST(Log, IsReadableAfterAnAbandonedRun) {
   const ScratchFile file;
   SyntheticRun run({.seed = 3});
   {
@@ -327,7 +328,7 @@ TEST(Log, ARunGivenUpLeavesAReadableLog) {
   EXPECT_EQ(report.open_pairs, run.begins() - run.ends());
 }
 
-TEST(Log, WhatIsNoLogIsRefused) {
+TEST(Log, IsRejectedIfItIsNotALog) {
   const ScratchFile file;
   write_bytes(file.path(), std::vector<uint8_t>{'h', 'e', 'l', 'l', 'o'});
   EXPECT_THROW(check_log(file.path()), InputError);
@@ -337,7 +338,7 @@ TEST(Log, WhatIsNoLogIsRefused) {
   EXPECT_THROW(check_log("/tmp"), InputError);
 }
 
-TEST(Log, ALogOfAnotherVersionIsRefusedInOneLine) {
+TEST(Log, IsRejectedInOneLineIfOfAnotherVersion) {
   const ScratchFile file;
   SyntheticRun run({.avatars = 2, .seed = 6, .crowd = SyntheticRun::Crowd::kRovers});
   LogSink sink(file.path());
@@ -348,7 +349,7 @@ TEST(Log, ALogOfAnotherVersionIsRefusedInOneLine) {
     put_big_endian(bytes.data() + event.offset + kLogHeadBytes + event.channel.size() + 56,
                    kSchema - 1);
   write_bytes(file.path(), bytes);
-  const auto said = [&file](auto read) -> std::string {
+  const auto refusal = [&file](auto read) -> std::string {
     try {
       read(file.path());
     } catch (const InputError& error) {
@@ -358,15 +359,15 @@ TEST(Log, ALogOfAnotherVersionIsRefusedInOneLine) {
   };
   const std::string why =
       fmt::format("THRONG_RUN: schema {}, this program reads {}", kSchema - 1, kSchema);
-  EXPECT_THAT(said([](auto path) { check_log(path); }),
+  EXPECT_THAT(refusal([](auto path) { check_log(path); }),
               testing::HasSubstr("expected messages of this version of Throng, found " + why +
                                  "; record the run again with this version"));
-  EXPECT_THAT(said([](auto path) { ExportedLog(path, [] { return true; }); }),
+  EXPECT_THAT(refusal([](auto path) { ExportedLog(path, [] { return true; }); }),
               testing::HasSubstr("expected a run's description, found none (" + why +
                                  "); record the run again with this version"));
 }
 
-TEST(Log, AnEndWithoutChecksIsNamed) {
+TEST(Log, NamesAnEndWithoutChecksums) {
   SyntheticRun run({.avatars = 2, .seed = 6, .crowd = SyntheticRun::Crowd::kRovers});
   const ScratchFile file;
   LogFile log(file.path());

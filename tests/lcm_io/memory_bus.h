@@ -1,5 +1,4 @@
-// LCM within the process, for tests of what listens: no network, no loss.
-// One rule: LCM's own headers stay behind it.
+// LCM within the process, for tests of receivers: no network, no loss. Hides LCM's headers.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,6 @@ namespace throng {
 
 std::shared_ptr<lcm::LCM> memory_bus();
 
-/// The bytes as they are, sound or not.
 void publish(lcm::LCM& lcm, Channel channel, std::span<const uint8_t> bytes);
 
 }  // namespace throng

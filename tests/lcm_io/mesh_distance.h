@@ -1,5 +1,4 @@
-// How far apart two meshes are, the slow and obvious way: every triangle of one against every
-// triangle of the other.
+// Distance of two meshes by brute force: every triangle of one against every triangle of the other.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -23,7 +22,7 @@ inline double point_segment_m(const Eigen::Vector3d& p, const Eigen::Vector3d& a
   return (a + t * along - p).norm();
 }
 
-/// To the inside of the triangle, where p lies over it; else infinity: the edges have to do.
+/// Distance to the face if p lies over it; otherwise infinity, because the edges decide.
 inline double point_face_m(const Eigen::Vector3d& p, const TriangleM& t) {
   const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
   if (!(normal.norm() > 0)) return kFar_m;
@@ -34,16 +33,16 @@ inline double point_face_m(const Eigen::Vector3d& p, const TriangleM& t) {
 
 inline double segments_m(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                          const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
-  double least = std::min({point_segment_m(a, c, d), point_segment_m(b, c, d),
+  double min_m = std::min({point_segment_m(a, c, d), point_segment_m(b, c, d),
                            point_segment_m(c, a, b), point_segment_m(d, a, b)});
   const Eigen::Vector3d u = b - a, v = d - c, normal = u.cross(v);
-  if (normal.squaredNorm() < 1e-24) return least;
-  // Where the lines are nearest, if that is within both.
+  if (normal.squaredNorm() < 1e-24) return min_m;
+  // Nearest points of the lines, if they lie within both segments.
   const double s = (c - a).cross(v).dot(normal) / normal.squaredNorm();
   const double t = (c - a).cross(u).dot(normal) / normal.squaredNorm();
   if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
-    least = std::min(least, (a + s * u - (c + t * v)).norm());
-  return least;
+    min_m = std::min(min_m, (a + s * u - (c + t * v)).norm());
+  return min_m;
 }
 
 inline bool crosses(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const TriangleM& t) {
@@ -54,19 +53,20 @@ inline bool crosses(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Tr
 }
 
 inline double triangles_m(const TriangleM& a, const TriangleM& b) {
-  double least = kFar_m;
+  double min_m = kFar_m;
   for (size_t i = 0; i < 3; ++i) {
     if (crosses(a[i], a[(i + 1) % 3], b) || crosses(b[i], b[(i + 1) % 3], a)) return 0;
-    least = std::min({least, point_face_m(a[i], b), point_face_m(b[i], a)});
+    min_m = std::min({min_m, point_face_m(a[i], b), point_face_m(b[i], a)});
     for (size_t k = 0; k < 3; ++k)
-      least = std::min(least, segments_m(a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]));
+      min_m = std::min(min_m, segments_m(a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]));
   }
-  return least;
+  return min_m;
 }
 
-/// Infinity where it is more than `most_m`. A solid inside the other is as far as its surface is.
+/// Infinity if the distance exceeds `max_m`. A solid inside another counts by the distance of the
+/// surfaces.
 inline double meshes_m(const Mesh& a, const Eigen::Affine3d& world_from_a, const Mesh& b,
-                       const Eigen::Affine3d& world_from_b, double most_m) {
+                       const Eigen::Affine3d& world_from_b, double max_m) {
   struct Placed {
     TriangleM triangle;
     Eigen::AlignedBox3d box;
@@ -84,13 +84,13 @@ inline double meshes_m(const Mesh& a, const Eigen::Affine3d& world_from_a, const
     }
     return out;
   };
-  double least = kFar_m;
+  double min_m = kFar_m;
   const std::vector<Placed> all_b = placed(b, world_from_b);
   for (const Placed& one : placed(a, world_from_a))
     for (const Placed& other : all_b)
-      if (one.box.exteriorDistance(other.box) <= std::min(least, most_m))
-        least = std::min(least, triangles_m(one.triangle, other.triangle));
-  return least <= most_m ? least : kFar_m;
+      if (one.box.exteriorDistance(other.box) <= std::min(min_m, max_m))
+        min_m = std::min(min_m, triangles_m(one.triangle, other.triangle));
+  return min_m <= max_m ? min_m : kFar_m;
 }
 
 }  // namespace throng

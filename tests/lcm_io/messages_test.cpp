@@ -1,4 +1,4 @@
-// The messages themselves: fingerprints, sizes, and that what arrives is what was sent.
+// Messages: fingerprints, sizes, and equality of sent and received values.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,40 +14,39 @@
 namespace throng::messages_test {
 namespace {
 
-// Every listener was built against these numbers. A change is a new protocol: say so in the
-// changelog.
-TEST(Messages, FingerprintsAreTheOnesThatListenersKnow) {
+// Listeners are built against these numbers. A change breaks them: state it in the changelog.
+TEST(Messages, HaveTheKnownFingerprints) {
   const std::map<std::string, std::pair<int64_t, uint64_t>> golden = {
       {"run_chunk_t", {run_chunk_t::getHash(), 0xc40bb11c8af3eb40}},
-      {"run_description_t", {run_description_t::getHash(), 0xe53fcc66d695cb02}},
+      {"run_description_t", {run_description_t::getHash(), 0x2cda074da0e471aa}},
       {"obstacle_t", {obstacle_t::getHash(), 0xdc90ba3330d0e3c8}},
       {"mesh_t", {mesh_t::getHash(), 0x3a66596cb107c4a8}},
       {"model_t", {model_t::getHash(), 0x8459d7f47a107a2a}},
       {"joint_t", {joint_t::getHash(), 0x9ba21b10d8364e58}},
       {"part_t", {part_t::getHash(), 0xe2123e5fdfbf1b33}},
-      {"states_t", {states_t::getHash(), 0xcd54b2106e6dbb6c}},
+      {"states_t", {states_t::getHash(), 0x8f6d31ab79743a73}},
       {"events_t", {events_t::getHash(), 0xc3c4687c6fb789ed}},
       {"touching_t", {touching_t::getHash(), 0x9eff8eb7aaa41e9d}},
       {"frame_stats_t", {frame_stats_t::getHash(), 0x50b2de6ad1c65e10}},
       {"end_t", {end_t::getHash(), 0xe798eab369bd5e12}},
       {"part_poses_t", {part_poses_t::getHash(), 0x15259622cf3c970a}},
-      {"pose_command_t", {pose_command_t::getHash(), 0x413474c4188a3919}},
-      {"checksums_t", {checksums_t::getHash(), 0xff769c3757920f60}},
-      {"proximity_t", {proximity_t::getHash(), 0xa556b0d68e2546c0}},
-      {"separation_t", {separation_t::getHash(), 0xd59f80a91bbddbaf}},
-      {"contact_points_t", {contact_points_t::getHash(), 0x93b02fbc50a33836}},
+      {"pose_command_t", {pose_command_t::getHash(), 0x0656f1a8d73bf8d0}},
+      {"checksums_t", {checksums_t::getHash(), 0x1a136b47d00f1cc8}},
+      {"proximity_t", {proximity_t::getHash(), 0x26092931f225daf6}},
+      {"separation_t", {separation_t::getHash(), 0x6cc58951e48f1d18}},
+      {"contact_points_t", {contact_points_t::getHash(), 0x8e016add1273ecf8}},
       {"step_request_t", {step_request_t::getHash(), 0x5d42ef3a2e13dfcc}},
-      {"stamp_t", {stamp_t::getHash(), 0x39eebe8d9f216209}},
-      {"step_reply_t", {step_reply_t::getHash(), 0xc1ab0e39188801fc}},
+      {"stamp_t", {stamp_t::getHash(), 0x3778b8925480d7b6}},
+      {"step_reply_t", {step_reply_t::getHash(), 0xaab0b1f72bfd7db9}},
   };
   for (const auto& [name, hashes] : golden)
     EXPECT_EQ(static_cast<uint64_t>(hashes.first), hashes.second)
         << name << std::hex << ": expected " << hashes.second << ", found " << hashes.first;
 }
 
-class MessagesOfOptions : public testing::TestWithParam<Channel> {};
+class OptionalMessages : public testing::TestWithParam<Channel> {};
 
-TEST_P(MessagesOfOptions, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
+TEST_P(OptionalMessages, AreNeitherSentNorNamedWithoutRequest) {
   SyntheticRun run({.avatars = 5});
   MessageList list;
   RunEncoder encoder({}, list);
@@ -59,7 +58,7 @@ TEST_P(MessagesOfOptions, AreNotSentWhereNobodyAskedAndTheChannelIsNotNamed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Channels, MessagesOfOptions,
+INSTANTIATE_TEST_SUITE_P(Channels, OptionalMessages,
                          testing::Values(Channel::kProximity, Channel::kSeparation,
                                          Channel::kContactPoints),
                          [](const auto& channel) { return std::string(name_of(channel.param)); });
@@ -71,7 +70,7 @@ struct Crowd {
 };
 class MessageSizes : public testing::TestWithParam<Crowd> {};
 
-TEST_P(MessageSizes, NeverExceedOneDatagram) {
+TEST_P(MessageSizes, FitIntoOneDatagram) {
   const Crowd crowd = GetParam();
   SyntheticRun run({.avatars = crowd.avatars,
                     .seed = 7,
@@ -99,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Crowds, MessageSizes,
                          testing::Values(Crowd{0, 0, 2}, Crowd{1, 3, 70}, Crowd{500, 20'000, 3},
                                          Crowd{100'000, 30'000, 1}));
 
-TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
+TEST(Messages, CarryStatesWithinHalfAQuantisationStep) {
   constexpr uint64_t kSeed = 3;
   SyntheticRun run({.avatars = 900, .seed = kSeed, .spread_m = 10'000});
   MessageList list;
@@ -139,12 +138,11 @@ TEST(Messages, StatesArriveWithinHalfAQuantisationStep) {
   EXPECT_LE(position, 0.5e-4 + 1e-9);
   EXPECT_LE(angle, 6.2e-5 + 1e-3) << "angularDistance() itself loses 1e-3 near zero in float";
   EXPECT_EQ(speed, 0);
-  EXPECT_GT(joint, allowed / 2)
-      << "the largest error is near the stated one, so the bound means something";
+  EXPECT_GT(joint, allowed / 2) << "the largest error is near the stated bound";
   EXPECT_EQ(encoder.target_state().clamped(), 0);
 }
 
-TEST(Messages, RotationsArriveWithinTheStatedAngle) {
+TEST(Messages, CarryRotationsWithinTheStatedAngle) {
   constexpr uint64_t kSeed = 11;
   double worst = 0;
   for (uint64_t i = 0; i < 20'000; ++i) {
@@ -162,10 +160,10 @@ TEST(Messages, RotationsArriveWithinTheStatedAngle) {
     worst = std::max(worst, 2 * std::asin(std::min(1.0, off.vec().norm())));
   }
   EXPECT_LT(worst, 6.2e-5) << "radians, seed " << kSeed;
-  EXPECT_GT(worst, 3e-5) << "the bound means something";
+  EXPECT_GT(worst, 3e-5) << "the bound is not too large";
 }
 
-TEST(Messages, ValuesThatDoNotFitAreClampedAndCounted) {
+TEST(Messages, ClampAndCountValuesOutOfRange) {
   int32_t clamped = 0;
   EXPECT_EQ(quantised_position(300'000, clamped), 2147483646);
   EXPECT_EQ(quantised_position(-1e300, clamped), -2147483646);
@@ -177,10 +175,10 @@ TEST(Messages, ValuesThatDoNotFitAreClampedAndCounted) {
   EXPECT_EQ(knee.quantised_value(2.0f, clamped), 32767);
   EXPECT_EQ(knee.quantised_value(0.0f, clamped), -32767);
   EXPECT_EQ(quantised_unit(1.0000001f, clamped), 32767);
-  EXPECT_EQ(clamped, 4) << "a rounding error beyond a limit is no loss";
+  EXPECT_EQ(clamped, 4) << "a rounding error beyond a limit does not count";
 }
 
-TEST(Messages, AJointThatGoesRoundIsBroughtIntoOneTurn) {
+TEST(Messages, WrapContinuousJoints) {
   const ColumnRange wheel{0, std::numbers::pi, true};
   int32_t clamped = 0;
   const float turned = wheel.value_of(wheel.quantised_value(100.0f, clamped));
@@ -188,7 +186,7 @@ TEST(Messages, AJointThatGoesRoundIsBroughtIntoOneTurn) {
   EXPECT_EQ(clamped, 0);
 }
 
-TEST(Messages, EventsArriveInOrderOverAllChunks) {
+TEST(Messages, CarryEventsInOrderOverAllChunks) {
   SyntheticRun run({.avatars = 500, .seed = 5, .pairs = 20'000});
   const auto messages = messages_of(run, 2);
   std::map<int64_t, std::vector<PairEvent>> found;
@@ -214,7 +212,7 @@ TEST(Messages, EventsArriveInOrderOverAllChunks) {
   EXPECT_TRUE(std::equal(end.events.begin(), end.events.end(), found[2].begin(), found[2].end()));
 }
 
-TEST(Messages, SayHowFarEveryPairWasRefined) {
+TEST(Messages, CarryTheLevelOfEveryPair) {
   const SyntheticRun::Options options{.avatars = 500, .seed = 5, .pairs = 20'000, .deadline = true};
   SyntheticRun run(options), again(options);
   std::vector<uint8_t> event_levels, levels;
@@ -237,7 +235,7 @@ TEST(Messages, SayHowFarEveryPairWasRefined) {
     EXPECT_GT(std::count(levels.begin(), levels.end(), level), 1000) << "level " << level;
 }
 
-TEST(Messages, WithoutADeadlineEveryPairGotAsFarAsTheRunRefines) {
+TEST(Messages, HaveTheLastLevelWithoutABudget) {
   for (const bool exact : {false, true}) {
     SyntheticRun run({.pairs = 100});
     run.set_exact(exact);
@@ -251,7 +249,7 @@ TEST(Messages, WithoutADeadlineEveryPairGotAsFarAsTheRunRefines) {
   }
 }
 
-TEST(Messages, PresenceIsSentOnlyWhereSomebodyIsAbsent) {
+TEST(Messages, ContainPresenceOnlyIfAnAvatarIsAbsent) {
   SyntheticRun whole({.avatars = 50}), run({.avatars = 50, .comings = true});
   const auto presence_in = [](SyntheticRun& from) {
     for (const auto& m : messages_of(from, 1)) {
@@ -267,7 +265,7 @@ TEST(Messages, PresenceIsSentOnlyWhereSomebodyIsAbsent) {
   EXPECT_THAT(present, testing::Contains(1));
 }
 
-TEST(Messages, ThinningStatesKeepsEveryEvent) {
+TEST(Messages, KeepEveryEventWithFewerStates) {
   SyntheticRun every({.seed = 2}), fifth({.seed = 2});
   std::map<Channel, int> full, thin;
   for (const auto& m : messages_of(every, 30)) ++full[m.channel];
@@ -279,7 +277,7 @@ TEST(Messages, ThinningStatesKeepsEveryEvent) {
     EXPECT_EQ(thin[channel], full[channel]) << name_of(channel);
 }
 
-/// Frames that have states in a run of `frames`, at 60 frames a second.
+/// Returns the frames with states in a run of `frames`, at 60 frames per second.
 std::vector<int64_t> frames_with_states(double states_hz, int frames) {
   SyntheticRun run({.avatars = 3, .seed = 2});
   std::vector<int64_t> found;
@@ -291,24 +289,24 @@ std::vector<int64_t> frames_with_states(double states_hz, int frames) {
   return found;
 }
 
-TEST(Messages, StatesAreThoseOfTheFirstFrameAtOrAfterEachMultiple) {
+TEST(Messages, CarryStatesAtTheFirstFrameAfterEachMultiple) {
   EXPECT_THAT(frames_with_states(10, 20), testing::ElementsAre(0, 6, 12, 18));
   EXPECT_THAT(frames_with_states(25, 15), testing::ElementsAre(0, 3, 5, 8, 10, 12));
   EXPECT_THAT(frames_with_states(7, 28), testing::ElementsAre(0, 9, 18, 26));
   EXPECT_THAT(frames_with_states(0.1, 601), testing::ElementsAre(0, 600));
 }
 
-TEST(Messages, StatesComeAsOftenAsAskedForAtEveryRate) {
+TEST(Messages, CarryStatesAtTheRequestedRate) {
   for (int states_hz = 1; states_hz <= 60; ++states_hz) {
     const std::vector<int64_t> found = frames_with_states(states_hz, 600);
-    ASSERT_EQ(found.size(), static_cast<size_t>(10 * states_hz)) << states_hz << " a second";
+    ASSERT_EQ(found.size(), static_cast<size_t>(10 * states_hz)) << states_hz << " per second";
     for (size_t k = 0; k < found.size(); ++k)
       EXPECT_EQ(found[k], (static_cast<int64_t>(k) * 60 + states_hz - 1) / states_hz)
-          << "states " << k << " at " << states_hz << " a second";
+          << "states " << k << " at " << states_hz << " per second";
   }
 }
 
-TEST(Messages, TheWholeTouchingSetComesOnceASimulatedSecond) {
+TEST(Messages, CarryAllTouchingPairsOncePerSecond) {
   SyntheticRun run({.seed = 2});
   std::vector<int64_t> stamps;
   for (const auto& m : messages_of(run, 200))
@@ -316,7 +314,7 @@ TEST(Messages, TheWholeTouchingSetComesOnceASimulatedSecond) {
   EXPECT_THAT(stamps, testing::ElementsAre(0, 1'000'000, 2'000'000, 3'000'000));
 }
 
-TEST(Messages, PartPosesAreThoseOfForwardKinematics) {
+TEST(Messages, CarryPartPosesOfForwardKinematics) {
   SyntheticRun run({.avatars = 9, .seed = 4});
   MessageList list;
   RunEncoder encoder({.part_poses = true}, list);

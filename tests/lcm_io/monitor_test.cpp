@@ -1,4 +1,4 @@
-// Watching a run: the figures are those of the run, and nothing that is received stops it.
+// Monitor reports the totals of a run, and no input stops it.
 #include "lcm_io/wire/monitor.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ void watch(Inbox& inbox, Monitor& monitor, const MessageList::Message& m) {
   monitor.take(update, static_cast<double>(m.utime_us) * 1e-6);
 }
 
-TEST(Monitor, CountsEventsFramesAndStagesAsTheRunDoes) {
+TEST(Monitor, CountsEventsFramesAndStages) {
   SyntheticRun run({.seed = 5, .pairs = 200});
   const Messages messages = messages_of(run, 120);
   Inbox inbox;
@@ -48,7 +48,7 @@ TEST(Monitor, CountsEventsFramesAndStagesAsTheRunDoes) {
   EXPECT_LE(sides, 2 * run.begins());
 }
 
-TEST(Monitor, RecentFiguresAreOfTheLastTwoSeconds) {
+TEST(Monitor, LimitsRecentTotalsToTwoSeconds) {
   SyntheticRun run({.seed = 5});
   Inbox inbox;
   Monitor monitor(inbox);
@@ -63,7 +63,7 @@ TEST(Monitor, RecentFiguresAreOfTheLastTwoSeconds) {
   EXPECT_NEAR(static_cast<double>(recent.frames) / recent.now_s, 60, 2);
 }
 
-TEST(Monitor, AnEndSaysHowLongThePairTouched) {
+TEST(Monitor, ReportsTheDurationOfEndedPairs) {
   const SyntheticRun::Options options{.seed = 8, .pairs = 30};
   SyntheticRun run(options), oracle(options);
   std::map<PairKey, int64_t> began;
@@ -91,7 +91,7 @@ TEST(Monitor, AnEndSaysHowLongThePairTouched) {
   EXPECT_GT(compared, 10);
 }
 
-TEST(Monitor, AnotherRunStartsFromNothing) {
+TEST(Monitor, StartsAgainWithAnotherRun) {
   SyntheticRun first({.seed = 1}), second({.seed = 2});
   Inbox inbox;
   Monitor monitor(inbox);
@@ -101,7 +101,7 @@ TEST(Monitor, AnotherRunStartsFromNothing) {
   EXPECT_EQ(monitor.overall(1).begins, second.begins());
 }
 
-TEST(Monitor, AHundredThousandDamagedMessagesAreSurvived) {
+TEST(Monitor, SurvivesAHundredThousandDamagedMessages) {
   constexpr uint64_t kSeed = 12;
   SyntheticRun source(
       {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .deadline = true});
@@ -111,7 +111,7 @@ TEST(Monitor, AHundredThousandDamagedMessagesAreSurvived) {
   for (uint64_t i = 0; i < 100'000; ++i) {
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << " message " << i);
     const RandomKey key{kSeed, i, 0, Purpose::kStyle};
-    // Behind the numbers of the header, where damage is not refused at once.
+    // After the header, where damage is not rejected at once.
     auto m = run[random_bits(key, 0) % run.size()];
     for (uint32_t hit = 0; hit < random_bits(key, 1) % 4; ++hit) {
       const size_t at = random_bits(key, 2 * hit + 2) % 3 == 0 ? 8 : 60;
@@ -129,7 +129,7 @@ TEST(Monitor, AHundredThousandDamagedMessagesAreSurvived) {
   EXPECT_LE(monitor.notes().size(), Monitor::kNotes);
 }
 
-TEST(Monitor, DamagedLogsAreWatchedToTheirEnd) {
+TEST(Monitor, ReadsDamagedLogsToTheirEnd) {
   constexpr uint64_t kSeed = 13;
   const ScratchFile sound, damaged;
   SyntheticRun run({.avatars = 3, .pairs = 6, .crowd = SyntheticRun::Crowd::kRovers});
@@ -163,7 +163,7 @@ TEST(Monitor, DamagedLogsAreWatchedToTheirEnd) {
   EXPECT_GT(watched, 10'000);
 }
 
-TEST(Monitor, NamesFromTheWireCannotCommandATerminal) {
+TEST(Monitor, RemovesControlCharactersFromNames) {
   EXPECT_EQ(printable("walkers"), "walkers");
   EXPECT_EQ(printable("Fu\xc3\x9fg\xc3\xa4nger"), "Fu\xc3\x9fg\xc3\xa4nger");
   EXPECT_EQ(printable("\033[2J\a\r\n"), "?[2J???");

@@ -1,5 +1,5 @@
-// Frames of a run beside those of its log, culled again: which pairs differ, and how far the parts
-// of those are apart.
+// Compares frames of a run with those of its log culled again: differing pairs, and the distance of
+// their parts.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,11 +16,11 @@
 
 namespace throng {
 
-/// Float poses and the description's own rounding.
+/// Tolerance for float poses and the rounding of the description.
 inline constexpr double kFloat_m = 2e-5;
 
-/// How far half a step of each joint on the way to the root may take a vertex of this part: times
-/// the longest lever that the joint can have.
+/// Displacement of a vertex of this part by half a quantisation step of each joint between it and
+/// the root, at the longest possible lever.
 inline double joints_m(const Model& model, const Part& part) {
   const std::vector<ColumnRange> ranges = column_ranges(model);
   double moved_m = 0, lever_m = 0;
@@ -45,9 +45,9 @@ inline double joints_m(const Model& model, const Part& part) {
   return moved_m;
 }
 
-/// How far states may have taken the parts of a body from where they were (docs: "A log, culled
-/// again"). Whoever stands upright on the ground is off along two axes and turns about the third,
-/// of which its parts are at most `lever_m` away; others of their root.
+/// Maximum displacement of the parts of a body by quantised states. An upright body on the ground
+/// deviates along two axes and turns about the third, at most `lever_m` away; others turn about
+/// their root.
 inline double quantisation_m(const Model& model, double scale, bool is_upright, double lever_m) {
   double moved_m = 0;
   for (const Part& part : model.parts) moved_m = std::max(moved_m, joints_m(model, part));
@@ -58,7 +58,7 @@ inline double quantisation_m(const Model& model, double scale, bool is_upright, 
          kFloat_m;
 }
 
-/// Where the parts of bodies are; obstacles are bodies behind the avatars.
+/// Poses of the parts of bodies; obstacles follow the avatars.
 class Placed {
  public:
   explicit Placed(const Simulation& run) : info_(run.info()), scene_(run.scene()) {}
@@ -113,8 +113,8 @@ class Placed {
   const Scene& scene_;
 };
 
-/// Checks that pairs which one of the two frames has alone are nearly touching in the other, and
-/// returns how many there are.
+/// Expects that pairs in only one of the two frames nearly touch in the other; returns their
+/// number.
 inline int expect_near(const Placed& placed, const CulledFrame& run, const CulledFrame& again) {
   std::vector<PairKey> only;
   std::set_symmetric_difference(run.pairs.begin(), run.pairs.end(), again.pairs.begin(),

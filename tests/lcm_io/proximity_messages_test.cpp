@@ -1,4 +1,4 @@
-// What a run says of distances: to the last bit, in as many messages as it takes.
+// Proximity rows are sent bit for bit in as many messages as needed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "lcm_io/codec/run_reader.h"
 #include "synthetic_run.h"
 
-namespace throng::near_messages_test {
+namespace throng::proximity_messages_test {
 namespace {
 
 std::vector<ProximityPair> some_rows(size_t count) {
@@ -17,7 +17,7 @@ std::vector<ProximityPair> some_rows(size_t count) {
     row.pair = PairKey(number / 200 % 10, 10 + number / 400 % 9, number % 14, number / 14 % 15);
     row.lo_m = 0.001f * static_cast<float>(number);
     row.hi_m = row.lo_m + 0.0005f;
-    if (i % 3 == 0) continue;  // by volumes
+    if (i % 3 == 0) continue;
     row.level = PairLevel::kTriangles;
     row.point_a_m = {1e5 + 0.125 * number, -2.5, 1};
     row.point_b_m = {1e5 + 0.25 * number, -2.25, 1.5};
@@ -29,7 +29,7 @@ std::vector<ProximityPair> some_rows(size_t count) {
 }
 
 bool same(const ProximityPair& a, const ProximityPair& b) {
-  // NaN is itself here.
+  // NaN equals itself here.
   const auto bits = [](const ProximityPair& r) {
     std::vector<double> all = {static_cast<double>(r.lo_m), static_cast<double>(r.hi_m),
                                static_cast<double>(r.depth_m),
@@ -44,7 +44,7 @@ bool same(const ProximityPair& a, const ProximityPair& b) {
   return a.pair == b.pair && a.level == b.level && bits(a) == bits(b);
 }
 
-TEST(NearMessages, HoldEveryRowToTheBit) {
+TEST(ProximityMessages, PreserveEveryRowBitForBit) {
   SyntheticRun run({.avatars = 20});
   RunInfo info = run.info();
   info.culler.proximity = {0.3f, 1.0f, 0.1};
@@ -67,7 +67,7 @@ TEST(NearMessages, HoldEveryRowToTheBit) {
       updates += update == RunReader::Update::kProximity;
     }
     EXPECT_EQ(updates, 1);
-    EXPECT_EQ(messages, count < 500 ? 1 : count < 1000 ? 2 : 7) << "680 rows a message";
+    EXPECT_EQ(messages, count < 500 ? 1 : count < 1000 ? 2 : 7) << "680 rows per message";
     ASSERT_EQ(reader.proximity_pairs().size(), parts.size());
     ASSERT_EQ(reader.closest_parts().size(), people.size());
     for (size_t i = 0; i < parts.size(); ++i)
@@ -77,18 +77,18 @@ TEST(NearMessages, HoldEveryRowToTheBit) {
   }
 }
 
-TEST(NearMessages, WithADistanceThatIsNoneAreRefused) {
+TEST(ProximityMessages, AreRejectedWithInvalidDistances) {
   proximity_t m{};
   m.schema = kSchema;
   m.chunk_count = 1;
   m.count = 1;
-  m.of = {0};
+  m.kind = {0};
   m.a = {1};
   m.b = {2};
   m.part_a = m.part_b = {0};
   m.level = {3};
-  for (auto* column :
-       {&m.lo_m, &m.hi_m, &m.normal_x, &m.normal_y, &m.normal_z, &m.depth_m, &m.closing_speed_mps})
+  for (auto* column : {&m.distance_lo_m, &m.distance_hi_m, &m.normal_x, &m.normal_y, &m.normal_z,
+                       &m.depth_m, &m.closing_speed_mps})
     column->assign(1, 0.5f);
   for (auto* column : {&m.point_a_x_m, &m.point_a_y_m, &m.point_a_z_m, &m.point_b_x_m,
                        &m.point_b_y_m, &m.point_b_z_m})
@@ -102,15 +102,15 @@ TEST(NearMessages, WithADistanceThatIsNoneAreRefused) {
   EXPECT_EQ(defect(), "");
   for (const auto& [lo, hi] : {std::pair(0.5f, 0.4f), std::pair(-1.0f, 1.0f), std::pair(NAN, 1.0f),
                                std::pair(0.0f, NAN)}) {
-    m.lo_m = {lo};
-    m.hi_m = {hi};
+    m.distance_lo_m = {lo};
+    m.distance_hi_m = {hi};
     EXPECT_NE(defect(), "") << lo << " " << hi;
   }
-  m.lo_m = {0};
-  m.hi_m = {1};
-  m.of = {2};
+  m.distance_lo_m = {0};
+  m.distance_hi_m = {1};
+  m.kind = {2};
   EXPECT_NE(defect(), "");
 }
 
 }  // namespace
-}  // namespace throng::near_messages_test
+}  // namespace throng::proximity_messages_test

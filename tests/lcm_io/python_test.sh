@@ -1,5 +1,5 @@
 #!/bin/sh
-# The Python reader of docs/lcm.md reads a log with nothing but generated classes, and finds every event.
+# examples/read_log.py reads a log with generated classes only, and finds every event.
 set -eu
 write_log=$1 classes=$2 reader=$3
 python=/usr/bin/python3

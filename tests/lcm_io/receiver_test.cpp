@@ -1,4 +1,4 @@
-// Receiving: whatever comes over the wire is counted, apart for each run, and stops nobody.
+// Receiver: all input is counted per run, and none stops it.
 #include "lcm_io/wire/receiver.h"
 
 #include <gmock/gmock.h>
@@ -24,20 +24,20 @@ Messages run_of(uint64_t seed, uint64_t instance, int frames) {
   return messages_of(run, frames);
 }
 
-TEST(Receiver, TakesAllThatALiveRunSends) {
+TEST(Receiver, ReceivesAllMessagesOfALiveRun) {
   const auto lcm = std::make_shared<lcm::LCM>("memq://");
   Receiver receiver(lcm);
   LcmSink sink({}, lcm);
   SyntheticRun run({.avatars = 300, .pairs = 200});
   run.play(sink, 30);
-  int64_t told = 0, updates = 0;
+  int64_t calls = 0, updates = 0;
   while (receiver.receive(0ms, [&](const ReceivedMessage& m) {
-    ++told;
+    ++calls;
     updates += m.update == RunReader::Update::kState ? 1 : 0;
     EXPECT_TRUE(channel_of(m.channel).has_value());
   }) > 0) {
   }
-  EXPECT_EQ(told, sink.messages());
+  EXPECT_EQ(calls, sink.messages());
   EXPECT_EQ(updates, 30);
   ASSERT_EQ(receiver.inbox().runs().size(), 1u);
   const RunTally& tally = receiver.inbox().runs().front();
@@ -49,7 +49,7 @@ TEST(Receiver, TakesAllThatALiveRunSends) {
   EXPECT_EQ(receiver.inbox().refused(), 0);
 }
 
-TEST(Receiver, WhatTheListenerThrowsArrivesAtTheCaller) {
+TEST(Receiver, RethrowsExceptionsOfTheListener) {
   const auto lcm = std::make_shared<lcm::LCM>("memq://");
   Receiver receiver(lcm);
   LcmSink sink({}, lcm);
@@ -58,19 +58,19 @@ TEST(Receiver, WhatTheListenerThrowsArrivesAtTheCaller) {
   EXPECT_THROW(
       receiver.receive(0ms, [](const ReceivedMessage&) { throw InputError("a", "b", "c"); }),
       InputError);
-  EXPECT_GT(receiver.receive(0ms), 0) << "it goes on";
+  EXPECT_GT(receiver.receive(0ms), 0) << "it continues";
 }
 
-TEST(Receiver, AnUnusableUrlNamesTheWayOut) {
+TEST(Receiver, ReportsARemedyForAnUnusableUrl) {
   try {
     Receiver receiver("nosuchtransport://");
-    FAIL() << "nothing was said";
+    FAIL() << "no error";
   } catch (const EnvironmentError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("ip route add 224.0.0.0/4 dev lo"));
   }
 }
 
-TEST(Inbox, TwoRunsOnTheSameChannelsAreCountedApart) {
+TEST(Inbox, CountsTwoRunsSeparately) {
   const Messages first = run_of(1, 100, 40), second = run_of(1, 200, 40);
   Inbox inbox;
   std::map<int64_t, std::array<int64_t, kChannelCount>> dropped, sent;
@@ -79,8 +79,8 @@ TEST(Inbox, TwoRunsOnTheSameChannelsAreCountedApart) {
     if (!drop) inbox.take(name_of(m.channel), m.bytes);
   };
   for (size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
-    // The first run loses messages, the second only its last ones. The last checks are behind the
-    // end: nobody would miss them.
+    // The first run loses messages, the second only its last ones. The last checksums follow the
+    // end: their loss is not detected.
     const auto may_go = [i](const Messages& run) {
       return run[i].channel != Channel::kEnd && i + 1 < run.size();
     };
@@ -99,7 +99,7 @@ TEST(Inbox, TwoRunsOnTheSameChannelsAreCountedApart) {
   }
 }
 
-TEST(Inbox, RemembersSoManyRunsAndNoMore) {
+TEST(Inbox, LimitsTheNumberOfRuns) {
   Inbox inbox;
   const Messages run = run_of(1, 1, 1);
   for (int64_t instance = 0; instance < 1000; ++instance) {
@@ -111,7 +111,7 @@ TEST(Inbox, RemembersSoManyRunsAndNoMore) {
   EXPECT_EQ(inbox.runs().back().instance, 999);
 }
 
-TEST(Inbox, AfterSilenceTheSameRunGoesOnWhereItWas) {
+TEST(Inbox, ContinuesTheSameRunAfterSilence) {
   const Messages run = run_of(1, 1, 60);
   Inbox inbox;
   int64_t lost = 0;
@@ -121,22 +121,22 @@ TEST(Inbox, AfterSilenceTheSameRunGoesOnWhereItWas) {
     lost += is_away ? 1 : 0;
     if (!is_away) inbox.take(name_of(run[i].channel), run[i].bytes);
   }
-  EXPECT_NE(inbox.run().run(), nullptr) << "the description is still known";
+  EXPECT_NE(inbox.run().run(), nullptr) << "the description is kept";
   int64_t missing = 0;
   for (const Channel channel : kAllChannels) missing += inbox.run().tally(channel).missing;
   EXPECT_EQ(missing, lost) << "the outage is counted";
 }
 
-/// A message as it would look after damage, or made up by somebody hostile.
+/// Returns a message after damage, or as made by an attacker.
 std::vector<uint8_t> damaged(const std::vector<uint8_t>& sound, const RandomKey& key) {
   auto bytes = sound;
   const auto random = [&key](uint32_t k) { return random_bits(key, k); };
   switch (random(0) % 5) {
-    case 0:  // bytes
+    case 0:
       for (uint32_t hit = 0; hit < 1 + random(1) % 8; ++hit)
         bytes[random(2 * hit + 2) % bytes.size()] = static_cast<uint8_t>(random(2 * hit + 3));
       break;
-    case 1:  // a count
+    case 1:
       put_big_endian(bytes.data() + random(1) % (bytes.size() - 4),
                      static_cast<int32_t>(random(2) % 4 == 0 ? INT32_MAX : random(3)));
       break;
@@ -146,21 +146,21 @@ std::vector<uint8_t> damaged(const std::vector<uint8_t>& sound, const RandomKey&
     case 3:
       bytes.resize(bytes.size() + random(1) % 1000, static_cast<uint8_t>(random(2)));
       break;
-    default:  // nothing but noise behind a fingerprint that is right
+    default:  // noise after a valid fingerprint
       for (size_t i = 8; i < bytes.size(); ++i)
         bytes[i] = static_cast<uint8_t>(random(static_cast<uint32_t>(i)));
   }
   return bytes;
 }
 
-TEST(Receiver, AHundredThousandDamagedPacketsAreCountedAndTheRunIsStillFollowed) {
+TEST(Receiver, FollowsTheRunDespiteAHundredThousandDamagedPackets) {
   constexpr uint64_t kSeed = 4;
   const auto lcm = std::make_shared<lcm::LCM>("memq://");
   Receiver receiver(lcm);
   SyntheticRun source(
       {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .deadline = true});
   const Messages run = messages_of(source, 200, {.part_poses = true});
-  int64_t sent = 0, hostile = 0;
+  int64_t sent = 0, forged = 0;
   const auto send = [&](Channel channel, std::span<const uint8_t> bytes) {
     ++sent;
     ASSERT_EQ(lcm->publish(std::string(name_of(channel)), bytes.data(),
@@ -170,7 +170,7 @@ TEST(Receiver, AHundredThousandDamagedPacketsAreCountedAndTheRunIsStillFollowed)
   const uint64_t per_message = 100'000 / run.size() + 1;
   for (size_t i = 0; i < run.size(); ++i) {
     send(run[i].channel, run[i].bytes);
-    for (uint64_t copy = 0; copy < per_message && hostile < 100'000; ++copy, ++hostile) {
+    for (uint64_t copy = 0; copy < per_message && forged < 100'000; ++copy, ++forged) {
       const RandomKey key{kSeed, i, copy, Purpose::kStyle};
       const auto& victim = run[random_bits(key, 1'000'000) % run.size()];
       send(victim.channel, damaged(victim.bytes, key));
@@ -178,10 +178,10 @@ TEST(Receiver, AHundredThousandDamagedPacketsAreCountedAndTheRunIsStillFollowed)
     while (receiver.receive(0ms) > 0) {
     }
   }
-  EXPECT_EQ(hostile, 100'000);
+  EXPECT_EQ(forged, 100'000);
   int64_t received = 0;
   for (const Channel channel : kAllChannels) received += receiver.inbox().totals(channel).messages;
-  EXPECT_EQ(received, sent) << "every one was judged, seed " << kSeed;
+  EXPECT_EQ(received, sent) << "all were checked, seed " << kSeed;
   EXPECT_GT(receiver.inbox().refused(), 50'000);
   EXPECT_LE(receiver.inbox().runs().size(), Inbox::kMaxRuns);
   EXPECT_EQ(receiver.inbox().others(), 0);

@@ -1,4 +1,4 @@
-// A receiver: puts a run together from what arrives, and knows what did not.
+// RunReader reconstructs a run from its messages and knows which are missing.
 #include "lcm_io/codec/run_reader.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ Messages run_of(uint64_t seed, int frames, int avatars = 20, uint64_t instance =
   return messages_of(run, frames);
 }
 
-TEST(RunReader, FollowsARunFromItsFirstMessageToItsLast) {
+TEST(RunReader, ReconstructsARun) {
   SyntheticRun oracle({.seed = 4});
   RunReader reader;
   const Frame* frame = nullptr;
@@ -45,11 +45,11 @@ TEST(RunReader, FollowsARunFromItsFirstMessageToItsLast) {
   EXPECT_EQ(frame->number, 49);
   ASSERT_TRUE(reader.end().has_value());
   EXPECT_EQ(reader.end()->frames, 50);
-  EXPECT_TRUE(reader.touching().empty()) << "the end ends every pair";
+  EXPECT_TRUE(reader.touching().empty()) << "the end of the run ends every pair";
   for (const Channel channel : kAllChannels) EXPECT_EQ(reader.tally(channel).missing, 0);
 }
 
-TEST(RunReader, KnowsWhoIsThereAndHowFarEachPairWasRefined) {
+TEST(RunReader, KnowsPresenceAndLevels) {
   const SyntheticRun::Options options{.seed = 4, .comings = true, .deadline = true};
   SyntheticRun run(options), oracle(options);
   RunReader reader;
@@ -79,7 +79,7 @@ TEST(RunReader, KnowsWhoIsThereAndHowFarEachPairWasRefined) {
   EXPECT_GT(whole, 100);
 }
 
-TEST(RunReader, PairsThatTheRunCannotHaveAreRefused) {
+TEST(RunReader, RejectsPairsOutsideTheRun) {
   RunReader reader;
   for (const auto& m : run_of(4, 1, 5)) {
     if (m.channel == Channel::kRun) take(reader, m);
@@ -95,7 +95,7 @@ TEST(RunReader, PairsThatTheRunCannotHaveAreRefused) {
   }
 }
 
-TEST(RunReader, PosesPartsAsTheSimulationDoes) {
+TEST(RunReader, PosesPartsLikeTheSimulation) {
   SyntheticRun oracle({.seed = 4});
   const Frame& frame = oracle.step();
   RunReader reader;
@@ -116,12 +116,12 @@ TEST(RunReader, PosesPartsAsTheSimulationDoes) {
     for (size_t p = 0; p < poses.size(); ++p) {
       const double off =
           (to_isometry(poses[p]).translation() - to_isometry(expected[p]).translation()).norm();
-      EXPECT_LT(off, 5e-4) << "metres; quantised angles add up along the arm; avatar " << avatar;
+      EXPECT_LT(off, 5e-4) << "metres; errors of angles add up along the arm; avatar " << avatar;
     }
   }
 }
 
-TEST(RunReader, CountsExactlyWhatIsMissing) {
+TEST(RunReader, CountsMissingMessagesExactly) {
   const Messages all = run_of(5, 100);
   RunReader reader;
   int64_t dropped = 0;
@@ -136,7 +136,7 @@ TEST(RunReader, CountsExactlyWhatIsMissing) {
   EXPECT_EQ(reader.tally(Channel::kStates).missing, 0);
 }
 
-TEST(RunReader, AMessageThatIsLateIsNotLost) {
+TEST(RunReader, AcceptsLateMessages) {
   Messages all = run_of(5, 30);
   std::vector<size_t> counters;
   for (size_t i = 0; i < all.size(); ++i)
@@ -147,7 +147,7 @@ TEST(RunReader, AMessageThatIsLateIsNotLost) {
   EXPECT_EQ(reader.tally(Channel::kFrameStats).missing, 0);
 }
 
-TEST(RunReader, AFrameWithALostChunkIsNotShown) {
+TEST(RunReader, SkipsAFrameWithALostChunk) {
   const Messages all = run_of(5, 3, 2000);
   RunReader reader;
   bool is_dropped = false;
@@ -167,7 +167,7 @@ TEST(RunReader, AFrameWithALostChunkIsNotShown) {
   EXPECT_EQ(reader.tally(Channel::kStates).missing, 1);
 }
 
-TEST(RunReader, WhoComesLateIsRightAfterTheDescriptionAndTheNextWholeSet) {
+TEST(RunReader, CatchesUpAfterALateStart) {
   SyntheticRun run({.seed = 6});
   MessageList list;
   RunEncoder encoder({}, list);
@@ -193,14 +193,14 @@ TEST(RunReader, WhoComesLateIsRightAfterTheDescriptionAndTheNextWholeSet) {
       EXPECT_EQ(reader.run(), nullptr);
     }
   }
-  ASSERT_NE(reader.run(), nullptr) << "pieces may come in any order";
+  ASSERT_NE(reader.run(), nullptr) << "chunks may arrive in any order";
   EXPECT_EQ(reader.state().frame, 60);
   EXPECT_TRUE(std::equal(reader.touching().begin(), reader.touching().end(), pairs.begin(),
                          pairs.end(),
                          [](const auto& found, PairKey pair) { return found.first == pair; }));
 }
 
-TEST(RunReader, TwoRunsOnOneChannelAreToldApart) {
+TEST(RunReader, DistinguishesTwoRuns) {
   const Messages first = run_of(1, 40, 20, 100), second = run_of(1, 40, 20, 200);
   RunReader reader;
   size_t at = 0;
@@ -208,16 +208,16 @@ TEST(RunReader, TwoRunsOnOneChannelAreToldApart) {
   ASSERT_EQ(reader.instance(), 100);
   const auto middle = static_cast<std::ptrdiff_t>(second.size() / 2);
   for (auto m = second.begin() + middle; m != second.begin() + middle + 10; ++m) take(reader, *m);
-  EXPECT_EQ(reader.instance(), 100) << "another run that goes on does not take over";
+  EXPECT_EQ(reader.instance(), 100) << "another running run does not take over";
   EXPECT_EQ(reader.foreign(), 10);
   take(reader, second.front());
-  EXPECT_EQ(reader.instance(), 200) << "one that begins does";
+  EXPECT_EQ(reader.instance(), 200) << "a starting run takes over";
   reader.forget();
   take(reader, first[at]);
-  EXPECT_EQ(reader.instance(), 100) << "after silence whoever is heard";
+  EXPECT_EQ(reader.instance(), 100) << "after forget() any run takes over";
 }
 
-TEST(RunReader, HostileNeighboursAreCountedAndChangeNothing) {
+TEST(RunReader, IgnoresMaliciousMessages) {
   RunReader reader;
   const Messages all = run_of(4, 10);
   for (const auto& m : all) {
@@ -232,7 +232,7 @@ TEST(RunReader, HostileNeighboursAreCountedAndChangeNothing) {
   EXPECT_GT(reader.refused(), 20);
 }
 
-TEST(RunReader, StatesThatTheModelsCannotHaveAreRefused) {
+TEST(RunReader, RejectsStatesThatDoNotFitTheModels) {
   Messages all = run_of(4, 1);
   RunReader reader;
   for (const auto& m : all) {

@@ -1,5 +1,4 @@
-// What a run says of robots that are too near: every begin with its end, to the bit, and nothing
-// where nobody asked.
+// Separation shortfalls are sent bit for bit, every begin with its end, and only on request.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,10 +17,10 @@ auto all_of(const Shortfall& s) {
                     s.min_distance_hi_m, s.max_shortfall_m, s.is_truncated, s.is_beyond_margin);
 }
 
-TEST(SeparationMessages, SayWhatTheMonitorSaw) {
+TEST(SeparationMessages, CarryTheShortfallsOfTheMonitor) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    SyntheticRun run({.avatars = 20, .seed = seed, .near = true});
+    SyntheticRun run({.avatars = 20, .seed = seed, .proximity = true});
     SeparationMonitor monitor(run.info());
     MessageList list;
     RunEncoder encoder({}, list);
@@ -29,22 +28,23 @@ TEST(SeparationMessages, SayWhatTheMonitorSaw) {
     std::map<Key, int> open;
     size_t taken = 0, begins = 0, ends = 0;
     const auto compare = [&] {
-      std::vector<ShortfallEvent> heard;
+      std::vector<ShortfallEvent> received;
       for (; taken < list.messages.size(); ++taken) {
         const auto& m = list.messages[taken];
         const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
         ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
         if (update == RunReader::Update::kSeparation)
-          heard.insert(heard.end(), reader.new_shortfalls().begin(), reader.new_shortfalls().end());
+          received.insert(received.end(), reader.new_shortfalls().begin(),
+                          reader.new_shortfalls().end());
       }
-      ASSERT_EQ(heard.size(), monitor.begun().size() + monitor.ended().size());
-      for (size_t i = 0; i < heard.size(); ++i) {
+      ASSERT_EQ(received.size(), monitor.begun().size() + monitor.ended().size());
+      for (size_t i = 0; i < received.size(); ++i) {
         const bool is_begin = i < monitor.begun().size();
-        const Shortfall& said = heard[i].shortfall;
-        EXPECT_EQ(heard[i].kind, is_begin ? EventKind::kBegin : EventKind::kEnd);
-        EXPECT_EQ(all_of(said), all_of(is_begin ? monitor.begun()[i]
-                                                : monitor.ended()[i - monitor.begun().size()]));
-        open[{said.robot, said.person, said.region}] += is_begin ? 1 : -1;
+        const Shortfall& row = received[i].shortfall;
+        EXPECT_EQ(received[i].kind, is_begin ? EventKind::kBegin : EventKind::kEnd);
+        EXPECT_EQ(all_of(row), all_of(is_begin ? monitor.begun()[i]
+                                               : monitor.ended()[i - monitor.begun().size()]));
+        open[{row.robot, row.person, row.region}] += is_begin ? 1 : -1;
         ++(is_begin ? begins : ends);
       }
     };
@@ -65,7 +65,7 @@ TEST(SeparationMessages, SayWhatTheMonitorSaw) {
   }
 }
 
-TEST(SeparationMessages, ThatCannotBeAreRefused) {
+TEST(SeparationMessages, AreRejectedWhenInvalid) {
   separation_t m{};
   m.schema = kSchema;
   m.chunk_count = 1;

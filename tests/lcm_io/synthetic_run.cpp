@@ -49,7 +49,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
   info_.run_id = 0x1234'5678'9abc'def0 + options.seed;
   info_.instance = 0xfeed'beef'0000'0001;
   info_.step_s = 1.0 / 60;
-  if (options.near) {
+  if (options.proximity) {
     info_.culler.proximity = {0.3f, 1, info_.step_s, true};
     SeparationRule& rule = scene_.separation.emplace();
     rule.human_speed_mps = rule.robot_speed_mps = 0.5;
@@ -97,7 +97,7 @@ void SyntheticRun::pose() {
 }
 
 void SyntheticRun::touch() {
-  // Half of the pairs stay from frame to frame, the others come and go.
+  // Half of the pairs persist from frame to frame, the others change.
   const auto bodies = static_cast<uint64_t>(options_.avatars) + 1;
   std::vector<PairKey> pairs;
   for (int i = 0; i < options_.pairs && options_.avatars > 0; ++i) {
@@ -109,7 +109,6 @@ void SyntheticRun::touch() {
     const bool is_there = present_.empty() || ((a >= present_.size() || present_[a] != 0) &&
                                                (b >= present_.size() || present_[b] != 0));
     if (!is_there) continue;
-    // The obstacle has one part only.
     const auto part = [&](uint32_t body, uint32_t k) {
       return body + 1 == bodies ? 0 : static_cast<uint32_t>(random_bits(key, k) % 4);
     };
@@ -133,7 +132,7 @@ void SyntheticRun::come_and_go() {
 
 namespace {
 
-/// Of whole bodies 0 or 1, of parts 1 to 3; always the same for a pair.
+/// For whole bodies 0 or 1, for parts 1 to 3; constant per pair.
 uint8_t level_of(PairKey pair) {
   const auto number = static_cast<uint8_t>(pair.bits() >> 16);
   return pair.part_a() == kWholeBody ? number % 2 : 1 + number % 3;
@@ -162,8 +161,8 @@ void SyntheticRun::add_to_hash() {
   hash_.add_frame(static_cast<uint64_t>(next_frame_), sum);
 }
 
-/// Every other one by triangles.
-void SyntheticRun::list_near() {
+/// Every second row is by triangles.
+void SyntheticRun::list_proximity() {
   proximity_.clear();
   for (const PairKey& pair : pairs_) {
     ProximityPair& row = proximity_.emplace_back();
@@ -206,7 +205,7 @@ const Frame& SyntheticRun::step() {
   frame_.events = pair_events_.events();
   frame_.present = present_;
   frame_.levels = levels_;
-  if (options_.near) list_near();
+  if (options_.proximity) list_proximity();
   frame_.hash = hash_.value();
   frame_.persisting = pair_events_.persisting();
   frame_.counters = &counters_;
@@ -253,7 +252,7 @@ std::vector<uint8_t> bytes_of(const std::filesystem::path& file) {
 }
 
 void write_bytes(const std::filesystem::path& file, std::span<const uint8_t> bytes) {
-  // ext4 writes a file that was emptied and filled again to the disk at once: make a new one.
+  // A new file, because ext4 writes a truncated and refilled file to the disk at once.
   std::filesystem::remove(file);
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()),

@@ -1,5 +1,5 @@
-// A crowd that was made up: what sinks are given, without steering or culling behind it.
-// One rule: the same seed gives the same frames, so logs can be compared to the byte.
+// SyntheticRun generates the frames of a crowd for sinks, without steering or culling.
+// Invariant: equal seeds give equal frames, so logs can be compared bytewise.
 #pragma once
 
 #include <string>
@@ -19,12 +19,12 @@ class SyntheticRun {
   struct Options {
     int avatars = 20;
     uint64_t seed = 1;
-    int pairs = 40;  ///< that touch at a time, about
+    int pairs = 40;  ///< approximate number of touching pairs
     Crowd crowd = Crowd::kMixed;
-    double spread_m = 50;   ///< avatars are within this distance of the origin
-    bool comings = false;   ///< avatars come and go
-    bool deadline = false;  ///< some pairs are not refined to the end
-    bool near = false;      ///< whatever touches has a near row, too, and a point
+    double spread_m = 50;    ///< avatars are within this distance of the origin
+    bool comings = false;    ///< avatars enter and leave
+    bool deadline = false;   ///< some pairs are not refined to the end
+    bool proximity = false;  ///< touching pairs also have a proximity row and a contact point
   };
   explicit SyntheticRun(const Options& options);
 
@@ -34,7 +34,7 @@ class SyntheticRun {
   const Frame& step();
   RunEnd finish();
 
-  /// Everything to a sink: begin, `frames` frames, end.
+  /// Sends begin, `frames` frames and the end to a sink.
   void play(Sink& sink, int frames);
 
   int64_t begins() const { return begins_; }
@@ -46,7 +46,7 @@ class SyntheticRun {
   void touch();
   void come_and_go();
   void level();
-  void list_near();
+  void list_proximity();
   void count(std::span<const PairEvent> events);
   void add_to_hash();
 
@@ -73,7 +73,7 @@ class SyntheticRun {
 std::shared_ptr<const Model> adult();
 std::shared_ptr<const Model> rover();
 
-/// A path for a file of this test, which is gone when the object is.
+/// Path of a temporary file, which the destructor removes.
 class ScratchFile {
  public:
   explicit ScratchFile(const std::string& suffix = ".lcmlog");
@@ -87,7 +87,6 @@ class ScratchFile {
 std::vector<uint8_t> bytes_of(const std::filesystem::path& file);
 void write_bytes(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 
-/// Keeps every message.
 struct MessageList : MessageTarget {
   struct Message {
     Channel channel;
@@ -100,7 +99,6 @@ struct MessageList : MessageTarget {
   std::vector<Message> messages;
 };
 
-/// All messages of a run, the description first.
 std::vector<MessageList::Message> messages_of(SyntheticRun& run, int frames,
                                               const EncoderOptions& options = {});
 

@@ -1,5 +1,5 @@
-// Writes the log of a made-up run for the replay test; prints "begins N ends N". With a URL, that
-// is published as well.
+// Writes the log of a synthetic run for the replay test; prints "begins N ends N". With a URL, also
+// publishes the run.
 #include <cstdio>
 
 #include "lcm_io/wire/lcm_sink.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A project of somebody else takes Throng in by add_subdirectory, on a machine without what it does not
-# use: tests/outside/outside_test.sh culling|scenes SOURCE FOLDER, where FOLDER is to build in.
+# Another project includes Throng by add_subdirectory, on a machine without unused packages:
+# tests/outside/outside_test.sh culling|scenes SOURCE FOLDER, which builds in FOLDER.
 set -euo pipefail
 
 what=$1 source=$2 folder=$3
@@ -30,7 +30,7 @@ fail() {
 }
 
 for tool in lcm-gen npm; do
-  ! command -v "$tool" >/dev/null || fail "expected no $tool, found $(command -v "$tool"): hidden it is not"
+  ! command -v "$tool" >/dev/null || fail "expected no $tool, found $(command -v "$tool"): it is not hidden"
 done
 [ ! -e /usr/include/lcm/lcm.h ] || fail "expected no header of LCM"
 
@@ -39,7 +39,7 @@ cmake -S "$here/project" -B "$folder" -G Ninja -DTHRONG_SOURCE="$source" -DWHAT=
   -DCMAKE_CXX_STANDARD=23 -DCMAKE_BUILD_TYPE=MinSizeRel
 cmake --build "$folder" -j "$(nproc)"
 
-# The libraries that the program comes with, among those that were hidden or not.
+# Shared libraries of the program, whether or not they were hidden.
 linked=$(ldd "$folder/bin/program" | awk '{print $1}')
 for library in liblcm libgtest libpng libwebp; do
   ! grep -q "^$library" <<<"$linked" || fail "expected a program without $library"
@@ -52,4 +52,4 @@ fi
 found=$(cd "$folder" && ctest 2>&1)
 grep -q "100% tests passed, 0 tests failed out of 1" <<<"$found" ||
   fail "expected the one test of the project to pass, found: $found"
-echo "$what: built outside, and runs"
+echo "$what: built from outside, and runs"

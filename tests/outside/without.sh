@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs a command as on a machine where what it names first was never installed:
-# tests/outside/without.sh "PACKAGE..." COMMAND... Debian packages lose their files, in a view of /usr that
-# the command alone sees. Exit code 77 where the system gives nobody such a view.
+# Runs a command as on a machine without some packages: tests/outside/without.sh "PACKAGE..." COMMAND... Files of
+# these Debian packages are removed in a view of /usr that only the command sees. Exit code 77 if the system allows
+# no such view.
 set -euo pipefail
 
 if [ "${THRONG_HIDING:-}" != yes ]; then
@@ -9,7 +9,7 @@ if [ "${THRONG_HIDING:-}" != yes ]; then
   view=$(mktemp -d)
   trap 'rmdir "$view"' EXIT
   if ! unshare "$rights" true 2>/dev/null || ! command -v dpkg-query >/dev/null; then
-    echo "skipped: no mounts of one's own here, or no Debian packages"
+    echo "skipped: private mounts are not allowed here, or there are no Debian packages"
     exit 77
   fi
   status=0
@@ -21,11 +21,11 @@ view=$THRONG_VIEW
 unset THRONG_HIDING THRONG_VIEW
 if ! mount -t tmpfs view "$view" || ! mkdir "$view/upper" "$view/work" ||
     ! mount -t overlay view -o "lowerdir=/usr,upperdir=$view/upper,workdir=$view/work" /usr; then
-  echo "skipped: no overlay over /usr here"
+  echo "skipped: /usr cannot be overlaid here"
   exit 77
 fi
 for package in $1; do
-  # Folders stay: others have files in them.
+  # Folders stay, because they contain files of other packages.
   { dpkg-query -L "$package" 2>/dev/null || true; } | while IFS= read -r file; do
     if [ -f "$file" ] || [ -L "$file" ]; then printf '%s\0' "$file"; fi
   done

@@ -1,4 +1,4 @@
-// The box of the paper: nothing leaves it, nothing slows down, the same seed flies the same way.
+// Tests the box of the paper: objects stay inside, keep their speed and depend on the seed only.
 #include "scenes/motion/box_motion.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ BoxDynamics world_of(uint64_t seed, double edge_m = 2) {
   return BoxDynamics::of_kinds(options, radii_m, 40, 4);
 }
 
-TEST(BoxDynamics, KeepsEveryObjectWhollyInside) {
+TEST(BoxDynamics, KeepsObjectsInside) {
   BoxDynamics world = world_of(kSeed);
   const std::vector<double> radii_m = {0.1, 0.3, 0.05};
   for (int frame = 0; frame < 5000; ++frame) {
@@ -35,7 +35,7 @@ TEST(BoxDynamics, KeepsEveryObjectWhollyInside) {
   }
 }
 
-/// The turns of the next step, which it takes.
+/// Advances one step and returns its rotations.
 std::vector<Eigen::AngleAxisd> next_turns(BoxDynamics& world) {
   const std::vector<Eigen::Quaterniond> before(world.orientations().begin(),
                                                world.orientations().end());
@@ -46,7 +46,7 @@ std::vector<Eigen::AngleAxisd> next_turns(BoxDynamics& world) {
   return turns;
 }
 
-TEST(BoxDynamics, KeepsSpeedToTheBitAndTurnsAsEver) {
+TEST(BoxDynamics, KeepsSpeedAndSpin) {
   BoxDynamics world = world_of(kSeed);
   std::vector<double> speeds2;
   const std::vector<Eigen::AngleAxisd> first = next_turns(world);
@@ -61,12 +61,12 @@ TEST(BoxDynamics, KeepsSpeedToTheBitAndTurnsAsEver) {
   }
 }
 
-TEST(BoxDynamics, MovesByVelocityAndTurnsByItsSpin) {
+TEST(BoxDynamics, MovesByVelocityAndSpin) {
   const std::vector<Eigen::AngleAxisd> turns = [] {
     BoxDynamics twin = world_of(kSeed, 50);
     return next_turns(twin);
   }();
-  BoxDynamics world = world_of(kSeed, 50);  // so wide that nobody meets a wall in a second
+  BoxDynamics world = world_of(kSeed, 50);  // so wide that no object meets a wall within a second
   const std::vector<Eigen::Vector3d> start(world.positions_m().begin(), world.positions_m().end());
   const std::vector<Eigen::Quaterniond> turned(world.orientations().begin(),
                                                world.orientations().end());
@@ -86,7 +86,7 @@ TEST(BoxDynamics, MovesByVelocityAndTurnsByItsSpin) {
   EXPECT_GT(checked, 20u);
 }
 
-TEST(BoxDynamics, EveryFourthObjectStandsStill) {
+TEST(BoxDynamics, KeepsEveryFourthObjectStatic) {
   BoxDynamics world = world_of(kSeed);
   const std::vector<Eigen::AngleAxisd> turns = next_turns(world);
   for (size_t i = 0; i < world.size(); ++i) {
@@ -96,7 +96,7 @@ TEST(BoxDynamics, EveryFourthObjectStandsStill) {
   }
 }
 
-TEST(BoxDynamics, SameSeedSameFlightOtherSeedAnother) {
+TEST(BoxDynamics, DependsOnTheSeedOnly) {
   BoxDynamics one = world_of(1), again = world_of(1), other = world_of(2);
   for (int frame = 0; frame < 100; ++frame) {
     one.step();
@@ -110,7 +110,7 @@ TEST(BoxDynamics, SameSeedSameFlightOtherSeedAnother) {
   }
 }
 
-TEST(BoxDynamics, PosesAreRotationsThatAgreeWithTheQuaternions) {
+TEST(BoxDynamics, PosesMatchOrientations) {
   BoxDynamics world = world_of(kSeed);
   world.step();
   for (size_t i = 0; i < world.size(); ++i) {
@@ -121,7 +121,7 @@ TEST(BoxDynamics, PosesAreRotationsThatAgreeWithTheQuaternions) {
   }
 }
 
-TEST(BoxDynamics, RefusesAnObjectThatDoesNotFit) { EXPECT_THROW(world_of(1, 0.6), InputError); }
+TEST(BoxDynamics, RejectsAnObjectThatDoesNotFit) { EXPECT_THROW(world_of(1, 0.6), InputError); }
 
 }  // namespace
 }  // namespace throng::box_motion_test

@@ -1,4 +1,4 @@
-// A box of parts is a scene like any other: the same run, the same events on any number of threads.
+// Tests that a box of parts runs like any other scene, with equal events for any thread count.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -27,7 +27,7 @@ RunSummary run_scene(const std::string& name, const SimulationOptions& options, 
   return run(simulation, {});
 }
 
-TEST(BoxScene, ThePapersFourScenesHoldItsNumbersOfObjects) {
+TEST(BoxScene, HasTheObjectCountsOfThePaper) {
   for (const int count : {15, 50, 350, 500}) {
     const RunSummary summary = run_scene("paper_" + std::to_string(count), {}, 0.05);
     EXPECT_EQ(summary.avatars, count);
@@ -36,7 +36,7 @@ TEST(BoxScene, ThePapersFourScenesHoldItsNumbersOfObjects) {
   }
 }
 
-TEST(BoxScene, HasTheSameEventsOnEveryNumberOfThreadsAndSimdTarget) {
+TEST(BoxScene, GivesEqualEventsForAnyThreadsAndSimd) {
   SimulationOptions options;
   const RunSummary expected = run_scene("paper_350", options, 1);
   EXPECT_GT(expected.begins, 0u);
@@ -50,8 +50,8 @@ TEST(BoxScene, HasTheSameEventsOnEveryNumberOfThreadsAndSimdTarget) {
   }
 }
 
-/// The slow way: every pair of parts, their triangles, in every frame.
-TEST(BoxScene, ReportsExactlyThePairsWhoseTrianglesTouch) {
+/// Oracle: the triangles of all pairs of parts in every frame.
+TEST(BoxScene, ReportsExactlyTheTouchingPairs) {
   Scene scene = load_scene("paper_50");
   scene.exact = true;
   Simulation simulation(scene, {});
@@ -86,9 +86,8 @@ TEST(BoxScene, ReportsExactlyThePairsWhoseTrianglesTouch) {
   EXPECT_GT(found, 0u);
 }
 
-/// A gait or a table that is looked up by what a model is made of is then never another part's, or
-/// the whole body's.
-TEST(BoxScene, HasPartsThatAreToldApartByTheirContent) {
+/// Gaits and tables are looked up by content: those of another part or the whole body must differ.
+TEST(BoxScene, GivesPartsDistinctHashes) {
   const std::shared_ptr<const Model> body = load_model(adult_urdf());
   std::set<uint64_t> hashes = {body->content_hash};
   for (const std::shared_ptr<const Model>& part : loose_parts(*body)) {
@@ -97,7 +96,7 @@ TEST(BoxScene, HasPartsThatAreToldApartByTheirContent) {
   }
 }
 
-TEST(BoxScene, KeepsItsDensityWhenScaled) {
+TEST(BoxScene, KeepsDensityWhenScaled) {
   Scene scene = load_scene("paper_15");
   const double edge_m = scene.box->edge_m;
   std::vector<std::string> notes;
@@ -107,8 +106,8 @@ TEST(BoxScene, KeepsItsDensityWhenScaled) {
   EXPECT_EQ(notes.size(), 1u);
 }
 
-/// What loading a scene of this text complains about, or "".
-std::string complaint_about(const std::string& text) {
+/// Returns the error of loading a scene of this text; empty: none.
+std::string load_error(const std::string& text) {
   const auto file =
       std::filesystem::temp_directory_path() / ("throng_box_" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << text;
@@ -122,16 +121,16 @@ std::string complaint_about(const std::string& text) {
   return complaint;
 }
 
-TEST(BoxScene, ComplaintsNameWhatIsWrong) {
-  EXPECT_EQ(complaint_about("kind: box\nbox: {count: 3, edge_m: 3}\n"), "");
-  EXPECT_NE(complaint_about("kind: bix\nbox: {count: 3, edge_m: 3}\n").find("did you mean 'box'"),
+TEST(BoxScene, RejectsInvalidBoxes) {
+  EXPECT_EQ(load_error("kind: box\nbox: {count: 3, edge_m: 3}\n"), "");
+  EXPECT_NE(load_error("kind: bix\nbox: {count: 3, edge_m: 3}\n").find("did you mean 'box'"),
             std::string::npos);
-  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 0.3}\n").find("can move in it"),
+  EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 0.3}\n").find("can move in it"),
             std::string::npos);
-  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 3, max_speed_mps: 0.1}\n")
+  EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 3, max_speed_mps: 0.1}\n")
                 .find("min_speed_mps"),
             std::string::npos);
-  EXPECT_NE(complaint_about("kind: box\nbox: {count: 3, edge_m: 3}\ngroups: []\n").find("groups"),
+  EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 3}\ngroups: []\n").find("groups"),
             std::string::npos);
 }
 

@@ -1,4 +1,4 @@
-// Part I: what is counted, and that nothing that touches is missed.
+// Tests the counts of Part I and that no touching pair is missed.
 #include "bench/paper/census.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ uint64_t total(const std::vector<CensusTable>& tables, std::string_view name) {
   return 0;
 }
 
-TEST(Census, CountsAsThePaperDoes) {
+TEST(Census, CountsLikeThePaper) {
   const CensusTable table = take_census(objects(), kFrames, kSeed);
   for (size_t v = 0; v < kMethods.size(); ++v) {
     EXPECT_EQ(table[v].tests, 105u * 99u) << kMethods[v];
@@ -35,8 +35,8 @@ TEST(Census, CountsAsThePaperDoes) {
   }
 }
 
-/// The adult's box is as it ever was; that of other parts is as crowded.
-TEST(Census, TakesThePartsOfAnyModel) {
+/// The adult's box has the calibrated edge; the boxes of other models are equally crowded.
+TEST(Census, AcceptsAnyModel) {
   EXPECT_EQ(part_one_box(objects(), kSeed).edge_m, 2.41);
   const std::string fixtures = std::string(THRONG_SOURCE_DIR) + "/tests/kinematics/fixtures/";
   const auto robot = load_objects(fixtures + "humanoid_description/urdf/humanoid.urdf");
@@ -50,11 +50,11 @@ TEST(Census, TakesThePartsOfAnyModel) {
   EXPECT_GT(rate(table[kSphereMethod]), 0.5 * rate(adult[kSphereMethod]));
   EXPECT_LT(rate(table[kSphereMethod]), 2 * rate(adult[kSphereMethod]));
   for (size_t v = 0; v < kMethods.size(); ++v) EXPECT_EQ(table[v].missed, 0u) << kMethods[v];
-  // One part alone has nothing to meet: as many copies as the adult has parts.
+  // A single part is repeated as often as the adult has parts.
   EXPECT_EQ(load_objects(fixtures + "single.urdf").size(), 15u);
 }
 
-TEST(Census, FiveHundredFramesAreThePapersNumberOfTests) {
+TEST(Census, HasThePapersNumberOfTests) {
   EXPECT_EQ(105u * 499u, 52395u);
   const std::vector<Object> three(objects().begin(), objects().begin() + 3);
   const CensusTable table = take_census(three, 500, kSeed);
@@ -62,7 +62,7 @@ TEST(Census, FiveHundredFramesAreThePapersNumberOfTests) {
   EXPECT_EQ(table[kSphereMethod].updates, 3u * 499u);
 }
 
-TEST(Census, MarksAccumulateAndTheLastIsTheWholeRun) {
+TEST(Census, AccumulatesCollisionsByMark) {
   const CensusTable whole = take_census(objects(), kFrames, kSeed);
   for (size_t mark = 0; mark < kMarks; ++mark) {
     const int frames = kFrames / static_cast<int>(kMarks) * static_cast<int>(mark + 1);
@@ -72,7 +72,7 @@ TEST(Census, MarksAccumulateAndTheLastIsTheWholeRun) {
   }
 }
 
-TEST(Census, NoVolumeMissesAContactAndFalsePositivesAreTheRest) {
+TEST(Census, HasNoMisses) {
   for (const uint64_t seed : {1, 2, 3}) {
     const CensusTable table = take_census(objects(), kFrames, seed);
     const uint64_t truth = table[kExactMethod].collisions.back();
@@ -84,7 +84,7 @@ TEST(Census, NoVolumeMissesAContactAndFalsePositivesAreTheRest) {
   }
 }
 
-TEST(Census, IsTheSameForEveryNumberOfThreads) {
+TEST(Census, IsEqualForAnyThreadCount) {
   Workers one(1), two(2), five(5);
   const auto expected = take_censuses(objects(), 20, kSeed, 5, one);
   EXPECT_EQ(take_censuses(objects(), 20, kSeed, 5, two), expected);
@@ -92,9 +92,8 @@ TEST(Census, IsTheSameForEveryNumberOfThreads) {
   EXPECT_EQ(take_census(objects(), 20, kSeed + 3), expected[3]);
 }
 
-/// Table 2's order, volume by volume as far as it holds on our parts: docs/paper.md lists where it
-/// does not.
-TEST(Census, KeepsTheOrderOfTable2InTheMean) {
+/// Table 2's order of volumes, where it holds for our parts; docs/paper.md lists the exceptions.
+TEST(Census, KeepsTheMeanOrderOfTable2) {
   Workers workers(2);
   const auto tables = take_censuses(objects(), 150, kSeed, 6, workers);
   const auto expect_more = [&](const char* more, const char* less) {

@@ -1,4 +1,4 @@
-// The whole experiment in short: what its JSON, tables and figures must hold.
+// Tests a short run of the whole experiment: its JSON, tables and figures.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,22 +50,22 @@ TEST(PaperJson, HasEveryKeyForEveryVolume) {
   }
 }
 
-TEST(PaperResult, TotalsAreTheFormula) {
+TEST(PaperResult, TotalsFollowTheFormula) {
   for (const VolumeResult& volume : result().volumes) {
     const MethodCosts& costs = volume.costs;
     const double construction_ms = costs.construction_all.median_ns * 1e-6;
     const double expected = 15 * 19 * costs.update.median_ns * 1e-6 +
                             105 * 19 * costs.test.median_ns * 1e-6 + construction_ms;
     EXPECT_NEAR(volume.total_ms(), expected, 1e-9 * expected) << volume.name;
-    // Twice the frames are 39 tested ones, not 38.
+    // Twice the frames are 39 tested frames, because frame 0 is never tested.
     EXPECT_NEAR((volume.total_ms(2) - construction_ms) / (expected - construction_ms), 39.0 / 19,
                 1e-6)
         << volume.name;
   }
 }
 
-/// The room in which volumes collide orders them as Minkowski sums must.
-TEST(PaperResult, OverlapVolumesAreOrderedWhereOneVolumeHoldsTheOther) {
+/// A volume that encloses another one overlaps in more places.
+TEST(PaperResult, OrdersNestedOverlapVolumes) {
   const auto litres = [](const std::string& name) {
     for (const VolumeResult& volume : result().volumes)
       if (volume.name == name) return volume.overlap.litres;
@@ -80,8 +80,8 @@ TEST(PaperResult, OverlapVolumesAreOrderedWhereOneVolumeHoldsTheOther) {
   EXPECT_GE(result().noise(), 1);
 }
 
-/// Of two spheres it is a sphere of both radii together, whatever their attitudes.
-TEST(OverlapVolume, OfSpheresIsTheFormula) {
+/// Two spheres overlap in a sphere of the sum of their radii, at any attitude.
+TEST(OverlapVolume, MatchesTheFormulaForSpheres) {
   const std::vector<Object> objects = load_objects();
   const OverlapTable table = measure_overlap(objects, 20, 5);
   double expected_l = 0;
@@ -96,7 +96,7 @@ TEST(OverlapVolume, OfSpheresIsTheFormula) {
   EXPECT_LT(sphere.error_l, 0.02 * expected_l);
 }
 
-/// The headline of Part I is judged with and without what is built once, in short and long runs.
+/// The headline of Part I is tested with and without construction, in short and long runs.
 TEST(PaperResult, JudgesTheCheapestVolumes) {
   const auto total_ms = [](const std::string& name, int length, bool is_built) {
     for (const VolumeResult& volume : result().volumes)
@@ -122,7 +122,7 @@ TEST(PaperResult, JudgesTheCheapestVolumes) {
   EXPECT_EQ(judged, 4u * 11);
 }
 
-TEST(PaperPictures, EveryFigureOfThePaperHasItsCounterpart) {
+TEST(PaperPictures, CoverEveryFigureOfThePaper) {
   std::set<std::string> ids;
   for (const Picture& picture : pictures_of(load_objects(), 1)) {
     EXPECT_TRUE(ids.insert(picture.id).second) << picture.id;
@@ -137,7 +137,7 @@ TEST(PaperPictures, EveryFigureOfThePaperHasItsCounterpart) {
   EXPECT_EQ(ids, expected);
 }
 
-TEST(PaperResult, TablesAreAsWideAsTheirHeads) {
+TEST(PaperResult, HasTablesAsWideAsTheirHeads) {
   const std::vector<Table> tables = tables_of(result());
   EXPECT_GT(tables.size(), 8u);
   for (const Table& table : tables) {
@@ -146,13 +146,13 @@ TEST(PaperResult, TablesAreAsWideAsTheirHeads) {
   }
 }
 
-TEST(PaperResult, BarsInMarkdownCellsAndTagsInHtmlAreEscaped) {
+TEST(PaperResult, EscapesMarkdownAndHtml) {
   const Table table{"a < b", "note", {"x", "y"}, {{"1 | 2", "<b>"}}};
   EXPECT_NE(to_markdown(table).find("| 1 \\| 2 | <b> |"), std::string::npos) << to_markdown(table);
   EXPECT_NE(to_html(table).find("<td>&lt;b&gt;</td>"), std::string::npos) << to_html(table);
 }
 
-TEST(Winners, AreNamedWhereTheyChange) {
+TEST(Winners, ListEachChange) {
   std::vector<Scale> scales;
   for (const size_t size : {size_t{10}, size_t{20}, size_t{30}}) {
     Scale scale{size, {}};
@@ -164,7 +164,7 @@ TEST(Winners, AreNamedWhereTheyChange) {
       cost.culling_ms = 100;
       scale.strategies.push_back(cost);
     }
-    // Control and the one object of interest answer another question: never winners.
+    // Control and the one object of interest do not look at all pairs: never winners.
     scale.strategies[0].culling_ms = 1;
     scale.strategies[3].culling_ms = 1;
     scale.strategies[size < 30 ? 1 : 5].culling_ms = 50;

@@ -1,4 +1,4 @@
-// Part II: strategies agree on what collides and differ in what they count.
+// Tests that strategies of Part II agree on collisions and differ in their counts.
 #include "bench/paper/strategies.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,6 @@ Work work_of(Strategy strategy, size_t count, SimdTarget simd = SimdTarget::kBes
   return run.work();
 }
 
-/// The volumes of one frame, tested the slow and obvious way.
 struct Oracle {
   explicit Oracle(const BoxDynamics& world) {
     using Spheres = Turned<Sphere>;
@@ -48,22 +47,22 @@ struct Oracle {
         const size_t ka = a % objects().size(), kb = b % objects().size();
         const PartPose pa = world.pose(a), pb = world.pose(b);
         const float margin = margin_of(ka) + margin_of(kb);
-        const bool near =
+        const bool spheres_overlap =
             Spheres::test(Spheres::update(spheres[ka], objects()[ka], pa),
                           Spheres::update(spheres[kb], objects()[kb], pb), margin, unused);
-        const bool hit =
+        const bool ordops_overlap =
             Ordops::test(Ordops::update(ordops[ka], objects()[ka], pa),
                          Ordops::update(ordops[kb], objects()[kb], pb), margin, unused);
-        if (near) ++sphere_pairs;
-        if (hit) ordop_pairs.emplace_back(a, b);
-        if (near && hit) both.emplace_back(a, b);
+        if (spheres_overlap) ++sphere_pairs;
+        if (ordops_overlap) ordop_pairs.emplace_back(a, b);
+        if (spheres_overlap && ordops_overlap) both.emplace_back(a, b);
       }
   }
   size_t sphere_pairs = 0;
   Pairs ordop_pairs, both;
 };
 
-TEST(Strategies, FindWhatTheirVolumesSay) {
+TEST(Strategies, MatchTheOracle) {
   const size_t count = 120;
   StrategyRun sphere(Strategy::kSphere, objects(), count, kSeed);
   StrategyRun ordop(Strategy::kOrdop, objects(), count, kSeed);
@@ -89,8 +88,8 @@ TEST(Strategies, FindWhatTheirVolumesSay) {
   EXPECT_GT(found, 0u);
 }
 
-TEST(Strategies, CountsByHandForFourObjects) {
-  // 4 objects have 6 pairs, 3 of them with object 0; nothing is updated for nothing.
+TEST(Strategies, CountTheWorkOfFourObjects) {
+  // 4 objects have 6 pairs, 3 of them with object 0.
   const Work control = work_of(Strategy::kControl, 4);
   EXPECT_EQ(control, Work{});
   const Work sphere = work_of(Strategy::kSphere, 4);
@@ -111,16 +110,16 @@ TEST(Strategies, CountsByHandForFourObjects) {
   EXPECT_EQ(all.ordop_tests, sphere.passed);
 }
 
-TEST(Strategies, TwoPassUpdatesTheOrdopsOfSurvivorsOnceEach) {
+TEST(Strategies, TwoPassUpdatesSurvivorsOnce) {
   StrategyRun sphere(Strategy::kSphere, objects(), 200, kSeed);
   StrategyRun two(Strategy::kTwoPass, objects(), 200, kSeed);
   uint64_t survivors = 0, tests = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
     sphere.frame();
     two.frame();
-    std::set<uint32_t> near;
-    for (const SlotPair& pair : sphere.pairs()) near.insert({pair.a, pair.b});
-    survivors += near.size();
+    std::set<uint32_t> paired;
+    for (const SlotPair& pair : sphere.pairs()) paired.insert({pair.a, pair.b});
+    survivors += paired.size();
     tests += sphere.pairs().size();
   }
   EXPECT_EQ(two.work().ordop_updates, survivors);
@@ -129,7 +128,7 @@ TEST(Strategies, TwoPassUpdatesTheOrdopsOfSurvivorsOnceEach) {
   EXPECT_LT(survivors, uint64_t{200} * kFrames);
 }
 
-TEST(Strategies, CountTheSameOnEverySimdTarget) {
+TEST(Strategies, CountEquallyOnEverySimdTarget) {
   for (const Strategy strategy : {Strategy::kSphere, Strategy::kTwoPass, Strategy::kTwoPassGrid}) {
     const Work expected = work_of(strategy, 333, SimdTarget::kScalar);
     EXPECT_GT(expected.passed, 0u);
@@ -142,9 +141,9 @@ TEST(Strategies, CountTheSameOnEverySimdTarget) {
   }
 }
 
-/// Fig. 13 in counted work, whatever the volumes cost: each strategy does all that the one before
-/// does, and more; or-DOPs alone are dearer by their tests.
-TEST(Strategies, DoMoreFromOneToTheNext) {
+/// Fig. 13 in counted work, for any cost of the volumes: each strategy adds work to the previous
+/// one. Or-DOPs alone cost more because of their tests.
+TEST(Strategies, OrderTheirWorkAsInFigure13) {
   const Work one = work_of(Strategy::kHybridOne, 500);
   const Work sphere = work_of(Strategy::kSphere, 500);
   const Work two = work_of(Strategy::kTwoPass, 500);
@@ -157,7 +156,7 @@ TEST(Strategies, DoMoreFromOneToTheNext) {
   EXPECT_GT(all.ordop_updates, two.ordop_updates);
 }
 
-TEST(Strategies, TrianglesConfirmSomeOfTheReportedPairsAndAreCounted) {
+TEST(Strategies, CountTrianglePairs) {
   StrategyRun run(Strategy::kTwoPass, objects(), 200, kSeed);
   size_t touching = 0;
   for (int frame = 0; frame < kFrames; ++frame) {

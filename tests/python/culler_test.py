@@ -1,4 +1,4 @@
-"""Own bodies in own poses: nothing that touches is missed, whoever poses it."""
+"""Culler finds every contact of custom bodies in custom poses."""
 
 import itertools
 import pickle
@@ -10,7 +10,7 @@ import throng
 from expectations import SLOWNESS, Case
 
 BOX = numpy.array(list(itertools.product((-0.5, 0.5), repeat=3)))
-# Of each face the two triangles, counter-clockwise from outside.
+# Two triangles per face, counter-clockwise from outside.
 BOX_TRIANGLES = numpy.array(
     [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
      (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
@@ -24,42 +24,42 @@ def at(*places):
 
 
 def key(table):
-    return sorted(zip(*(table[name].tolist() for name in ("a", "b", "part_a", "part_b"))))
+    return sorted(zip(*(table[name].tolist() for name in ("body_a", "body_b", "part_a", "part_b"))))
 
 
-class Boxes(Case):
+class CullerOfBoxes(Case):
     def culler(self, **options):
         return throng.Culler(throng.Body([(BOX, BOX_TRIANGLES)]), **options)
 
-    def test_tell_how_near_they_are_and_when_they_meet(self):
-        culler = self.culler(exact=True, step_s=0.5, near=1.5, body_near=3)
+    def test_reports_distances_and_time_to_contact(self):
+        culler = self.culler(exact=True, step_s=0.5, proximity=1.5, closest_parts=3)
         for x in (3, 2.5, 2.25):
             culler.step(at((0, 0, 0), (x, 0, 0)))
-        (row,) = culler.near
-        self.assertAlmostEqual(float(row["lo_m"]), 1.25, delta=1e-3)
-        self.assertAlmostEqual(float(row["hi_m"]), 1.25, delta=1e-3)
+        (row,) = culler.proximity
+        self.assertAlmostEqual(float(row["distance_lo_m"]), 1.25, delta=1e-3)
+        self.assertAlmostEqual(float(row["distance_hi_m"]), 1.25, delta=1e-3)
         self.assertAlmostEqual(float(row["closing_speed_mps"]), 0.5, delta=1e-3)
         self.assertAlmostEqual(float(row["time_to_contact_s"]), 2.5, delta=1e-2)
         self.assertAlmostEqual(float(row["normal"][0]), 1, delta=1e-3)
-        self.assertEqual(key(culler.near), key(culler.closest_parts))
+        self.assertEqual(key(culler.proximity), key(culler.closest_parts))
         self.assertEqual(len(culler.pairs), 0)
         with self.assertRaises(throng.InputError):
-            self.culler(near=-1)
+            self.culler(proximity=-1)
 
-    def test_tell_where_they_touch_and_how_deep(self):
+    def test_reports_contact_points_and_penetration_depths(self):
         culler = self.culler(exact=True, contact_points=True)
         culler.step(at((0, 0, 0), (0.75, 0.1, 0.2), (9, 9, 9)))
         (row,) = culler.contact_points
         self.assertEqual(key(culler.contact_points), key(culler.pairs))
         self.assertAlmostEqual(float(row["depth_m"]), 0.25, delta=1e-3)
-        numpy.testing.assert_allclose(row["direction"], (1, 0, 0), atol=1e-3)
+        numpy.testing.assert_allclose(row["normal"], (1, 0, 0), atol=1e-3)
         for centre in ((0, 0, 0), (0.75, 0.1, 0.2)):
             self.assertLessEqual(numpy.abs(row["point_m"] - centre).max(), 0.5 + 1e-6)
         with self.assertRaises(throng.InputError):
             self.culler(contact_points=True)
 
-    def test_have_no_table_of_what_they_do_not_look_for(self):
-        options = {"near": ("near=M", 1), "closest_parts": ("body_near=M", 1), "contact_points": ("contact_points=True", True)}
+    def test_raises_without_a_requested_table(self):
+        options = {"proximity": ("proximity=M", 1), "closest_parts": ("closest_parts=M", 1), "contact_points": ("contact_points=True", True)}
         for asked, (option, value) in options.items():
             culler = self.culler(exact=True, **{option.split("=")[0]: value})
             culler.step(at((0, 0, 0), (9, 0, 0)))
@@ -71,28 +71,28 @@ class Boxes(Case):
                     with self.assertRaisesRegex(RuntimeError, f"without {other}: there is no table"):
                         getattr(culler, name)
 
-    def test_touch_when_they_overlap_and_leave_when_they_do_not(self):
+    def test_reports_begins_and_ends_of_contacts(self):
         culler = self.culler(exact=True, step_s=0.5)
         for x in (3, 2, 0.9, 0.5, 0.9, 1.5, 3):
             events = culler.step(at((0, 0, 0), (x, 0.1, 0.2)))
             self.assertEqual(len(culler.pairs), int(x < 1))
             self.assertEqual(len(events), int(culler.frame in (3, 6)))
         (contact,) = culler.contacts
-        self.assertEqual((contact["a"], contact["b"], contact["begin_frame"], contact["end_frame"]), (0, 1, 2, 5))
+        self.assertEqual((contact["body_a"], contact["body_b"], contact["begin_frame"], contact["end_frame"]), (0, 1, 2, 5))
         self.assertEqual((contact["begin_s"], contact["end_s"], contact["ended"]), (1, 2.5, 1))
 
-    def test_are_all_found_wherever_they_fly(self):
+    def test_finds_all_contacts_of_moving_boxes(self):
         random = numpy.random.default_rng(3)
         for exact, offset in itertools.product((False, True), (0, 1e6)):
             culler = self.culler(exact=exact)
-            for scale in (3.0, 6.0, 60.0):  # the sphere around a body of one part stays
+            for scale in (3.0, 6.0, 60.0):  # the radius of a body with one part stays
                 places = random.uniform(0, scale, (40, 3)) + offset
                 culler.step(at(*places))
                 apart = numpy.abs(places[:, None] - places[None])
                 expected = [(a, b, 0, 0) for a, b in itertools.combinations(range(40), 2) if (apart[a, b] < 1).all()]
                 self.assertEqual(key(culler.pairs), expected)
 
-    def test_that_reach_farther_than_ever_before_are_not_missed(self):
+    def test_finds_bodies_that_reach_farther_than_before(self):
         body = throng.Body([(BOX, BOX_TRIANGLES)] * 2, names=["near", "far"])
         for pair_search in ("grid", "sweep", "brute"):
             culler = throng.Culler(body, exact=True, pair_search=pair_search)
@@ -101,10 +101,10 @@ class Boxes(Case):
                 culler.step(poses.reshape(2, 2, 4, 4))
                 self.assertIn((0, 1, 1, 1), key(culler.pairs))
             self.assertEqual(key(culler.contacts)[-1], (0, 1, 1, 1))
-            self.assertEqual(len(culler.contacts[culler.contacts["part_a"] == 1]), 1)  # one contact, never let go
+            self.assertEqual(len(culler.contacts[culler.contacts["part_a"] == 1]), 1)  # one uninterrupted contact
             self.assertEqual(culler.contacts.to_pandas().part_a_name.iloc[-1], "far")
 
-    def test_come_and_go_by_their_ids(self):
+    def test_lets_bodies_enter_and_leave_by_id(self):
         culler = self.culler()
         culler.step(at((0, 0, 0), (0.5, 0, 0)), ids=[3, 7])
         self.assertEqual(key(culler.pairs), [(3, 7, 0, 0)])
@@ -112,7 +112,7 @@ class Boxes(Case):
         self.assertEqual(len(culler.pairs), 0)
         self.assertEqual(len(culler.events), 2)
 
-    def test_of_several_kinds_and_sizes_meet(self):
+    def test_culls_several_kinds_and_sizes(self):
         wall = throng.Body([BOX * (10, 0.2, 2)], static=True)
         pillar = throng.Body([BOX], static=True)
         person = throng.Body([BOX * 0.4, BOX * 0.2])
@@ -124,7 +124,7 @@ class Boxes(Case):
         culler.step(poses, types=[0, 1, 2], scales=[1, 1, 5])
         self.assertIn((0, 2, 0, 1), key(culler.pairs))
 
-    def test_are_refused_where_they_are_no_bodies(self):
+    def test_rejects_invalid_bodies(self):
         culler = self.culler()
         stretched, mirrored, lost = at((0, 0, 0)), at((0, 0, 0)), at((0, 0, numpy.nan))
         stretched[0, 0, 0, 0] = 2
@@ -147,7 +147,7 @@ class Boxes(Case):
         with self.assertRaises(throng.InputError):
             throng.Culler(throng.Body([BOX]), exact=True)  # points have no triangles
 
-    def test_are_refused_where_they_are_beyond_all_bounds(self):
+    def test_rejects_coordinates_out_of_range(self):
         culler = self.culler()
         for far in (1.1e9, -1e12, 1e39, -1e300):
             for axis in range(3):
@@ -169,7 +169,7 @@ class Boxes(Case):
                 throng.Body([BOX, points])
         throng.Body([BOX * 2e6])
 
-    def test_are_refused_in_words_whatever_is_given_for_them(self):
+    def test_rejects_invalid_arguments_with_a_message(self):
         for bodies in ("adult", None, 3, ["adult"], [throng.Body([BOX]), None], throng.Body):
             with self.subTest(bodies=bodies), self.assertRaisesRegex(throng.InputError, "^bodies: expected a Model, a Body"):
                 throng.Culler(bodies)
@@ -210,10 +210,10 @@ class Boxes(Case):
         self.assertEqual(culler.frame, 0)
         culler.step(at((0, 0, 0)), ids=[3.0], types=numpy.array([0], dtype=numpy.uint8), scales=[True])
         for where, options in [
-            ("near", {"near": "a"}),
-            ("body_near", {"body_near": "a"}),
-            ("body_near", {"body_near": -1}),
-            ("body_near", {"body_near": numpy.nan}),
+            ("proximity", {"proximity": "a"}),
+            ("closest_parts", {"closest_parts": "a"}),
+            ("closest_parts", {"closest_parts": -1}),
+            ("closest_parts", {"closest_parts": numpy.nan}),
             ("step_s", {"step_s": 0}),
             ("step_s", {"step_s": numpy.inf}),
             ("threads", {"threads": 0}),
@@ -237,14 +237,14 @@ class Boxes(Case):
         ]:
             with self.subTest(parts=parts), self.assertRaisesRegex(throng.InputError, f"^{where}.*: expected .*found "):
                 throng.Body(parts)
-        with self.assertRaisesRegex(throng.InputError, "^names: expected a name a part, 1, found"):
+        with self.assertRaisesRegex(throng.InputError, "^names: expected one name per part, 1, found"):
             throng.Body([BOX], names=["a", "b"])
 
-    def test_may_have_another_volume_for_each_part(self):
+    def test_accepts_a_volume_per_part(self):
         corners = numpy.array([(x, y, z) for x in (-1, 1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
         body = throng.Body([corners, corners], names=["left_hand", "trunk"])
         places = at((0, 0, 0), (50, 0, 0), (-0.6, 0.6, 0), (49.4, 0.6, 0))
-        places[:, 0, :2, :2] = numpy.array([(1, -1), (1, 1)]) / 2**0.5  # so that their upright boxes overlap
+        places[:, 0, :2, :2] = numpy.array([(1, -1), (1, 1)]) / 2**0.5  # makes their axis-aligned boxes overlap
         places = places.reshape(2, 2, 4, 4)
         for volume, parts in [("sphere", {0, 1}), ("obb", set()), ("hand: obb, default: sphere", {1}),
                               ("hand: sphere, trunk: obb", {0})]:
@@ -255,40 +255,40 @@ class Boxes(Case):
                 self.assertEqual({pair[3] for pair in key(culler.pairs)}, parts)
         self.assertIsNotNone(throng.Culler(throng.Model("adult"), part_volume="hand: obb, default: sphere"))
 
-    def test_and_their_tables_can_be_pickled(self):
+    def test_has_tables_that_can_be_pickled(self):
         body = pickle.loads(pickle.dumps(throng.Body([(BOX, BOX_TRIANGLES)], names=["cube"])))
-        culler = throng.Culler(body, exact=True, near=3)
+        culler = throng.Culler(body, exact=True, proximity=3)
         culler.step(at((0, 0, 0), (0.5, 0, 0), (2, 0, 0)))
-        for table in (culler.pairs, culler.events, culler.contacts, culler.near):
+        for table in (culler.pairs, culler.events, culler.contacts, culler.proximity):
             again = pickle.loads(pickle.dumps(table))
             self.assertSameTable(again, table)
             self.assertEqual(again.to_pandas().part_a_name[0], "cube")
 
-    def test_become_data_frames_of_the_columns_that_are_selected(self):
+    def test_converts_selected_columns_to_data_frames(self):
         culler = throng.Culler(throng.Body([(BOX, BOX_TRIANGLES)], names=["cube"]))
         culler.step(at((0, 0, 0), (0.5, 0, 0)))
-        for columns, names in [(["a", "b"], []), (["part_a"], []), (["part_b", "b"], ["part_b_name"])]:
+        for columns, names in [(["body_a", "body_b"], []), (["part_a"], []), (["part_b", "body_b"], ["part_b_name"])]:
             with self.subTest(columns=columns):
                 frame = culler.contacts[columns].to_pandas()
                 self.assertEqual(list(frame.columns), columns + names)
                 self.assertTrue((frame[names] == "cube").all(axis=None))
 
-    def test_become_data_frames_with_their_points(self):
-        culler = self.culler(exact=True, near=3, body_near=3)
+    def test_converts_points_to_columns(self):
+        culler = self.culler(exact=True, proximity=3, closest_parts=3)
         culler.step(at((0, 0, 0), (2, 0, 0)))
-        for table in (culler.near, culler.closest_parts):
+        for table in (culler.proximity, culler.closest_parts):
             frame = table.to_pandas()
             self.assertEqual(len(frame), 1)
-            for name in ("point_a_x_m", "point_a_y_m", "point_a_z_m", "point_b_x_m", "normal_x", "normal_y", "normal_z", "lo_m", "part_a_name"):
+            for name in ("point_a_x_m", "point_a_y_m", "point_a_z_m", "point_b_x_m", "normal_x", "normal_y", "normal_z", "distance_lo_m", "part_a_name"):
                 self.assertIn(name, frame.columns)
-            self.assertEqual(frame.point_b_x_m[0], table["b_m"][0, 0])
+            self.assertEqual(frame.point_b_x_m[0], table["point_b_m"][0, 0])
         culler = self.culler(exact=True, contact_points=True)
         culler.step(at((0, 0, 0), (0.75, 0, 0)))
         frame = culler.contact_points.to_pandas()
         numpy.testing.assert_array_equal(frame[["point_x_m", "point_y_m", "point_z_m"]], culler.contact_points["point_m"])
-        numpy.testing.assert_array_equal(frame[["normal_x", "normal_y", "normal_z"]], culler.contact_points["direction"])
+        numpy.testing.assert_array_equal(frame[["normal_x", "normal_y", "normal_z"]], culler.contact_points["normal"])
 
-    def test_may_be_culled_while_others_run_python(self):
+    def test_releases_the_interpreter_lock(self):
         culler = self.culler()
         places = numpy.random.default_rng(1).uniform(0, 30, (1000, 3))
         failures = []
@@ -308,14 +308,14 @@ class Boxes(Case):
         self.assertEqual(culler.frame + len(failures), 15)
 
 
-class People(Case):
-    def test_posed_by_hand_touch_whom_they_touch_in_the_scene(self):
+class CullerOfPeople(Case):
+    def test_finds_the_contacts_of_the_scene(self):
         simulation = throng.Simulation("plaza", avatars=1500, seconds=1 if SLOWNESS == 1 else 0.3, exact=True)
         people = len(simulation.people)
         culler = throng.Culler(throng.Model("adult"), exact=True)
         seen = 0
         for frame in itertools.islice(simulation, 0, None, 6):
-            expected = frame.pairs[frame.pairs["b"] < people]
+            expected = frame.pairs[frame.pairs["body_b"] < people]
             who = numpy.flatnonzero(frame.present)
             culler.step(frame.part_poses(who), ids=who, scales=simulation.people["scale"][who])
             self.assertEqual(key(culler.pairs), key(expected))

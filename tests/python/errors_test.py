@@ -1,4 +1,4 @@
-"""Bad input raises exceptions that say where, and what was expected."""
+"""Invalid input raises exceptions that name the place and the expected value."""
 
 import os
 import pickle
@@ -17,8 +17,8 @@ groups:
 """
 
 
-class BadFiles(Case):
-    def test_are_named_with_their_line(self):
+class FileErrors(Case):
+    def test_name_the_line(self):
         file = self.folder / "bad.yaml"
         file.write_text(BAD_SCENE)
         with self.assertRaises(throng.InputError) as raised:
@@ -27,7 +27,7 @@ class BadFiles(Case):
         self.assertIsInstance(raised.exception.line, int)
         self.assertRegex(str(raised.exception), f"{file}:{raised.exception.line}: expected .*, found ")
 
-    def test_of_robots_and_meshes_are_named_too(self):
+    def test_name_robots_and_meshes(self):
         urdf = self.folder / "robot.urdf"
         urdf.write_text('<robot name="r">\n  <link name="a"/>\n  <link name="a"/>\n</robot>\n')
         with self.assertRaises(throng.InputError) as raised:
@@ -40,14 +40,14 @@ class BadFiles(Case):
             throng.Body([mesh])
         self.assertEqual(raised.exception.file, str(mesh))
 
-    def test_that_are_not_there_are_bad_input(self):
+    def test_are_raised_for_missing_files(self):
         for read in (throng.read_log, throng.check, throng.view, lambda file: throng.render(file, 0), throng.Recording):
             with self.subTest(read=read), self.assertRaises(throng.InputError) as raised:
                 read("nowhere.lcmlog")
             self.assertEqual(raised.exception.file, "nowhere.lcmlog")
             self.assertIsNone(raised.exception.line)
 
-    def test_are_not_written_over(self):
+    def test_protect_existing_files(self):
         log = self.folder / "a.lcmlog"
         throng.run("corridor", seconds=0.1, log=log)
         before = log.read_bytes()
@@ -56,8 +56,8 @@ class BadFiles(Case):
         self.assertEqual(log.read_bytes(), before)
 
 
-class BadOptions(Case):
-    def test_are_named_as_python_has_them(self):
+class OptionErrors(Case):
+    def test_use_the_names_of_python(self):
         for options, where in [
             ({"avatars": 0}, "avatars"),
             ({"seconds": -1}, "seconds"),
@@ -84,27 +84,27 @@ class BadOptions(Case):
             self.assertIsNone(raised.exception.file)
             self.assertRegex(str(raised.exception), f"^{where}: expected .*, found ")
 
-    def test_are_guessed(self):
+    def test_suggest_similar_names(self):
         with self.assertRaisesRegex(throng.InputError, "did you mean 'plaza'"):
             throng.run("plazza")
         with self.assertRaisesRegex(TypeError, "did you mean 'seed'"):
             throng.Simulation("plaza", sede=1)
 
-    def test_of_another_type_are_type_errors(self):
+    def test_are_type_errors_for_another_type(self):
         with self.assertRaisesRegex(TypeError, "seconds: expected a number"):
             throng.run("plaza", seconds="long")
 
 
-class OptionsOfARun(Case):
+class RunOptions(Case):
     WRONG = {"whole": -1, "number": -1, "word": "no such word"}
-    WRONG_TEXTS = {"part_volume": "ordop25", "between": "a: b: c", "parts": "a: b: c", "separator": "ab"}
+    WRONG_TEXTS = {"part_volume": "ordop25", "filter_groups": "a: b: c", "filter_parts": "a: b: c", "separator": "ab"}
 
-    def said_by_command(self, *arguments):
+    def error_of_command(self, *arguments):
         done = subprocess.run([os.environ["THRONG_COMMAND"], *arguments], cwd=self.folder, capture_output=True, text=True)
         self.assertEqual(done.returncode, 2, done.stderr)
         return done.stderr
 
-    def test_are_refused_in_the_same_words_wherever_they_are_given(self):
+    def test_give_the_same_errors_everywhere(self):
         study = self.folder / "study.yaml"
         for option in throng._core.run_options():
             name = option["name"]
@@ -119,18 +119,18 @@ class OptionsOfARun(Case):
                 self.assertRegex(words, "^expected .*, found ")
                 argument = "--" + name.replace("_", "-")
                 self.assertEqual(
-                    self.said_by_command("run", "plaza", f"{argument}={wrong}"), f"throng run: {argument}: {words}\n"
+                    self.error_of_command("run", "plaza", f"{argument}={wrong}"), f"throng run: {argument}: {words}\n"
                 )
                 if option["is_of_study"]:
                     study.write_text(f"scenes: [plaza]\n{name}: {wrong}\n")
                     self.assertEqual(
-                        self.said_by_command("study", "study.yaml", "--out", "t.csv"), f"study.yaml:2: {words}\n"
+                        self.error_of_command("study", "study.yaml", "--out", "t.csv"), f"study.yaml:2: {words}\n"
                     )
 
-    def test_that_nothing_takes_are_named_as_the_front_end_names_them(self):
+    def test_name_unsuitable_options_like_the_command(self):
         for options, where in [
             ({"fps": 25}, "fps"),
-            ({"step": "smooth"}, "step"),
+            ({"sampling": "smooth"}, "sampling"),
             ({"strategy": "two-pass", "budget_tests": 3}, "strategy"),
             ({"states_hz": 1000}, "states_hz"),
         ]:
@@ -139,12 +139,12 @@ class OptionsOfARun(Case):
                     throng.run("plaza", seconds=0.1, **options)
                 words = str(raised.exception).removeprefix(f"{where}: ")
                 arguments = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
-                said = self.said_by_command("run", "plaza", "--seconds", "0.1", "--log", "off", "--lcm", "off", *arguments)
-                self.assertEqual(said, f"--{where.replace('_', '-')}: {words}\n")
+                expected = self.error_of_command("run", "plaza", "--seconds", "0.1", "--log", "off", "--lcm", "off", *arguments)
+                self.assertEqual(expected, f"--{where.replace('_', '-')}: {words}\n")
 
 
 class OverlongNames(Case):
-    def test_are_refused_as_those_of_no_file(self):
+    def test_are_rejected_as_missing_files(self):
         for length in (300, 5000):
             name = "y" * length
             for extension in ("", ".yaml", ".csv", ".urdf", ".lcmlog"):
@@ -155,28 +155,28 @@ class OverlongNames(Case):
                         with self.assertRaisesRegex(throng.InputError, "^y+[^\n]*: expected [^\n]*, found [^\n]*$"):
                             use(name + extension)
 
-    def test_are_refused_before_anything_is_written(self):
+    def test_are_rejected_before_any_output(self):
         for option in ("log", "html", "contacts", "trace_hash"):
             with self.subTest(option=option), self.assertRaisesRegex(throng.EnvironmentFault, "too long"):
                 throng.run("plaza", seconds=0.1, avatars=5, **{option: self.folder / ("y" * 300)})
 
-    def test_of_a_zero_byte_are_refused(self):
+    def test_are_rejected_with_a_zero_byte(self):
         for use in (throng.run, throng.read_log, throng.Model):
             with self.assertRaisesRegex(throng.InputError, "found 'a"):
                 use("a\0b")
 
 
 class Exceptions(Case):
-    def test_are_those_that_python_users_catch(self):
+    def test_derive_from_standard_exceptions(self):
         self.assertTrue(issubclass(throng.InputError, ValueError))
         self.assertTrue(issubclass(throng.EnvironmentFault, OSError))
         self.assertTrue(issubclass(throng.InputError, throng.Error))
 
-    def test_tell_of_the_environment(self):
+    def test_report_faults_of_the_environment(self):
         with self.assertRaisesRegex(throng.EnvironmentFault, "nowhere"):
             throng.run("corridor", seconds=0.1, log=self.folder / "nowhere" / "a.lcmlog")
 
-    def test_go_from_process_to_process(self):
+    def test_can_be_pickled(self):
         error = pickle.loads(pickle.dumps(throng.InputError("a.yaml:3: expected x, found y", "a.yaml:3")))
         self.assertEqual((error.file, error.line, str(error)), ("a.yaml", 3, "a.yaml:3: expected x, found y"))
 

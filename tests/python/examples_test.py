@@ -1,4 +1,4 @@
-"""The notebooks of examples/ and the code of docs/python.md do what they show."""
+"""The notebooks of examples/ and the code of docs/python.md run."""
 
 import json
 import os
@@ -15,7 +15,7 @@ def code_of(notebook):
 
 
 def shown(code, names):
-    """Runs a cell; returns what its last line is, as a notebook would show it."""
+    """Runs a cell and returns the value of its last line, as a notebook does."""
     import ast
 
     tree = ast.parse(code)
@@ -41,7 +41,7 @@ class Examples(Case):
     def lines(self, code):
         return [line for line in code.splitlines() if line.strip()]
 
-    def test_own_urdf_and_own_poses_give_a_table_of_contacts_in_ten_lines(self):
+    def test_own_poses_notebook_gives_a_table_in_ten_lines(self):
         self.needs("pandas")
         shutil.copy(SOURCES / "examples/picker.urdf", self.folder)
         (code,) = code_of(SOURCES / "examples/own_poses.ipynb")
@@ -50,7 +50,7 @@ class Examples(Case):
         self.assertGreater(len(table), 10)
         self.assertLessEqual(set(table.part_a_name), {"base", "arm", "gripper"})
 
-    def test_the_plaza_gives_a_plot_of_contacts_by_part_in_ten_lines(self):
+    def test_contacts_by_part_notebook_gives_a_plot_in_ten_lines(self):
         self.needs("pandas", "matplotlib")
         (code,) = code_of(SOURCES / "examples/contacts_by_part.ipynb")
         self.assertLessEqual(len(self.lines(code)), 10)
@@ -59,21 +59,21 @@ class Examples(Case):
         self.assertGreater(names["counts"].sum(), 50)
         self.assertGreater((self.folder / "contacts_by_part.png").stat().st_size, 5000)
 
-    def test_notebooks_are_kept_without_what_they_printed(self):
+    def test_notebooks_are_stored_without_outputs(self):
         notebooks = list((SOURCES / "examples").glob("*.ipynb"))
         self.assertGreaterEqual(len(notebooks), 2)
         for notebook in notebooks:
             for cell in json.loads(notebook.read_text())["cells"]:
                 self.assertFalse(cell.get("outputs"), notebook.name)
 
-    def test_the_code_of_the_documentation_runs(self):
+    def test_code_of_the_documentation_runs(self):
         self.needs("pandas")
         shutil.copy(SOURCES / "examples/picker.urdf", self.folder)
         text = (SOURCES / "docs/python.md").read_text()
         blocks = re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)
         self.assertGreater(len(blocks), 8)
         names = {}
-        for block in blocks:  # one after the other, as a reader would type them
+        for block in blocks:  # in sequence, with shared names
             with self.subTest(block=block):
                 exec(compile(block, "docs/python.md", "exec"), names)
 

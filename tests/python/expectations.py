@@ -1,4 +1,4 @@
-"""What several tests of the module need: a folder, the command, tables that should be equal."""
+"""Helpers for tests of the module: a folder, the command, comparison of tables."""
 
 import os
 import pathlib
@@ -26,7 +26,7 @@ class Case(unittest.TestCase):
 
 
 def command(*arguments, folder):
-    """What the command prints."""
+    """Returns the output of the command."""
     done = subprocess.run(
         [os.environ["THRONG_COMMAND"], *map(str, arguments)], cwd=folder, capture_output=True, text=True
     )

@@ -1,4 +1,4 @@
-"""Logs, pictures and pages from Python."""
+"""Logs, pictures and pages in Python."""
 
 import unittest
 
@@ -13,29 +13,29 @@ class Logs(Case):
         self.log = self.folder / "plaza.lcmlog"
         self.run = throng.run("plaza", seconds=2, seed=3, log=self.log, trajectory_fps=60)
 
-    def test_hold_the_run_that_wrote_them(self):
+    def test_contain_the_run(self):
         read = throng.read_log(self.log)
         self.assertEqual((read.hash, read.run_id, read.scene, read.seed), (self.run.hash, self.run.run_id, "plaza", 3))
         self.assertSameTable(read.events, self.run.events)
         self.assertSameTable(read.contacts, self.run.contacts)
         self.assertSameTable(read.people, self.run.people)
-        for name in self.run.counters.dtype.names[:-2]:  # no clocks in a log
+        for name in self.run.counters.dtype.names[:-2]:  # a log has no clock times
             numpy.testing.assert_array_equal(read.counters[name], self.run.counters[name], err_msg=name)
         self.assertEqual(len(read.trajectories), len(self.run.trajectories))
         for axis in ("x_m", "y_m"):
             numpy.testing.assert_allclose(read.trajectories[axis], self.run.trajectories[axis], atol=2e-3)
         self.assertEqual(read.names.parts, self.run.names.parts)
 
-    def test_give_as_many_places_a_second_as_wanted(self):
+    def test_give_positions_at_the_requested_rate(self):
         read = throng.read_log(self.log, trajectory_fps=10)
         self.assertEqual(sorted(set(read.trajectories["frame"])), list(range(0, 120, 6)))
         self.assertEqual(len(throng.read_log(self.log, trajectories=False).trajectories), 0)
 
-    def test_of_the_command_are_read_too(self):
+    def test_of_the_command_are_readable(self):
         command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "a.lcmlog", folder=self.folder)
         self.assertEqual(throng.read_log(self.folder / "a.lcmlog").hash, throng.run("plaza", seconds=1).hash)
 
-    def test_are_judged_as_the_command_judges_them(self):
+    def test_are_checked_like_the_command(self):
         report = throng.check(self.log)
         self.assertTrue(report)
         self.assertTrue(report["finished"])
@@ -47,7 +47,7 @@ class Logs(Case):
         self.assertFalse(report)
         self.assertTrue(report["problems"])
 
-    def test_that_are_torn_are_read_as_far_as_they_are_sound(self):
+    def test_give_their_sound_part_when_torn(self):
         bytes_ = self.log.read_bytes()
         torn = self.folder / "torn.lcmlog"
         torn.write_bytes(bytes_[: len(bytes_) * 2 // 3])
@@ -64,7 +64,7 @@ class Logs(Case):
         self.assertEqual(numpy.isnan(read.contacts["end_s"]).sum(), kinds[0] - kinds[1])
 
     def pieces(self, channel):
-        """Begins and ends of a channel's messages in the log."""
+        """Returns begin and end of each message of a channel in the log."""
         found, at, bytes_ = [], 0, self.log.read_bytes()
         while at < len(bytes_):
             channel_bytes, data_bytes = (int.from_bytes(bytes_[at + i : at + i + 4], "big") for i in (20, 24))
@@ -74,14 +74,14 @@ class Logs(Case):
             at = end
         return bytes_, found
 
-    def test_say_what_of_them_is_not_what_was_written(self):
+    def test_report_altered_and_missing_parts(self):
         for channel in (b"THRONG_FRAME_STATS", b"THRONG_STATES"):
             bytes_, found = self.pieces(channel)
             begin, end = found[50]
             altered = self.folder / "altered.lcmlog"
             altered.write_bytes(bytes_[: end - 1] + bytes([bytes_[end - 1] ^ 1]) + bytes_[end:])
             (note,) = throng.read_log(altered).notes
-            self.assertRegex(note, "^The log is damaged: 1 stretch of messages is not what was written; `throng check` names ")
+            self.assertRegex(note, "^The log is damaged: 1 stretch of messages is altered; `throng check` lists ")
             lacking = self.folder / "lacking.lcmlog"
             lacking.write_bytes(bytes_[:begin] + bytes_[end:])
             self.assertEqual(throng.read_log(lacking).notes[-1], "The log lacks 1 message of its run.")
@@ -91,7 +91,7 @@ class Logs(Case):
             self.assertRegex(notes[0], "^The log is damaged: [0-9]+ bytes of it could not be read")
             self.assertTrue(any(note.startswith("1 place of the log") for note in notes), notes)
 
-    def test_that_are_cut_off_are_not_called_whole(self):
+    def test_are_incomplete_when_cut_off(self):
         bytes_, found = self.pieces(b"THRONG_FRAME_STATS")
         cut = self.folder / "cut.lcmlog"
         cut.write_bytes(bytes_[: found[50][1]])
@@ -103,7 +103,7 @@ class Logs(Case):
         (note,) = throng.read_log(cut).notes
         self.assertIn("breaks off after 51 frames", note)
 
-    def test_are_drawn_as_the_command_draws_them(self):
+    def test_are_rendered_like_the_command(self):
         picture = throng.render(self.log, 60, width=160, height=90)
         self.assertEqual((picture.shape, picture.dtype), ((90, 160, 3), numpy.uint8))
         command("render", self.log, "--frame", 60, "--width", 160, "--height", 90, "--out", "a.png", folder=self.folder)
@@ -113,11 +113,11 @@ class Logs(Case):
         try:
             import matplotlib.image
         except ImportError:
-            return  # nothing here reads a PNG
+            return  # no PNG reader is installed
         png = matplotlib.image.imread(self.folder / "a.png")[:, :, :3]
         numpy.testing.assert_array_equal(numpy.round(png * 255).astype(numpy.uint8), picture)
 
-    def test_frames_that_they_do_not_have_are_refused(self):
+    def test_reject_frames_that_they_do_not_contain(self):
         with self.assertRaisesRegex(throng.InputError, "frame 9999"):
             throng.render(self.log, 9999)
         with self.assertRaisesRegex(throng.InputError, "width"):
@@ -127,7 +127,7 @@ class Logs(Case):
                 with self.subTest(name=name), self.assertRaisesRegex(throng.InputError, f"^{name}: expected a whole number"):
                     throng.render(self.log, **{"frame": 0, name: number})
 
-    def test_are_drawn_from_a_place_that_there_is(self):
+    def test_reject_invalid_cameras(self):
         nan, inf = float("nan"), float("inf")
         for name in ("eye_m", "target_m"):
             for point in ((nan, 0, 1), (0, inf, 1), (0, 0, -1e300), (0, 2e6, 0), (0, 1), "abc", [None] * 3):
@@ -136,7 +136,7 @@ class Logs(Case):
         with self.assertRaisesRegex(throng.InputError, "^eye_m: expected another point than target_m, found the same$"):
             throng.render(self.log, 0, 32, 32, eye_m=(0, 0, 1), target_m=(0, 0, 1))
 
-    def test_are_shown_as_the_page_that_the_command_writes(self):
+    def test_are_shown_as_the_page_of_the_command(self):
         page = throng.view(self.log)
         command("view", self.log, "--html", "page.html", folder=self.folder)
         self.assertEqual(page.html, (self.folder / "page.html").read_text())

@@ -1,4 +1,4 @@
-"""Kinematics in batches agree with the chain of joints, one by one."""
+"""Batch kinematics equal the chain of joints."""
 
 import pickle
 import unittest
@@ -42,7 +42,7 @@ class Kinematics(Case):
         self.arm = throng.Model(file)
         self.random = numpy.random.default_rng(1)
 
-    def test_follow_the_chain_of_joints(self):
+    def test_follows_the_chain_of_joints(self):
         joints = self.random.uniform(self.arm.joint_lower, self.arm.joint_upper, (50, 2))
         places = self.random.uniform(-1000, 1000, (50, 3))
         found = self.arm.poses(joints, positions_m=places)
@@ -53,7 +53,7 @@ class Kinematics(Case):
             hand = upper @ moved(0, 0, 0.5) @ moved(0, slide, 0)
             numpy.testing.assert_allclose(found[row], [base, upper, hand], atol=1e-6)
 
-    def test_turn_and_scale_about_the_root(self):
+    def test_rotates_and_scales_about_the_root(self):
         joints = self.random.uniform(self.arm.joint_lower, self.arm.joint_upper, (20, 2))
         angles = self.random.uniform(-3, 3, 20)
         rotations = numpy.stack([0 * angles, 0 * angles, numpy.sin(angles / 2), numpy.cos(angles / 2)], axis=1)
@@ -63,18 +63,18 @@ class Kinematics(Case):
         for row, angle in enumerate(angles):
             numpy.testing.assert_allclose(found[row], turned(2, angle) @ plain[row], atol=1e-6)
 
-    def test_are_the_same_one_by_one(self):
+    def test_gives_the_same_poses_one_at_a_time(self):
         adult = throng.Model("adult")
         joints = self.random.uniform(adult.joint_lower, adult.joint_upper, (37, adult.joint_count))
         together = adult.poses(joints)
         for row in range(37):
             numpy.testing.assert_array_equal(together[row], adult.poses(joints[row])[0])
 
-    def test_refuse_what_is_no_posture(self):
+    def test_rejects_invalid_postures(self):
         for joints, options, where in [
-            (numpy.zeros((3, 5)), {}, "joints"),
-            (numpy.zeros(0), {}, "joints"),
-            (numpy.full((1, 2), numpy.nan), {}, "joints"),
+            (numpy.zeros((3, 5)), {}, "joint_positions"),
+            (numpy.zeros(0), {}, "joint_positions"),
+            (numpy.full((1, 2), numpy.nan), {}, "joint_positions"),
             (numpy.zeros((3, 2)), {"positions_m": numpy.zeros((2, 3))}, "positions_m"),
             (numpy.zeros((3, 2)), {"rotations_xyzw": numpy.zeros((3, 4))}, r"rotations_xyzw\[0\]"),
             (numpy.zeros((3, 2)), {"scales": [1, 1, -1]}, r"scales\[2\]"),
@@ -83,14 +83,14 @@ class Kinematics(Case):
                 self.arm.poses(joints, **options)
 
 
-    def test_refuse_in_words_what_is_no_number(self):
+    def test_rejects_invalid_numbers_with_a_message(self):
         for joints, options, where in [
-            ("abc", {}, "joints"),
-            (None, {}, "joints"),
-            ([[1], [1, 2]], {}, "joints"),
-            (numpy.zeros((1, 2), dtype=complex), {}, "joints"),
-            (numpy.full((1, 2), 1e300), {}, "joints"),
-            (numpy.zeros((1, 2, 1)), {}, "joints"),
+            ("abc", {}, "joint_positions"),
+            (None, {}, "joint_positions"),
+            ([[1], [1, 2]], {}, "joint_positions"),
+            (numpy.zeros((1, 2), dtype=complex), {}, "joint_positions"),
+            (numpy.full((1, 2), 1e300), {}, "joint_positions"),
+            (numpy.zeros((1, 2, 1)), {}, "joint_positions"),
             (numpy.zeros((1, 2)), {"positions_m": "a"}, "positions_m"),
             (numpy.zeros((1, 2)), {"rotations_xyzw": [0, 0, 0, 1]}, "rotations_xyzw"),
             (numpy.zeros((1, 2)), {"scales": ["large"]}, "scales"),
@@ -102,14 +102,14 @@ class Kinematics(Case):
             with self.subTest(part=part), self.assertRaisesRegex(throng.InputError, "^part: expected a whole number"):
                 self.arm.vertices_m(part)
 
-    def test_are_the_same_in_another_process(self):
+    def test_can_be_pickled(self):
         again = pickle.loads(pickle.dumps(self.arm))
         self.assertEqual((again.name, again.joint_names, again.part_names), ("arm", ["shoulder", "slide"], self.arm.part_names))
         self.assertEqual(pickle.loads(pickle.dumps(throng.Model("adult"))).name, throng.Model("adult").name)
 
 
 class Models(Case):
-    def test_say_what_a_urdf_leaves_open(self):
+    def test_report_how_an_incomplete_urdf_is_read(self):
         file = self.folder / "robot_description.xml"
         file.write_text(ARM.replace('<limit lower="-2" upper="2" effort="1" velocity="1"/>', "").replace('name="arm"', 'name=""'))
         model = throng.Model(file)

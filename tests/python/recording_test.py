@@ -1,4 +1,4 @@
-"""Recordings, and two crowds side by side."""
+"""Recordings, and comparisons of two crowds."""
 
 import json
 import unittest
@@ -33,14 +33,14 @@ class Recordings(Case):
         self.assertAlmostEqual(recording.summary["speed_mps"][1], 1.25, places=2)
         self.assertEqual(recording.facts["fps"], 25)
 
-    def test_are_dressed_and_culled_as_by_the_command(self):
+    def test_are_retargeted_and_culled_like_the_command(self):
         run = throng.Recording(self.file, **self.options).run(exact=True)
         command("run", self.file, "--fps", 25, "--unit", "cm", "--exact", "--lcm", "off", "--log", "off",
                 "--json", "a.json", folder=self.folder)
         self.assertEqual(run.hash, json.loads((self.folder / "a.json").read_text())["hash"])
         self.assertEqual(len(run.people), 6)
 
-    def test_have_the_units_that_are_stated_or_given(self):
+    def test_have_the_stated_or_given_units(self):
         table = self.folder / "headings.csv"
         table.write_text("id,t [ms],x [cm],y [m],heading\n1,0,100,2,90\n1,40,105,2,90\n")
         with self.assertRaisesRegex(throng.InputError, "headings.csv:2: .*; heading_unit deg"):
@@ -53,7 +53,7 @@ class Recordings(Case):
         with self.assertRaisesRegex(throng.InputError, "^heading_unit: expected one of rad, deg"):
             throng.Recording(table, heading_unit="turns")
 
-    def test_refuse_what_only_scenes_take(self):
+    def test_reject_options_of_scenes(self):
         with self.assertRaisesRegex(throng.InputError, "^steering: expected a scene"):
             throng.run(self.file, steering="orca", **self.options)
 
@@ -71,7 +71,7 @@ class Comparisons(Case):
                 for side in "ab":
                     self.assertTrue(numpy.isnan(row[side]) if other[side] is None else row[side] == other[side])
 
-    def test_are_drawn(self):
+    def test_have_figures(self):
         found = throng.compare("corridor", "crossing", seconds=2)
         try:
             figures = found.figures(self.folder / "plots")
@@ -84,11 +84,11 @@ class Comparisons(Case):
             self.assertTrue((self.folder / "plots" / f"{name}.svg").exists())
         self.assertEqual(found._repr_html_().count("<svg"), len(figures))
 
-    def test_refuse_a_line_without_length(self):
+    def test_reject_a_line_without_length(self):
         with self.assertRaisesRegex(throng.InputError, "line: expected two points"):
             throng.compare("corridor", "crossing", seconds=1, line=(1, 1, 1, 1))
 
-    def test_refuse_a_line_that_is_none(self):
+    def test_reject_an_invalid_line(self):
         nan, inf = float("nan"), float("inf")
         for line in ((nan, 0, 1, 1), (0, 0, 1, inf), (-1e300, 0, 1, 1), (0, 0, 1), (), "ab", 5, ((0, 0), (1, 1)), [None] * 4):
             with self.subTest(line=line), self.assertRaisesRegex(throng.InputError, "^line: expected two points"):

@@ -1,4 +1,4 @@
-"""A run from Python is the command's run, in arrays."""
+"""A run in Python equals that of the command."""
 
 import copy
 import json
@@ -15,7 +15,7 @@ from expectations import SLOWNESS, SOURCES, Case, command, command_hash
 
 
 class Runs(Case):
-    def test_have_the_hash_that_the_command_prints(self):
+    def test_have_the_hash_of_the_command(self):
         for scene, options, words in [
             ("plaza", {"seconds": 2, "seed": 3}, ["--seconds", "2", "--seed", "3"]),
             ("corridor", {"seconds": 1, "exact": True}, ["--seconds", "1", "--exact"]),
@@ -30,26 +30,26 @@ class Runs(Case):
             with self.subTest(scene=scene):
                 self.assertEqual(throng.run(scene, **options).hash, command_hash(scene, *words, folder=self.folder))
 
-    def test_are_the_same_with_any_number_of_threads(self):
+    def test_are_independent_of_the_number_of_threads(self):
         one, three = (throng.run("corridor", seconds=1, threads=n) for n in (1, 3))
         self.assertEqual(one.hash, three.hash)
         self.assertSameTable(one.events, three.events)
         self.assertSameTable(one.trajectories, three.trajectories)
 
-    def test_have_a_contact_for_each_begin_and_its_end(self):
+    def test_have_a_contact_for_each_begin_and_end(self):
         run = throng.run("plaza", seconds=4)
         begins = run.events[run.events["kind"] == 0]
         self.assertGreater(len(run.contacts), 20)
         self.assertEqual(len(run.contacts), len(begins))
         self.assertEqual(len(run.events), 2 * len(begins))
-        for name in ("a", "b", "part_a", "part_b"):
+        for name in ("body_a", "body_b", "part_a", "part_b"):
             numpy.testing.assert_array_equal(run.contacts[name], begins[name])
-        self.assertTrue((run.contacts["a"] < run.contacts["b"]).all())
+        self.assertTrue((run.contacts["body_a"] < run.contacts["body_b"]).all())
         self.assertTrue((run.contacts["end_s"] > run.contacts["begin_s"]).all())
         lasting = run.contacts["ended"] == 0
         self.assertEqual(lasting.sum(), run.counters["touching"][-1])
 
-    def test_count_in_each_frame_what_begins_ends_and_touches(self):
+    def test_count_events_and_contacts_per_frame(self):
         run = throng.run("plaza", seconds=1)
         frames = numpy.arange(len(run.counters))
         numpy.testing.assert_array_equal(run.counters["frame"], frames)
@@ -59,7 +59,7 @@ class Runs(Case):
         running = numpy.cumsum(run.counters["begins"] - run.counters["ends"])
         numpy.testing.assert_array_equal(run.counters["touching"], running)
 
-    def test_judge_the_separation_of_robots_as_the_command_does(self):
+    def test_report_separation_like_the_command(self):
         scene = self.folder / "cell.yaml"
         people = "{name: people, count: 6, spawn: {min_m: [-3, -2], max_m: [5, 2]}, goals: [{min_m: [-5, -2], max_m: [-4, 2]}]}"
         picker = (
@@ -67,16 +67,16 @@ class Runs(Case):
             " spawn: {min_m: [-4, -0.5], max_m: [-3, 0.5]}, goals: [{min_m: [4, -0.5], max_m: [5, 0.5]}]}"
         )
         scene.write_text(
-            "name: cell\nstep_s: 1/30\nduration_s: 5\nnear_m: 1.5\nculling: {exact: true}\n"
+            "name: cell\nstep_s: 1/30\nduration_s: 5\nproximity_m: 1.5\nculling: {exact: true}\n"
             f"ground: {{min_m: [-6, -3], max_m: [6, 3]}}\ngroups:\n  - {picker}\n  - {people}\n"
             "separation: {reaction_s: 0.1, stopping_s: 0.3, intrusion_m: 0.1, human_uncertainty_m: 0.05, robot_uncertainty_m: 0.02}\n"
         )
-        ours, theirs = (self.folder / name for name in ("ours", "theirs"))
-        run = throng.run(scene, separation=ours)
+        written, reference = (self.folder / name for name in ("python", "command"))
+        run = throng.run(scene, separation=written)
         found = run.separation
         self.assertIn("separation", run.notes[0])
         self.assertEqual(throng.Simulation(scene).notes, run.notes)
-        words = ["run", str(scene), "--lcm", "off", "--log", "off", "--separation", str(theirs), "--json", "-"]
+        words = ["run", str(scene), "--lcm", "off", "--log", "off", "--separation", str(reference), "--json", "-"]
         expected = json.loads(command(*words, folder=self.folder))["separation"]
         self.assertGreater(found["shortfalls"], 0)
         for name in ("robots", "shortfalls", "pairs", "undetermined", "beyond_margin"):
@@ -85,13 +85,13 @@ class Runs(Case):
         for name, region in expected["regions"].items():
             self.assertEqual(found["regions"][name]["shortfalls"], region["shortfalls"], name)
         for file in ("separation.csv", "shortfalls.csv"):
-            self.assertEqual((ours / file).read_bytes(), (theirs / file).read_bytes(), file)
+            self.assertEqual((written / file).read_bytes(), (reference / file).read_bytes(), file)
         self.assertIsNone(throng.run("plaza", seconds=0.1).separation)
         with self.assertRaisesRegex(throng.InputError, "separation.*expected a scene with a 'separation'"):
-            throng.run("plaza", separation=ours)
+            throng.run("plaza", separation=written)
 
-    def test_keep_the_places_that_a_trajectory_file_holds(self):
-        file = self.folder / "way.sqlite"
+    def test_have_the_positions_of_a_trajectory_file(self):
+        file = self.folder / "path.sqlite"
         run = throng.run("corridor", seconds=1, trajectory=file, trajectory_fps=20)
         with sqlite3.connect(file) as database:
             rows = database.execute("select frame, id, pos_x, pos_y from trajectory_data order by frame, id").fetchall()
@@ -100,7 +100,7 @@ class Runs(Case):
         numpy.testing.assert_allclose(run.trajectories["x_m"], expected[:, 2], atol=1e-6)
         numpy.testing.assert_allclose(run.trajectories["y_m"], expected[:, 3], atol=1e-6)
 
-    def test_write_the_piece_of_the_walkable_area_that_is_chosen(self):
+    def test_write_the_chosen_piece_of_the_walkable_area(self):
         file = self.folder / "ring.sqlite"
         with self.assertRaisesRegex(throng.InputError, "^trajectory_area: expected .*, found 2 pieces"):
             throng.run("ring", seconds=0.1, trajectory=file)
@@ -110,25 +110,25 @@ class Runs(Case):
                 ((wkt,),) = database.execute("select wkt from geometry").fetchall()
             self.assertRegex(wkt, r"^POLYGON \(\(")
 
-    def test_write_what_the_command_writes(self):
-        throng.run("plaza", seconds=1, contacts=self.folder / "ours", trace_hash=self.folder / "ours.txt")
-        command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "off", "--contacts", "theirs",
-                "--trace-hash", "theirs.txt", folder=self.folder)
-        for name in ("contacts.csv", "pairs.csv"):
-            theirs = self.folder / "theirs" / name
-            if theirs.exists():
-                self.assertEqual((self.folder / "ours" / name).read_bytes(), theirs.read_bytes())
-        self.assertTrue((self.folder / "theirs" / "contacts.csv").exists())
-        self.assertEqual((self.folder / "ours.txt").read_bytes(), (self.folder / "theirs.txt").read_bytes())
+    def test_write_the_files_of_the_command(self):
+        throng.run("plaza", seconds=1, contacts=self.folder / "python", trace_hash=self.folder / "python.txt")
+        command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "off", "--contacts", "command",
+                "--trace-hash", "command.txt", folder=self.folder)
+        for name in ("contacts.csv", "part_contacts.csv"):
+            reference = self.folder / "command" / name
+            if reference.exists():
+                self.assertEqual((self.folder / "python" / name).read_bytes(), reference.read_bytes())
+        self.assertTrue((self.folder / "command" / "contacts.csv").exists())
+        self.assertEqual((self.folder / "python.txt").read_bytes(), (self.folder / "command.txt").read_bytes())
 
     def test_name_bodies_parts_and_groups(self):
         run = throng.run("plaza", seconds=0.5)
         self.assertIn("rightFoot", run.names.parts[0])
-        contact = run.contacts[run.contacts["b"] >= len(run.people)][:1]
-        self.assertIn(run.names.part(contact["b"], contact["part_b"])[0], run.names.obstacles)
+        contact = run.contacts[run.contacts["body_b"] >= len(run.people)][:1]
+        self.assertIn(run.names.part(contact["body_b"], contact["part_b"])[0], run.names.obstacles)
         self.assertEqual(len(run.names.groups), len(set(run.people["group"])))
 
-    def test_name_no_part_that_there_is_not(self):
+    def test_reject_unknown_bodies_and_parts(self):
         run = throng.run("plaza", seconds=0.1)
         names, bodies, parts = run.names, len(run.people) + len(run.names.obstacles), len(run.names.parts[0])
         self.assertEqual(list(names.part([0, 0, bodies - 1, bodies - 1], [parts - 1, 255.0, 0, 255])),
@@ -155,14 +155,14 @@ class Runs(Case):
             with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*, found "):
                 names.part(*given)
 
-    def test_become_data_frames_of_the_columns_that_are_selected(self):
+    def test_convert_selected_columns_to_data_frames(self):
         run = throng.run("plaza", seconds=0.5)
         for table, columns, names in [
-            (run.contacts, ["a", "b"], []),
+            (run.contacts, ["body_a", "body_b"], []),
             (run.contacts, ["part_a", "part_b"], []),
-            (run.contacts, ["a", "part_a", "begin_s"], ["part_a_name"]),
+            (run.contacts, ["body_a", "part_a", "begin_s"], ["part_a_name"]),
             (run.contacts, ["level"], ["level_name"]),
-            (run.events, ["frame", "b", "part_b", "level"], ["part_b_name", "level_name"]),
+            (run.events, ["frame", "body_b", "part_b", "level"], ["part_b_name", "level_name"]),
             (run.people, ["id"], []),
             (run.people, ["id", "model"], ["model_name"]),
             (run.people, ["group"], ["group_name"]),
@@ -173,7 +173,7 @@ class Runs(Case):
                 for name in names:
                     self.assertEqual(list(frame[name]), list(whole[name]))
 
-    def test_become_data_frames_where_pandas_is_there(self):
+    def test_convert_to_data_frames(self):
         try:
             import pandas
         except ImportError:
@@ -185,7 +185,7 @@ class Runs(Case):
         self.assertEqual(frame.part_a_name[0], run.names.parts[0][frame.part_a[0]])
         self.assertEqual(len(run.people.to_pandas()), 500)
 
-    def test_can_be_pickled_with_all_their_names(self):
+    def test_can_be_pickled_with_names(self):
         run = throng.run("plaza", seconds=0.5)
         for again in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run)):
             self.assertEqual((again.hash, again.run_id, again.summary, again.notes), (run.hash, run.run_id, run.summary, run.notes))
@@ -193,8 +193,8 @@ class Runs(Case):
                 self.assertSameTable(getattr(again, name), getattr(run, name))
             self.assertEqual(again.names.parts, run.names.parts)
             numpy.testing.assert_array_equal(
-                again.names.part(again.contacts["a"], again.contacts["part_a"]),
-                run.names.part(run.contacts["a"], run.contacts["part_a"]),
+                again.names.part(again.contacts["body_a"], again.contacts["part_a"]),
+                run.names.part(run.contacts["body_a"], run.contacts["part_a"]),
             )
             self.assertEqual(repr(again), repr(run))
         for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
@@ -205,14 +205,14 @@ class Runs(Case):
                 self.assertEqual(list(again.to_pandas().columns), list(table.to_pandas().columns))
                 self.assertTrue((again.to_pandas() == table.to_pandas()).all(axis=None) or table is run.contacts)
 
-    def test_tell_how_far_they_are(self):
-        told = []
-        run = throng.run("plaza", seconds=20 / SLOWNESS, progress=lambda done, frames: told.append((done, frames)))
-        self.assertTrue(told)
-        self.assertEqual(told, sorted(set(told)))
-        self.assertTrue(all(0 <= done <= frames == len(run.counters) for done, frames in told))
+    def test_report_progress(self):
+        calls = []
+        run = throng.run("plaza", seconds=20 / SLOWNESS, progress=lambda done, frames: calls.append((done, frames)))
+        self.assertTrue(calls)
+        self.assertEqual(calls, sorted(set(calls)))
+        self.assertTrue(all(0 <= done <= frames == len(run.counters) for done, frames in calls))
 
-    def test_pass_on_what_progress_raises(self):
+    def test_propagate_exceptions_of_progress(self):
         def enough(done, frames):
             raise LookupError("enough")
 
@@ -223,7 +223,7 @@ class Runs(Case):
 INTERRUPTED = """
 import signal, sys, time, threading, os
 import numpy, throng
-throng.run, throng.Simulation  # loads what is loaded when it is wanted
+throng.run, throng.Simulation  # loads the compiled module
 adult = throng.Model("adult")
 def interrupt():
     time.sleep({after_s})
@@ -259,15 +259,15 @@ class CtrlC(Case):
             ("for frame in throng.Simulation('plaza', seconds=36000): pass", 2.5 * SLOWNESS),
             ("throng.Simulation('city_square', avatars=100000)", 0.3),
             ("throng.compare('plaza', 'plaza', seconds=3600)", 2.5 * SLOWNESS),
-            # Steps of many seconds: what they began ends by itself, or with the process.
+            # Steps of many seconds, which end by themselves or with the process.
             (CROWDED + "; [culler.step(poses) for _ in range(1000)]", 2.5 * SLOWNESS),
-            ("[_ for _ in throng.Simulation('plaza', seconds=36000, exact=True, near=2, threads=1)]", 2.5 * SLOWNESS),
+            ("[_ for _ in throng.Simulation('plaza', seconds=36000, exact=True, proximity=2, threads=1)]", 2.5 * SLOWNESS),
             ("joints = numpy.zeros((10**6, adult.joint_count)); [adult.poses(joints) for _ in range(100)]", 2.5 * SLOWNESS),
         ]:
             with self.subTest(work=work):
                 self.assertLess(self.seconds_to_stop(work, after_s), 0.5 * SLOWNESS)
 
-    def test_leaves_a_culler_that_is_busy_until_its_step_is_over(self):
+    def test_leaves_a_culler_busy_until_its_step_ends(self):
         code = CROWDED.replace("3000", "400") + """
 import os, signal, threading, time
 threading.Timer(0.05, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
@@ -293,7 +293,7 @@ print(culler.frame, pairs, len(culler.step(poses)))
 
 
 class Threads(Case):
-    def test_run_python_while_a_run_goes_on(self):
+    def test_run_python_during_a_run(self):
         counted = 0
         done = threading.Event()
         def work():
@@ -306,7 +306,7 @@ class Threads(Case):
         thread.join()
         self.assertGreater(counted, 20)
 
-    def test_may_run_a_scene_each(self):
+    def test_may_each_run_a_scene(self):
         alone = throng.run("corridor", seconds=1).hash
         hashes = []
         threads = [threading.Thread(target=lambda: hashes.append(throng.run("corridor", seconds=1).hash)) for _ in range(3)]

@@ -1,4 +1,4 @@
-"""Step by step: frames, arrays that stay what they are, one thread at a time."""
+"""Simulation: frames, arrays that keep their values, one thread at a time."""
 
 import gc
 import threading
@@ -8,7 +8,7 @@ import numpy
 import throng
 from expectations import SOURCES, Case, command_hash
 
-DRIVEN = """name: driven robot
+CONTROLLED = """name: controlled robot
 ground: {{min_m: [-8, -8], max_m: [8, 8]}}
 groups:
   - name: robot
@@ -30,10 +30,10 @@ class Steps(Case):
         self.assertEqual(simulation.hash, run.hash)
         self.assertEqual(simulation.run_id, run.run_id)
 
-    def test_are_as_many_as_the_scene_lasts(self):
+    def test_match_the_duration_of_the_scene(self):
         self.assertEqual([frame.number for frame in throng.Simulation("corridor", seconds=0.1)], list(range(6)))
 
-    def test_give_places_in_their_shapes(self):
+    def test_give_arrays_of_the_documented_shapes(self):
         simulation = throng.Simulation("corridor", avatars=40)
         frame = simulation.step()
         self.assertEqual(frame.positions_m.shape, (40, 3))
@@ -43,14 +43,14 @@ class Steps(Case):
         numpy.testing.assert_allclose(numpy.linalg.norm(frame.rotations_xyzw, axis=1), 1, atol=1e-5)
         heading = 2 * numpy.arctan2(frame.rotations_xyzw[:, 2], frame.rotations_xyzw[:, 3])
         numpy.testing.assert_allclose(numpy.cos(heading - frame.headings_rad), 1, atol=1e-5)
-        self.assertEqual(len(frame.postures), simulation.posture_offsets[-1])
+        self.assertEqual(len(frame.joint_positions), simulation.joint_offsets[-1])
 
-    def test_tell_where_everything_that_touches_does(self):
+    def test_give_a_point_for_each_touching_pair(self):
         options = dict(avatars=80, seconds=0.5, exact=True)
         rows, plain = 0, throng.Simulation("plaza", **options)
         for frame in throng.Simulation("plaza", contact_points=True, **options):
             self.assertEqual(frame.hash, plain.step().hash)
-            for name in ("a", "b", "part_a", "part_b"):
+            for name in ("body_a", "body_b", "part_a", "part_b"):
                 numpy.testing.assert_array_equal(frame.contact_points[name], frame.pairs[name])
             self.assertTrue((frame.contact_points["depth_m"] >= 0).all())
             self.assertTrue(numpy.isfinite(frame.contact_points["point_m"]).all())
@@ -59,15 +59,15 @@ class Steps(Case):
         with self.assertRaises(throng.InputError):
             throng.Simulation("plaza", contact_points=True)
 
-    def test_pose_the_parts_as_kinematics_does(self):
+    def test_pose_parts_like_the_kinematics(self):
         simulation = throng.Simulation("corridor", avatars=40)
         model = throng.Model("adult")
         frame = [simulation.step() for _ in range(20)][-1]
-        joints = frame.postures.reshape(40, model.joint_count)
+        joints = frame.joint_positions.reshape(40, model.joint_count)
         expected = model.poses(joints, frame.positions_m, frame.rotations_xyzw, simulation.people["scale"])
         numpy.testing.assert_allclose(frame.part_poses(range(40)), expected, atol=1e-5)
 
-    def test_go_on_where_another_was_saved(self):
+    def test_continue_from_a_saved_state(self):
         first, second = (throng.Simulation("plaza", avatars=200, threads=n) for n in (1, 2))
         for _ in range(30):
             first.step()
@@ -80,30 +80,30 @@ class Steps(Case):
         with self.assertRaises(throng.InputError):
             throng.Simulation("plaza", avatars=200).resume(b"nothing")
 
-    def test_drive_a_robot_where_it_is_told_to_be(self):
+    def test_apply_commanded_poses(self):
         scene = self.folder / "robot.yaml"
-        scene.write_text(DRIVEN.format(model=SOURCES / "examples/picker.urdf"))
+        scene.write_text(CONTROLLED.format(model=SOURCES / "examples/picker.urdf"))
         simulation = throng.Simulation(scene)
         joints = throng.Model(SOURCES / "examples/picker.urdf").joint_count
         simulation.step()
         for x in (1.0, 1.5, 2.0):
-            clamped = simulation.drive(0, (x, 0.5, 0), joints=[0.3] * joints, velocity_mps=(1, 0))
+            clamped = simulation.set_pose(0, (x, 0.5, 0), joint_positions=[0.3] * joints, velocity_mps=(1, 0))
             self.assertEqual(clamped, 0)
             frame = simulation.step()
             numpy.testing.assert_allclose(frame.positions_m[0], (x, 0.5, 0), atol=1e-6)
-            numpy.testing.assert_allclose(frame.postures[:joints], 0.3, atol=1e-6)
-        self.assertGreater(simulation.drive(0, (100, 0, 0)), 0)  # off the ground of the scene
+            numpy.testing.assert_allclose(frame.joint_positions[:joints], 0.3, atol=1e-6)
+        self.assertGreater(simulation.set_pose(0, (100, 0, 0)), 0)  # outside the ground of the scene
         with self.assertRaises(throng.InputError):
-            simulation.drive(0, (1, 0, 0), joints=[0.1] * (joints + 1))
+            simulation.set_pose(0, (1, 0, 0), joint_positions=[0.1] * (joints + 1))
 
-    def test_drive_nobody_who_walks(self):
+    def test_reject_poses_of_simulated_people(self):
         simulation = throng.Simulation("corridor")
         with self.assertRaises(throng.InputError):
-            simulation.drive(0, (0, 0, 0))
+            simulation.set_pose(0, (0, 0, 0))
 
-    def test_drive_nowhere_that_is_no_place(self):
+    def test_reject_invalid_poses(self):
         scene = self.folder / "robot.yaml"
-        scene.write_text(DRIVEN.format(model=SOURCES / "examples/picker.urdf"))
+        scene.write_text(CONTROLLED.format(model=SOURCES / "examples/picker.urdf"))
         simulation = throng.Simulation(scene)
         before = simulation.step().positions_m.copy()
         nan, inf = float("nan"), float("inf")
@@ -118,9 +118,9 @@ class Steps(Case):
             ("rotation_xyzw", {"rotation_xyzw": (0, 0, nan, 1)}),
             ("rotation_xyzw", {"rotation_xyzw": (0, 0, -inf, 1)}),
             ("rotation_xyzw", {"rotation_xyzw": (0, 0, 1)}),
-            ("joints", {"joints": [nan] * joints}),
-            ("joints", {"joints": [0.1] * (joints + 1)}),
-            ("joints", {"joints": ["a"] * joints}),
+            ("joint_positions", {"joint_positions": [nan] * joints}),
+            ("joint_positions", {"joint_positions": [0.1] * (joints + 1)}),
+            ("joint_positions", {"joint_positions": ["a"] * joints}),
             ("velocity_mps", {"velocity_mps": (nan, 0)}),
             ("velocity_mps", {"velocity_mps": (0, 0, 0)}),
             ("velocity_mps", {"velocity_mps": (1j, 0)}),
@@ -130,14 +130,14 @@ class Steps(Case):
             ("avatar", {"avatar": "robot"}),
         ]:
             with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
-                simulation.drive(**{"avatar": 0, "position_m": (0, 0, 0), **given})
+                simulation.set_pose(**{"avatar": 0, "position_m": (0, 0, 0), **given})
         numpy.testing.assert_array_equal(simulation.step().positions_m, before)
-        self.assertEqual(simulation.drive(0, (1, 0, 0), (0, 0, 1e300, 1e300)), 0)
+        self.assertEqual(simulation.set_pose(0, (1, 0, 0), (0, 0, 1e300, 1e300)), 0)
         rotation = simulation.step().rotations_xyzw[0]
         numpy.testing.assert_allclose(rotation, (0, 0, 0.5**0.5, 0.5**0.5), atol=1e-6)
 
-    def test_do_not_go_on_where_another_run_was_saved(self):
-        options = dict(avatars=60, seed=3, steering="speed", part_volume="ordop18", exact=False)
+    def test_reject_the_state_of_another_run(self):
+        options = dict(avatars=60, seed=3, steering="collision_free_speed", part_volume="ordop18", exact=False)
         saved = throng.Simulation("plaza", **options)
         for _ in range(3):
             saved.step()
@@ -149,10 +149,10 @@ class Steps(Case):
             {"part_volume": "obb"},
             {"part_volume": "hands: sphere, default: ordop18"},
             {"exact": True},
-            {"between": "people: obstacles"},
-            {"parts": "hands: head"},
-            {"near": 0.1},
-            {"person_near": 0.1},
+            {"filter_groups": "people: obstacles"},
+            {"filter_parts": "hands: head"},
+            {"proximity": 0.1},
+            {"closest_parts": 0.1},
             {"budget_tests": 1000},
             {"strategy": "two-pass"},
             {"culling": False},
@@ -164,25 +164,25 @@ class Steps(Case):
         for damaged in (state[:-1], state[:100], state[:200] + bytes([state[200] ^ 1]) + state[201:], b"", None, "a"):
             with self.subTest(damaged=damaged and len(damaged)), self.assertRaisesRegex(throng.InputError, "^state: "):
                 throng.Simulation("plaza", **options).resume(damaged)
-        for same in ({"threads": 2}, {"pair_search": "sweep"}, {"simd": "scalar"}, {"postures": False}, {"seconds": 99}):
+        for same in ({"threads": 2}, {"pair_search": "sweep"}, {"simd": "scalar"}, {"joint_positions": False}, {"seconds": 99}):
             simulation = throng.Simulation("plaza", **{**options, **same})
             simulation.resume(bytearray(state))
             self.assertEqual(simulation.next_frame, 3)
 
-    def test_resume_no_state_beyond_their_end(self):
+    def test_reject_a_state_beyond_their_end(self):
         options = dict(avatars=10, seed=3)
         longer = throng.Simulation("plaza", seconds=2, **options)
         for _ in range(13):
             longer.step()
         state = longer.save()
-        expected = "^state: expected one of a run of 12 frames, found one of which 13 are done; ask for more seconds$"
+        expected = "^state: expected a state of a run of 12 frames, found one after 13 frames; increase seconds$"
         with self.assertRaisesRegex(throng.InputError, expected):
             throng.Simulation("plaza", seconds=0.2, **options).resume(state)
         whole = throng.Simulation("plaza", seconds=13 / 60, **options)
         whole.resume(state)
         self.assertEqual((whole.next_frame, list(whole)), (13, []))
 
-    def test_save_what_the_command_resumes(self):
+    def test_save_checkpoints_of_the_command(self):
         simulation = throng.Simulation("corridor", seed=5)
         for _ in range(6):
             simulation.step()
@@ -190,22 +190,22 @@ class Steps(Case):
         words = ["--seed", 5, "--seconds", 0.2, "--resume", "six.checkpoint"]
         self.assertEqual(command_hash("corridor", *words, folder=self.folder), command_hash("corridor", *words[:4], folder=self.folder))
 
-    def test_have_no_table_of_what_they_do_not_look_for(self):
+    def test_raise_without_a_requested_table(self):
         frame = throng.Simulation("corridor", exact=True).step()
-        for name, option in (("near", "near=M"), ("closest_parts", "person_near=M"), ("contact_points", "contact_points=True")):
+        for name, option in (("proximity", "proximity=M"), ("closest_parts", "closest_parts=M"), ("contact_points", "contact_points=True")):
             with self.subTest(name=name), self.assertRaisesRegex(RuntimeError, option):
                 getattr(frame, name)
-        near = throng.Simulation("corridor", near=0.2).step()
-        self.assertGreaterEqual(len(near.near), 0)
-        with self.assertRaisesRegex(RuntimeError, "person_near"):
+        near = throng.Simulation("corridor", proximity=0.2).step()
+        self.assertGreaterEqual(len(near.proximity), 0)
+        with self.assertRaisesRegex(RuntimeError, "closest_parts=M"):
             near.closest_parts
 
-    def test_take_no_file_to_write(self):
+    def test_reject_output_files(self):
         for option in ({"log": "a.lcmlog"}, {"html": "a.html"}, {"trajectory": "a.csv"}, {"states_hz": 3}):
             with self.subTest(option=option), self.assertRaisesRegex(throng.InputError, f"^{list(option)[0]}: expected "):
                 throng.Simulation("corridor", **option)
 
-    def test_pose_nobody_who_is_not_there(self):
+    def test_reject_unknown_people(self):
         frame = throng.Simulation("corridor", avatars=10).step()
         for people in ([-1], [0.5], ["a"], [[1]], [numpy.nan], [2**70]):
             with self.subTest(people=people), self.assertRaisesRegex(throng.InputError, "^people"):
@@ -218,52 +218,52 @@ class Steps(Case):
 
 
 class Arrays(Case):
-    def test_stay_as_they_are_when_the_simulation_goes_on(self):
+    def test_keep_their_values_after_later_steps(self):
         simulation = throng.Simulation("corridor")
         kept, copies = [], []
         for _ in range(30):
             frame = simulation.step()
-            kept.append((frame.positions_m, frame.headings_rad[3:], frame.present, frame.pairs, frame.events, frame.postures))
+            kept.append((frame.positions_m, frame.headings_rad[3:], frame.present, frame.pairs, frame.events, frame.joint_positions))
             copies.append([array.copy() for array in kept[-1]])
         for arrays, expected in zip(kept, copies):
             for array, copy in zip(arrays, expected):
                 numpy.testing.assert_array_equal(array, copy)
         self.assertTrue((kept[0][0] != kept[-1][0]).any())
 
-    def test_stay_when_the_simulation_is_gone(self):
+    def test_outlive_the_simulation(self):
         simulation = throng.Simulation("corridor")
         part = simulation.step().positions_m[5:7, :2]
         copy = part.copy()
         del simulation
         gc.collect()
-        blocks = [numpy.zeros(100_000) for _ in range(20)]  # would take what had been freed
+        blocks = [numpy.zeros(100_000) for _ in range(20)]  # would reuse freed memory
         numpy.testing.assert_array_equal(part, copy)
         del blocks
 
-    def test_are_used_again_once_nobody_holds_them(self):
+    def test_reuse_unreferenced_buffers(self):
         simulation = throng.Simulation("corridor")
         places = set()
         for _ in range(10):
             places.add(simulation.step().positions_m.__array_interface__["data"][0])
         self.assertEqual(len(places), 1)
 
-    def test_cannot_be_written_to(self):
+    def test_are_read_only(self):
         frame = throng.Simulation("corridor").step()
         with self.assertRaises(ValueError):
             frame.positions_m[0] = 0
 
-    def test_of_a_frame_that_is_over_are_refused(self):
+    def test_of_an_earlier_frame_are_rejected(self):
         simulation = throng.Simulation("corridor")
         frame = simulation.step()
         frame.positions_m
         simulation.step()
         for ask in ("positions_m", "pairs", "events", "speeds_mps", "hash"):
-            with self.subTest(ask=ask), self.assertRaisesRegex(RuntimeError, "frame 0 is over"):
+            with self.subTest(ask=ask), self.assertRaisesRegex(RuntimeError, "frame 0 is not the latest frame"):
                 getattr(frame, ask)
-        with self.assertRaisesRegex(RuntimeError, "frame 0 is over"):
+        with self.assertRaisesRegex(RuntimeError, "frame 0 is not the latest frame"):
             frame.part_poses([0])
 
-    def test_of_a_frame_outlive_the_run_s_end(self):
+    def test_of_the_last_frame_outlive_the_end_of_the_run(self):
         simulation = throng.Simulation("corridor", seconds=0.5)
         for frame in simulation:
             pairs = frame.pairs
@@ -274,14 +274,14 @@ class Arrays(Case):
         with self.assertRaises(RuntimeError):
             frame.pairs
 
-    def test_of_nobody_s_joints_are_refused(self):
-        frame = throng.Simulation("corridor", postures=False).step()
-        with self.assertRaisesRegex(RuntimeError, "postures=False"):
-            frame.postures
+    def test_of_missing_joint_positions_are_rejected(self):
+        frame = throng.Simulation("corridor", joint_positions=False).step()
+        with self.assertRaisesRegex(RuntimeError, "joint_positions=False"):
+            frame.joint_positions
 
 
 class Threads(Case):
-    def test_that_step_at_once_are_refused_and_nothing_is_lost(self):
+    def test_that_step_concurrently_are_rejected_without_loss(self):
         simulation = throng.Simulation("plaza", avatars=3000, threads=1)
         numbers, refused = [], []
 
@@ -301,7 +301,7 @@ class Threads(Case):
         self.assertEqual(len(numbers) + len(refused), 45)
         self.assertTrue(all("thread" in why or "over" in why for why in refused))
 
-    def test_may_look_at_arrays_while_another_steps(self):
+    def test_may_read_arrays_while_another_steps(self):
         simulation = throng.Simulation("plaza", threads=2)
         array = simulation.step().positions_m
         expected = array.copy()

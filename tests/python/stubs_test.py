@@ -1,4 +1,4 @@
-"""What editors are told of the module is what it has, and all of it says what it does."""
+"""The type stubs equal the module, and all public names have docstrings."""
 
 import ast
 import inspect
@@ -22,10 +22,10 @@ class Stubs(Case):
         super().setUp()
         self.named = {node.name: node for node in STUBS.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
 
-    def test_name_all_that_is_public(self):
+    def test_name_all_public_names(self):
         self.assertLessEqual(set(throng.__all__), set(self.named))
 
-    def test_have_the_parameters_that_functions_have(self):
+    def test_have_the_parameters_of_the_functions(self):
         for name in throng.__all__:
             node, real = self.named[name], getattr(throng, name)
             functions = [(name, node, real)] if isinstance(node, ast.FunctionDef) else [
@@ -61,32 +61,32 @@ class Stubs(Case):
             public = {member for member in vars(real) if not member.startswith("_")}
             self.assertLessEqual(public, stubbed, name)
 
-    def test_call_the_classes_of_messages_classes(self):
+    def test_name_the_classes_of_messages(self):
         classes = {name for name in vars(throng) if name.endswith("_t")}
         self.assertIn("events_t", classes)
         stubbed = {
             alias.asname: (node.module, node.level, alias.name)
             for node in MESSAGES.body if isinstance(node, ast.ImportFrom) and node.level for alias in node.names
         }
-        # `import name as name` of a stub says that it has the name itself, and not the module of that name.
+        # In a stub `import name as name` exports the class, not the module of that name.
         self.assertEqual(stubbed, {name: (name, 1, name) for name in classes})
         self.assertTrue(all(inspect.isclass(getattr(throng, name)) for name in classes))
         self.assertNotIn("__getattr__", self.named)  # which would take any name, misspelt or not
 
-    def test_come_with_docstrings(self):
+    def test_have_docstrings(self):
         for name in throng.__all__:
             self.assertTrue(inspect.getdoc(getattr(throng, name)), name)
 
 
 class Messages(Case):
-    def test_are_classes_that_need_no_compiled_half(self):
+    def test_do_not_need_the_compiled_module(self):
         import subprocess
         import sys
 
         code = "from throng import events_t, run_chunk_t; import sys; events_t._get_packed_fingerprint(); assert 'numpy' not in sys.modules"
         subprocess.run([sys.executable, "-c", code], check=True)
 
-    def test_are_not_all_that_there_is_so_that_numpy_has_to_be_there(self):
+    def test_do_not_replace_numpy(self):
         import subprocess
         import sys
 

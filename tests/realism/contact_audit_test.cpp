@@ -1,5 +1,5 @@
-// The account of contacts: the same contacts as the measures of `throng compare`, sums that add up,
-// hands that are inside where they were put inside.
+// Tests the contact audit: contacts equal those of `throng compare`, sums add up, and hands inside
+// other parts are detected.
 #include "bench/realism/contact_audit.h"
 
 #include <fmt/format.h>
@@ -14,13 +14,12 @@ namespace throng::realism::contact_account_test {
 namespace {
 
 ContactSums sums_of(Scene scene) {
-  ContactAudit account;
+  ContactAudit audit;
   run_measured(std::move(scene), 2, true,
-               [&](const Simulation&) { return std::vector<Sink*>{&account}; });
-  return account.sums();
+               [&](const Simulation&) { return std::vector<Sink*>{&audit}; });
+  return audit.sums();
 }
 
-/// One person on the plaza.
 Scene one_person() {
   Scene scene = load_scene("plaza");
   scene.groups.resize(1);
@@ -31,32 +30,32 @@ Scene one_person() {
   return scene;
 }
 
-TEST(ContactAudit, APersonAloneHasNoContacts) {
+TEST(ContactAudit, FindsNoContactsOfASinglePerson) {
   const ContactSums sums = sums_of(one_person());
   EXPECT_NEAR(sums.person_s, 3, 0.1);
-  EXPECT_EQ(sums.all().apart[0].contacts, 0u);
+  EXPECT_EQ(sums.all().tallies[0].contacts, 0u);
   EXPECT_EQ(sums.all().touching_s, 0);
-  EXPECT_EQ(sums.all().apart[0].depths.count(), 0u);
+  EXPECT_EQ(sums.all().tallies[0].depths.count(), 0u);
 }
 
-TEST(ContactAudit, CountsTheContactsThatCompareCounts) {
+TEST(ContactAudit, CountsTheContactsOfCompare) {
   class Both final : public Sink {
    public:
     SinkNeeds needs() const override { return {.postures = true}; }
     void begin(const RunInfo& run) override {
       measures.emplace(run);
-      account.begin(run);
+      audit.begin(run);
     }
     void frame(const RunInfo& run, const Frame& frame) override {
       measures->frame(frame);
-      account.frame(run, frame);
+      audit.frame(run, frame);
     }
     void end(const RunInfo& run, const RunEnd& end) override {
       measures->end();
-      account.end(run, end);
+      audit.end(run, end);
     }
     std::optional<ContactMeasures> measures;
-    ContactAudit account;
+    ContactAudit audit;
   };
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     Scene scene = open_measured_run("corridor", 3);
@@ -64,32 +63,31 @@ TEST(ContactAudit, CountsTheContactsThatCompareCounts) {
     Both both;
     run_measured(std::move(scene), 2, true,
                  [&](const Simulation&) { return std::vector<Sink*>{&both}; });
-    const ContactLevel all = both.account.sums().all();
-    EXPECT_GT(all.apart[0].contacts, 0u) << "seed " << seed;
-    EXPECT_EQ(all.apart[0].contacts, both.measures->contacts()) << "seed " << seed;
+    const ContactLevel all = both.audit.sums().all();
+    EXPECT_GT(all.tallies[0].contacts, 0u) << "seed " << seed;
+    EXPECT_EQ(all.tallies[0].contacts, both.measures->contacts()) << "seed " << seed;
     EXPECT_NEAR(all.person_s, both.measures->person_s(), 1e-6) << "seed " << seed;
     for (size_t i = 1; i < kMinHeadDistances_m.size(); ++i) {
-      EXPECT_LE(all.apart[i].contacts, all.apart[i - 1].contacts);
-      EXPECT_LE(all.apart[i].depths.count(), all.apart[i - 1].depths.count());
+      EXPECT_LE(all.tallies[i].contacts, all.tallies[i - 1].contacts);
+      EXPECT_LE(all.tallies[i].depths.count(), all.tallies[i - 1].depths.count());
     }
-    EXPECT_LE(all.apart[0].trunks, all.apart[0].contacts);
+    EXPECT_LE(all.tallies[0].trunks, all.tallies[0].contacts);
     EXPECT_LE(all.touching_s, all.person_s);
   }
 }
 
-TEST(ContactAudit, SumsOfTwoRunsAddUp) {
+TEST(ContactAudit, AddsSumsOfRuns) {
   const ContactSums once = sums_of(open_measured_run("corridor", 2));
   ContactSums twice = once;
   twice.add(once);
-  EXPECT_EQ(twice.all().apart[0].contacts, 2 * once.all().apart[0].contacts);
-  EXPECT_EQ(twice.all().apart[0].depths.count(), 2 * once.all().apart[0].depths.count());
-  EXPECT_EQ(twice.all().apart[0].depths.max(), once.all().apart[0].depths.max());
-  EXPECT_NEAR(twice.all().apart[0].depths.quantile(0.9), once.all().apart[0].depths.quantile(0.9),
-              1e-9);
+  EXPECT_EQ(twice.all().tallies[0].contacts, 2 * once.all().tallies[0].contacts);
+  EXPECT_EQ(twice.all().tallies[0].depths.count(), 2 * once.all().tallies[0].depths.count());
+  EXPECT_EQ(twice.all().tallies[0].depths.max(), once.all().tallies[0].depths.max());
+  EXPECT_NEAR(twice.all().tallies[0].depths.quantile(0.9),
+              once.all().tallies[0].depths.quantile(0.9), 1e-9);
   EXPECT_NEAR(twice.person_s, 2 * once.person_s, 1e-6);
 }
 
-/// Two adults whose joints are all zero.
 struct TwoPeople {
   TwoPeople() {
     model = load_model(adult_urdf());
@@ -114,7 +112,7 @@ struct TwoPeople {
       if (model->parts[i].name == name) return i;
     throw std::runtime_error("the adult has no " + name);
   }
-  /// The middle of a part's box, in the world.
+  /// Returns the centre of a part's box in world coordinates.
   Eigen::Vector3d middle_m(size_t person, const std::string& name) const {
     const size_t columns = offsets[1];
     const RootFrame root{roots[person].world_from_root, run.scale_of_avatar[person]};
@@ -136,31 +134,32 @@ struct TwoPeople {
   std::vector<size_t> offsets;
 };
 
-TEST(HandPenetration, IsInsideWhereItWasPutAndNowhereElse) {
+TEST(HandPenetration, DetectsAHandInsideATorso) {
   for (const float scale : {1.0f, 0.9f, 1.1f}) {
     TwoPeople people;
     people.run.scale_of_avatar = {1, scale};
     HandPenetration hands(people.run);
     const PairKey pair(0, 1, people.part("leftHand"), people.part("torso"));
-    // A child's hand, so that all of it has room in a trunk.
+    // A hand at scale 0.5 fits into the trunk.
     people.run.scale_of_avatar[0] = 0.5f;
     people.roots[1].position_m.setZero();
     people.roots[0].position_m.setZero();
-    const Eigen::Vector3d way = people.middle_m(1, "torso") - people.middle_m(0, "leftHand");
-    people.roots[0].position_m = way;
+    const Eigen::Vector3d hand_to_torso =
+        people.middle_m(1, "torso") - people.middle_m(0, "leftHand");
+    people.roots[0].position_m = hand_to_torso;
     EXPECT_TRUE(hands.is_inside(people.run, people.frame(), pair)) << scale;
     EXPECT_FALSE(hands.is_inside(people.run, people.frame(),
                                  PairKey(0, 1, people.part("leftHand"), people.part("head"))));
     EXPECT_FALSE(hands.is_inside(people.run, people.frame(),
                                  PairKey(0, 1, people.part("torso"), people.part("torso"))));
-    people.roots[0].position_m = way + Eigen::Vector3d(0, 0.3, 0);
-    EXPECT_FALSE(hands.is_inside(people.run, people.frame(), pair)) << "beside it, " << scale;
-    people.roots[0].position_m = way + Eigen::Vector3d(0.15, 0, 0);
-    EXPECT_FALSE(hands.is_inside(people.run, people.frame(), pair)) << "looks out, " << scale;
+    people.roots[0].position_m = hand_to_torso + Eigen::Vector3d(0, 0.3, 0);
+    EXPECT_FALSE(hands.is_inside(people.run, people.frame(), pair)) << "next to it, " << scale;
+    people.roots[0].position_m = hand_to_torso + Eigen::Vector3d(0.15, 0, 0);
+    EXPECT_FALSE(hands.is_inside(people.run, people.frame(), pair)) << "sticks out, " << scale;
   }
 }
 
-TEST(HandPenetration, AHandIsAsThickAsItsBox) {
+TEST(HandPenetration, TakesThicknessFromTheHandsBox) {
   const TwoPeople people;
   const HandPenetration hands(people.run);
   const double thickness_m =
@@ -171,7 +170,7 @@ TEST(HandPenetration, AHandIsAsThickAsItsBox) {
             1e6);
 }
 
-TEST(ContactReport, ShowsBeforeAndAfterSideBySide) {
+TEST(ContactReport, ShowsBeforeAndAfter) {
   const NamedContactSums alone{"alone", sums_of(one_person())};
   const std::string one = contact_report(alone, nullptr, true);
   const std::string two = contact_report(alone, &alone, true);

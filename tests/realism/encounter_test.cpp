@@ -1,4 +1,4 @@
-// Encounters: sound ways, the same by themselves as among a thousand, and judged by what touches.
+// Tests encounters: valid paths, equal results alone and among others, and contacts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace throng::realism::encounter_test {
 namespace {
 
-TEST(Encounter, KeepsDiscsApartWithoutHurry) {
+TEST(Encounter, KeepsDiscsApartAtModestAccelerations) {
   constexpr uint64_t kSeed = 7;
   constexpr double kStep_s = 0.01;
   for (uint64_t number = 0; number < 300; ++number) {
@@ -42,7 +42,7 @@ TEST(Encounter, KeepsDiscsApartWithoutHurry) {
   }
 }
 
-TEST(Encounter, ComesInAllKindsAndAtAllAngles) {
+TEST(Encounter, CoversAllKindsAndAngles) {
   std::map<EncounterKind, int> kinds;
   std::array<int, 6> sectors{};
   for (uint64_t number = 0; number < 600; ++number) {
@@ -58,7 +58,7 @@ TEST(Encounter, ComesInAllKindsAndAtAllAngles) {
   for (size_t sector = 0; sector < 6; ++sector) EXPECT_GT(sectors[sector], 20) << sector;
 }
 
-TEST(EncounterRuns, AnEncounterIsTheSameByItselfAsAmongOthers) {
+TEST(EncounterRuns, GiveEqualResultsAloneAndAmongOthers) {
   constexpr uint64_t kSeed = 3;
   const EncounterRuns all = run_encounters({.seed = kSeed, .count = 24, .threads = 2});
   ASSERT_EQ(all.results.size() + all.rejected.size(), 24u);
@@ -78,7 +78,7 @@ TEST(EncounterRuns, AnEncounterIsTheSameByItselfAsAmongOthers) {
   fmt::print("seed {}: {} of 24 touch\n", kSeed, touching);
 }
 
-TEST(EncounterRuns, DressedRootsKeepToTheWays) {
+TEST(EncounterRuns, KeepRootsOnTheirPaths) {
   std::vector<Encounter> encounters;
   for (uint64_t number = 40; number < 46; ++number) encounters.emplace_back(5, number);
   const Scene scene = encounter_scene(encounters);

@@ -1,4 +1,4 @@
-// Speeds of joints and the swing of arms: as fast as they were moved, as far as the style has it.
+// Tests joint speeds and arm swing against known motion.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace throng::realism::joint_test {
 namespace {
 
-/// One adult, whose joints and root are moved by hand.
+/// One adult whose joints and root are set by the test.
 class Puppet {
  public:
   Puppet() {
@@ -58,7 +58,7 @@ class Puppet {
   int64_t number_ = 0;
 };
 
-TEST(JointSpeeds, AJointMovedByHandHasTheSpeedOfTheHand) {
+TEST(JointSpeeds, MeasuresTheSpeedOfAJoint) {
   for (const double degps : {10.0, 123.0, 700.0}) {
     Puppet puppet;
     for (int i = 0; i < 20; ++i) {
@@ -78,7 +78,7 @@ TEST(JointSpeeds, AJointMovedByHandHasTheSpeedOfTheHand) {
   }
 }
 
-TEST(JointSpeeds, ASwingHasTheAccelerationOfASwing) {
+TEST(JointSpeeds, MeasuresTheAccelerationOfASwing) {
   Puppet puppet;
   const double amplitude_rad = 0.3, omega = 5;
   for (int i = 0; i < 200; ++i) {
@@ -91,7 +91,7 @@ TEST(JointSpeeds, ASwingHasTheAccelerationOfASwing) {
   EXPECT_NEAR(thorax.accelerations.max(), amplitude_rad * omega * omega / kDegree, 5);
 }
 
-TEST(JointSpeeds, AJumpAndAnAbsenceAreNoMotion) {
+TEST(JointSpeeds, IgnoresJumpsAndAbsences) {
   Puppet puppet;
   const auto stand = [&](double angle_rad) {
     puppet.joint("right_knee_flexion") = static_cast<float>(angle_rad);
@@ -109,7 +109,7 @@ TEST(JointSpeeds, AJumpAndAnAbsenceAreNoMotion) {
   EXPECT_EQ(puppet.speeds().frames(), 3 * 4u);
 }
 
-TEST(JointSpeeds, TurnsOfThoseWhoStandAreApart) {
+TEST(JointSpeeds, SeparatesTurnsOfStandingPeople) {
   Puppet puppet;
   double heading_rad = 3;  // over the turn of the circle
   for (int i = 0; i < 30; ++i) {
@@ -123,14 +123,14 @@ TEST(JointSpeeds, TurnsOfThoseWhoStandAreApart) {
   EXPECT_NEAR(puppet.speeds().standing_turns().quantile(0.5), 30, 0.5);
 }
 
-TEST(JointLimits, ThereIsOneForEachJointOfTheAdult) {
+TEST(JointLimits, CoverEachJointOfTheAdult) {
   const Puppet puppet;
   for (const auto& [name, motion] : puppet.speeds().joints())
     EXPECT_NE(limit_of(name), nullptr) << name;
   EXPECT_EQ(joint_limits().size(), puppet.speeds().joints().size());
 }
 
-/// Frames of a run whose arms swing less.
+/// Passes on the frames of a run with a reduced arm swing.
 class Calmed final : public Sink {
  public:
   Calmed(const Simulation& simulation, float share) : swing(simulation), share_(share) {}
@@ -156,7 +156,7 @@ class Calmed final : public Sink {
   std::vector<float> rows_;
 };
 
-TEST(ArmSwing, IsTheStylesOwnForThoseWhoWalkAlone) {
+TEST(ArmSwing, EqualsTheGaitStyleOfUndisturbedWalkers) {
   for (const float share : {1.0f, 0.5f}) {
     std::unique_ptr<Calmed> calmed;
     run_measured(plain_walking(5), 2, false, [&](const Simulation& simulation) {
@@ -171,7 +171,7 @@ TEST(ArmSwing, IsTheStylesOwnForThoseWhoWalkAlone) {
   }
 }
 
-/// In 99.9 % of the frames.
+/// Expects 99.9 % of the frames within the limits.
 void expect_within_limits(const JointSpeeds& speeds) {
   const auto share = [&](uint64_t over) {
     return static_cast<double>(over) / static_cast<double>(speeds.frames());
@@ -194,7 +194,7 @@ TEST(PlainWalking, KeepsTheLimits) {
   EXPECT_NE(report.find("knee_flexion"), std::string::npos) << report;
 }
 
-// Legs are what a crowd asks most of: feet land behind bodies that are pushed back, and bodies turn
+// Crowds demand most of the legs: feet land behind bodies that are pushed back, and bodies turn
 // over them.
 TEST(CrowdedWalking, KeepsTheLimits) {
   for (const char* scene : {"bottleneck", "crossing"}) {
@@ -207,8 +207,8 @@ TEST(CrowdedWalking, KeepsTheLimits) {
   }
 }
 
-// An audience that stands, in whatever posture, and sets out.
-TEST(StandingAndSettingOut, KeepsTheLimits) {
+// An audience that stands in various postures and departs.
+TEST(Departure, KeepsTheLimits) {
   JointSpeeds speeds;
   run_measured(open_measured_run("concert", 14), 2, false,
                [&](const Simulation&) { return std::vector<Sink*>{&speeds}; });

@@ -1,4 +1,4 @@
-// Archive text: what comments say, what has to be asked for, what follows from it.
+// Archive text: facts in comments, missing facts, derived facts.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class ArchiveText : public RecordingTest {};
 
 constexpr const char* kHeader = "# framerate: 25.00 fps\n# id frame x/cm y/cm z/cm\n";
 
-TEST_F(ArchiveText, CommentsSayRateAndUnit) {
+TEST_F(ArchiveText, ReadsRateAndUnitFromComments) {
   const auto recording = read(std::string(kHeader) +
                               "7 100 79.035 774.009 183.02\n"
                               "7\t101\t80\t780.5\t183.02\n"
@@ -40,7 +40,7 @@ TEST_F(ArchiveText, CommentsSayRateAndUnit) {
   EXPECT_EQ(seven[1].time_s, 1 / 25.0);
 }
 
-TEST_F(ArchiveText, WhatTheFileDoesNotSayIsAskedForAtOnce) {
+TEST_F(ArchiveText, RequestsAllMissingFactsAtOnce) {
   const std::string bare = "1 43 79.035 774.009 183.02\n1 44 79.1 764.6 183.02\n";
   EXPECT_THAT(refusal(bare), HasSubstr("--fps 16 --unit cm"));
   EXPECT_THAT(refusal(bare, {.fps = 16}), HasSubstr("--unit cm"));
@@ -49,7 +49,7 @@ TEST_F(ArchiveText, WhatTheFileDoesNotSayIsAskedForAtOnce) {
   EXPECT_EQ(read(bare, {.fps = 16, .unit_m = 0.01})->facts().fps, 16);
 }
 
-TEST_F(ArchiveText, EveryTenthFrameIsARateOfItsOwn) {
+TEST_F(ArchiveText, ReadsEveryTenthFrame) {
   const auto recording = read(std::string(kHeader) + "1 1010 0 0\n1 1020 10 0\n2 1040 0 0\n");
   EXPECT_EQ(recording->facts().fps, 2.5);
   EXPECT_EQ(recording->facts().frame_step, 10);
@@ -57,14 +57,14 @@ TEST_F(ArchiveText, EveryTenthFrameIsARateOfItsOwn) {
   EXPECT_EQ(track(*recording, 0)[1].time_s, 0.4);
 }
 
-TEST_F(ArchiveText, AHeightThatIsTheSameForAllIsNone) {
+TEST_F(ArchiveText, IgnoresEqualHeights) {
   const auto flat = read(std::string(kHeader) + "1 0 0 0 176\n2 0 99 0 176\n");
   EXPECT_FALSE(flat->people()[0].height_m);
   const auto low = read(std::string(kHeader) + "1 0 0 0 3\n2 0 99 0 4\n");
-  EXPECT_FALSE(low->people()[0].height_m) << "nobody is 3 cm tall";
+  EXPECT_FALSE(low->people()[0].height_m) << "3 cm is not a body height";
 }
 
-TEST_F(ArchiveText, WhatIsOddIsCountedAndTheFirstIsNamed) {
+TEST_F(ArchiveText, CountsAnomaliesAndNamesTheFirst) {
   const std::string text = std::string(kHeader) +
                            "1 10 0 0\n1 11 400 0\n"                    // a jump
                            "2 10 0 100\n2 11 60 100\n"                 // 15 m/s
@@ -79,18 +79,18 @@ TEST_F(ArchiveText, WhatIsOddIsCountedAndTheFirstIsNamed) {
   EXPECT_THAT(anomalies,
               testing::ElementsAre(
                   "1 jumps of more than 3 m: id 1 at frame 11: 4 m in 0.04 s",
-                  "1 faster than 12 m/s: id 2 at frame 11: 0.6 m in 0.04 s",
-                  "1 ids that come back after more than a second: id 4 at frame 51, 1.6 s and 0 m "
+                  "1 speeds above 12 m/s: id 2 at frame 11: 0.6 m in 0.04 s",
+                  "1 ids that reappear after more than 1 s: id 4 at frame 51, 1.6 s and 0 m "
                   "after its last position",
-                  "1 holes in a track: id 3 at frame 14: 3 frames before it are missing",
-                  "1 second positions at one instant (the first is kept): id 5 at frame 10",
-                  "1 people who are seen at one instant only: id 6 at frame 10"));
+                  "1 gaps in tracks: id 3 at frame 14: 3 frames before it are missing",
+                  "1 duplicate positions (the first is used): id 5 at frame 10",
+                  "1 people with a single position: id 6 at frame 10"));
   EXPECT_EQ(track(*recording, 4)[0].position_m.x(), 0) << "the first is kept";
   EXPECT_THAT(refusal(text, {.strict = true}),
               testing::AllOf(HasSubstr("--strict"), HasSubstr("id 1 at frame 11")));
 }
 
-TEST_F(ArchiveText, CoordinatesOfAMapAreShiftedByWholeKilometres) {
+TEST_F(ArchiveText, ShiftsMapCoordinates) {
   const auto recording = read(
       "# framerate: 25\n# id frame x/m y/m\n"
       "1 0 365123.25 5621987.5\n1 1 365123.5 5621987.5\n");
@@ -98,7 +98,7 @@ TEST_F(ArchiveText, CoordinatesOfAMapAreShiftedByWholeKilometres) {
   EXPECT_EQ(track(*recording, 0)[1].position_m, Eigen::Vector2d(123.5, 987.5));
 }
 
-TEST_F(ArchiveText, APartOfTheTimeBeginsAtItsFirstFrame) {
+TEST_F(ArchiveText, StartsARangeAtItsFirstFrame) {
   std::string text = kHeader;
   for (int frame = 0; frame < 100; ++frame) text += fmt::format("1 {} {} 0\n", frame + 7, frame);
   text += "2 8 0 0\n2 9 0 0\n";
@@ -108,10 +108,10 @@ TEST_F(ArchiveText, APartOfTheTimeBeginsAtItsFirstFrame) {
   ASSERT_EQ(part->people().size(), 1u);
   EXPECT_EQ(track(*part, 0).front().time_s, 0);
   EXPECT_EQ(track(*part, 0).front().position_m.x(), 0.25);
-  EXPECT_THAT(refusal(text, {.start_s = 10}), HasSubstr("expected somebody from 10 s"));
+  EXPECT_THAT(refusal(text, {.start_s = 10}), HasSubstr("expected a person between 10 s"));
 }
 
-TEST_F(ArchiveText, TheOrderOfLinesDoesNotMatter) {
+TEST_F(ArchiveText, IgnoresTheOrderOfLines) {
   for (const uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
     std::vector<std::string> lines;
@@ -128,7 +128,7 @@ TEST_F(ArchiveText, TheOrderOfLinesDoesNotMatter) {
   }
 }
 
-TEST_F(ArchiveText, SeveralThreadsReadAtOnce) {
+TEST_F(ArchiveText, IsReadBySeveralThreads) {
   std::string text = kHeader;
   for (int frame = 0; frame < 500; ++frame)
     for (int id = 0; id < 40; ++id) text += fmt::format("{} {} {} {}\n", id, frame, id, frame);
@@ -150,7 +150,7 @@ TEST_F(ArchiveText, SeveralThreadsReadAtOnce) {
   EXPECT_THAT(wrong, testing::Each(0));
 }
 
-TEST_F(ArchiveText, IsKnownByItsContent) {
+TEST_F(ArchiveText, IsDetectedByContent) {
   EXPECT_TRUE(is_recording(write("a.dat", "1 43 79.035 774.009 183.02\n")));
   EXPECT_TRUE(is_recording(write("b.dat", "# id frame x/m y/m z/m\n")));
   EXPECT_FALSE(is_recording(write("c.txt", "name: plaza\nground: [10, 10]\n")));
@@ -158,7 +158,7 @@ TEST_F(ArchiveText, IsKnownByItsContent) {
   EXPECT_FALSE(is_recording(path("nothing.txt")));
 }
 
-TEST(SampleStore, HoldsMorePeopleThanBlocksInMemory) {
+TEST(SampleStore, HoldsMorePeopleThanBlocks) {
   SampleStore store;
   constexpr size_t kPeople = 40'000;
   for (size_t person = 0; person < kPeople; ++person) store.add_person();

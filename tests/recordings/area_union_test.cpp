@@ -1,5 +1,5 @@
-// Walkable polygons that adjoin or overlap are one; all others stay as they are; walls stand where
-// they would stand around the whole.
+// Union of walkable areas: adjoining or overlapping polygons are joined, others stay unchanged, and
+// walls surround the whole.
 #include "recordings/area_union.h"
 
 #include <gmock/gmock.h>
@@ -42,7 +42,7 @@ std::string text_of(const std::vector<Ring>& rings, int digits = 17) {
   return text + ")";
 }
 
-/// Rings, of every polygon its outline first, as text of millimetres.
+/// Rings as text in millimetres, each polygon's outline first.
 std::string shape_of(const JoinedArea& area) {
   std::string text;
   for (const AreaPolygon& polygon : area.polygons) {
@@ -65,7 +65,7 @@ constexpr double kLength_m = 12, kWidth_m = 2;
 enum class Cut { kStraight, kOblique, kOverlap, kGap, kObliqueGap };
 constexpr Cut kCuts[] = {Cut::kStraight, Cut::kOblique, Cut::kOverlap, Cut::kGap, Cut::kObliqueGap};
 
-/// A corridor along x, cut into so many pieces.
+/// A corridor along x, cut into `pieces`.
 std::vector<Ring> corridor(int pieces, Cut cut, double gap_m = 5e-4) {
   const bool is_oblique = cut == Cut::kOblique || cut == Cut::kObliqueGap;
   const bool has_gap = cut == Cut::kGap || cut == Cut::kObliqueGap;
@@ -92,7 +92,7 @@ std::vector<Ring> turned(std::vector<Ring> rings, double angle_rad, const Eigen:
   return rings;
 }
 
-TEST(AreaUnion, OfACutCorridorIsTheWholeBitByBit) {
+TEST(AreaUnion, RestoresACutCorridorBitwise) {
   for (int pieces = 1; pieces <= 20; ++pieces)
     for (const Cut cut : kCuts)
       for (uint64_t turn = 0; turn < 4; ++turn) {
@@ -136,7 +136,7 @@ Ring rotated_to_first(Ring ring, const Eigen::Vector2d& first) {
   return ring;
 }
 
-TEST(AreaUnion, ClosesSlitsOfUpToAMillimetreWithinAPolygon) {
+TEST(AreaUnion, ClosesSlitsOfUpToAMillimetre) {
   for (const double gap_m : {0.0, 5e-5, 2e-4, 6e-4, 1e-3})
     for (uint64_t turn = 0; turn < 6; ++turn) {
       const double angle_rad = turn == 0 ? 0 : uniform(turn, 7, 0, -3, 3);
@@ -155,7 +155,7 @@ TEST(AreaUnion, ClosesSlitsOfUpToAMillimetreWithinAPolygon) {
         ASSERT_EQ(area.polygons.size(), 1u) << gap_m;
         EXPECT_TRUE(area.polygons[0].holes.empty()) << gap_m << ", turn " << turn;
         const Ring& found = area.polygons[0].outline;
-        // Where the ends of a slit without a width are one corner, it stays on its line.
+        // If the ends of a slit of zero width coincide, that corner stays on its line.
         if (gap_m > 0) {
           EXPECT_EQ(rotated_to_first(found, whole[0]), whole)
               << gap_m << ", " << slit.size() << " corners, turn " << turn;
@@ -189,7 +189,7 @@ TEST(AreaUnion, ClosesSlitsOfUpToAMillimetreWithinAPolygon) {
     }
 }
 
-TEST(AreaUnion, LeavesPolygonsWithoutASlitAsTheyAre) {
+TEST(AreaUnion, LeavesPolygonsWithoutSlitsUnchanged) {
   std::vector<AreaPolygon> polygons;
   const auto notched = [&](const Ring& notch) {
     Ring ring = {{0, 0}};
@@ -203,7 +203,7 @@ TEST(AreaUnion, LeavesPolygonsWithoutASlitAsTheyAre) {
   polygons.push_back(
       {{{0, 0}, {10, 0}, {10, 2}, {0, 2}}, {{{5, 0.5}, {5, 1.5}, {5.0006, 1.5}, {5.0006, 0.5}}}});
   polygons.push_back({{{0, 0}, {10, 0}, {10, 0.0006}, {0, 0.0006}}, {}});
-  // Round ones, with an edge each half millimetre, and a hole in it.
+  // Circles with an edge per half millimetre, and a hole.
   const auto circle = [](double radius_m, int corners, double sign) {
     Ring ring;
     for (int i = 0; i < corners; ++i)
@@ -221,7 +221,7 @@ TEST(AreaUnion, LeavesPolygonsWithoutASlitAsTheyAre) {
   }
 }
 
-TEST(AreaUnion, OfEveryKindOfNeighbour) {
+TEST(AreaUnion, JoinsAllKindsOfNeighbours) {
   const std::string square = "((0 0, 9 0, 9 9, 0 9))";
   const std::string whole = "| 0.000,0.000 9.000,0.000 9.000,9.000 0.000,9.000";
   const std::string with_hole = "((0 0, 9 0, 9 9, 0 9), (3 3, 3 6, 6 6, 6 3))";
@@ -268,7 +268,7 @@ TEST(AreaUnion, OfEveryKindOfNeighbour) {
   }
 }
 
-TEST(AreaUnion, OfBricksIsTheWallTheyMake) {
+TEST(AreaUnion, JoinsBricksToAWall) {
   for (uint64_t wall = 0; wall < 60; ++wall) {
     const double gap_m = wall % 3 == 0 ? 0 : wall % 3 == 1 ? 5e-4 : -0.02;
     const double half_m = 0.5 * gap_m;
@@ -298,7 +298,7 @@ TEST(AreaUnion, OfBricksIsTheWallTheyMake) {
   }
 }
 
-TEST(AreaUnion, HoldsWhatItsPolygonsHold) {
+TEST(AreaUnion, ContainsThePointsOfItsPolygons) {
   for (uint64_t seed = 0; seed < 40; ++seed) {
     std::vector<AreaPolygon> polygons;
     for (uint64_t i = 0; i < 2 + seed % 7; ++i) {
@@ -321,7 +321,7 @@ TEST(AreaUnion, HoldsWhatItsPolygonsHold) {
     const WalkableArea after(join(polygons, "").polygons);
     for (uint64_t i = 0; i < 3000; ++i) {
       const Eigen::Vector2d p(uniform(seed, i, 10, -6, 6), uniform(seed, i, 11, -6, 6));
-      // Not where a millimetre more or less decides.
+      // Avoids points within 1 mm of an edge.
       const auto near_edge = [&](const Eigen::Vector2d& step) {
         return before.contains(p + step) != before.contains(p - step);
       };
@@ -332,8 +332,8 @@ TEST(AreaUnion, HoldsWhatItsPolygonsHold) {
   }
 }
 
-TEST(AreaUnion, IsBounded) {
-  // Strips along x across as many along y.
+TEST(AreaUnion, RejectsTooManyCrossings) {
+  // Strips along x crossed by strips along y.
   std::vector<AreaPolygon> strips;
   for (int i = 0; i < 2000; ++i) {
     strips.push_back(
@@ -378,7 +378,7 @@ class CutCorridor : public RecordingTest {
     return scene;
   }
 
-  /// Place, heading and size, sorted: rings may begin in any corner.
+  /// Position, heading and size, sorted: rings may begin at any corner.
   static std::vector<std::array<double, 6>> walls_of(const Scene& scene) {
     std::vector<std::array<double, 6>> walls;
     for (const Obstacle& wall : scene.obstacles)
@@ -388,7 +388,7 @@ class CutCorridor : public RecordingTest {
     return walls;
   }
 
-  /// Frame, person, part, and whether it began to touch a wall or ended.
+  /// Frame, person, part, and whether contact with a wall began or ended.
   using Touch = std::tuple<int64_t, uint32_t, uint32_t, EventKind>;
   static std::vector<Touch> touches(const Scene& scene) {
     Simulation simulation(scene, {});
@@ -407,7 +407,7 @@ class CutCorridor : public RecordingTest {
   }
 };
 
-TEST_F(CutCorridor, WallsEndWhereAnotherAreaTouchesACorner) {
+TEST_F(CutCorridor, EndsWallsAtSharedCorners) {
   const Scene touching = scene("MULTIPOLYGON (((0 0, 6 0, 6 2, 0 2)), ((6 2, 9 2, 9 5, 6 5)))");
   ASSERT_EQ(touching.obstacles.size(), 8u);
   const WalkableArea area(touching.area);
@@ -417,7 +417,7 @@ TEST_F(CutCorridor, WallsEndWhereAnotherAreaTouchesACorner) {
       const Eigen::Vector2d at =
           wall.centre_m.head<2>() + static_cast<double>(vertex.x()) * along +
           static_cast<double>(vertex.y()) * Eigen::Vector2d(-along.y(), along.x());
-      // Off the edges, where the area begins.
+      // Away from edges, where the area begins.
       const bool is_in = at.x() > 0.01 && at.y() > 0.01 && at.x() < 8.99 && at.y() < 4.99 &&
                          area.contains(at) && (at - Eigen::Vector2d(6, 2)).norm() > 0.01;
       EXPECT_FALSE(is_in && area.contains(at + Eigen::Vector2d(0.01, 0.01)) &&
@@ -426,7 +426,7 @@ TEST_F(CutCorridor, WallsEndWhereAnotherAreaTouchesACorner) {
     }
 }
 
-TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
+TEST_F(CutCorridor, HasTheContactsOfTheWholeCorridor) {
   const Scene whole = scene(text_of(corridor(1, Cut::kStraight)));
   ASSERT_EQ(whole.obstacles.size(), 4u);
   const std::vector<Touch> expected = touches(whole);
@@ -437,7 +437,7 @@ TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
       if (pieces % 3 == 0) std::rotate(rings.begin(), rings.begin() + pieces / 2, rings.end());
       const Scene cut_scene = scene(text_of(rings));
       ASSERT_EQ(walls_of(cut_scene), walls_of(whole)) << pieces << " pieces";
-      // The same walls touch the same people: two kinds of cuts for each number are run.
+      // Runs two kinds of cuts per number of pieces.
       if ((static_cast<int>(cut) + pieces) % 5 < 2) {
         EXPECT_EQ(touches(cut_scene), expected)
             << pieces << " pieces, cut " << static_cast<int>(cut);
@@ -446,7 +446,7 @@ TEST_F(CutCorridor, TouchesPeopleAsTheWholeDoes) {
       const bool has_gap = cut == Cut::kGap || cut == Cut::kObliqueGap;
       ASSERT_EQ(anomalies.size(), has_gap ? 1u : 0u);
       if (!has_gap) continue;
-      EXPECT_EQ(anomalies[0].what, "gaps of up to 1 mm in the walkable area, which are closed");
+      EXPECT_EQ(anomalies[0].what, "gaps of up to 1 mm in the walkable area (closed)");
       EXPECT_EQ(anomalies[0].count, pieces - 1);
       EXPECT_THAT(anomalies[0].first, HasSubstr(" mm wide at ("));
     }

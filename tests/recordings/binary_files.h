@@ -1,6 +1,4 @@
-// Small databases and HDF5 files for tests of their readers.
-// One rule: each is written by its own library as others write it; what is wrong with it is asked
-// for by name.
+// Small SQLite and HDF5 files for tests, written by their own libraries, with selectable defects.
 #pragma once
 
 #include <hdf5.h>
@@ -14,7 +12,6 @@
 
 namespace throng {
 
-/// Runs SQL over a new database.
 inline void make_sqlite(const std::filesystem::path& file, const std::string& sql) {
   std::filesystem::remove(file);
   sqlite3* database = nullptr;
@@ -24,7 +21,7 @@ inline void make_sqlite(const std::filesystem::path& file, const std::string& sq
   sqlite3_close(database);
 }
 
-/// As JuPedSim 1.3 writes, with two people who walk for three frames.
+/// Database as JuPedSim 1.3 writes it: two people who walk for three frames.
 inline std::string jupedsim_2() {
   return "CREATE TABLE trajectory_data(frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT "
          "NULL, pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);"

@@ -1,4 +1,4 @@
-// SQLite and HDF5: what their tables and attributes say, read in a child process.
+// SQLite and HDF5 recordings, parsed in a child process.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -25,7 +25,7 @@ class BinaryKinds : public RecordingTest {
   }
 };
 
-TEST_F(BinaryKinds, JupedsimHasOrientationsAndAnArea) {
+TEST_F(BinaryKinds, ReadJupedsimOrientationsAndArea) {
   const auto recording = read_sqlite(jupedsim_2());
   const RecordingFacts& facts = recording->facts();
   EXPECT_EQ(facts.kind, "JuPedSim SQLite 2");
@@ -41,7 +41,7 @@ TEST_F(BinaryKinds, JupedsimHasOrientationsAndAnArea) {
   EXPECT_FLOAT_EQ(one[1].heading_rad, std::numbers::pi_v<float> / 2);
 }
 
-TEST_F(BinaryKinds, OlderAndNewerVersionsLackColumns) {
+TEST_F(BinaryKinds, AcceptMissingColumnsOfOtherVersions) {
   const std::string data =
       "CREATE TABLE metadata(key TEXT, value TEXT);"
       "CREATE TABLE trajectory_data(frame INTEGER, id INTEGER, pos_x REAL, pos_y REAL);"
@@ -58,7 +58,7 @@ TEST_F(BinaryKinds, OlderAndNewerVersionsLackColumns) {
   EXPECT_THAT(first->facts().wkt, HasSubstr("MULTIPOLYGON"));
 }
 
-TEST_F(BinaryKinds, OurOwnSqliteHasHeadings) {
+TEST_F(BinaryKinds, ReadHeadingsOfThrong) {
   const auto writer = open_sqlite_trajectory(path("own.sqlite"));
   TrajectoryHead head;
   head.fps = 20;
@@ -82,7 +82,7 @@ TEST_F(BinaryKinds, OurOwnSqliteHasHeadings) {
   EXPECT_EQ(track(*recording, 1)[29].heading_rad, 0.5f);
 }
 
-TEST_F(BinaryKinds, PositionsOutsideTheAreaAreCounted) {
+TEST_F(BinaryKinds, CountPositionsOutsideTheArea) {
   const auto recording = read_sqlite(
       jupedsim_2() + "INSERT INTO trajectory_data VALUES(2, 5, 8.4, 1, 1, 0), (0, 9, 9, 9, 0, 0);");
   std::vector<std::string> anomalies;
@@ -92,14 +92,14 @@ TEST_F(BinaryKinds, PositionsOutsideTheAreaAreCounted) {
   EXPECT_THAT(anomalies, testing::ElementsAre("2: id 5 at frame 2: (8.400, 1.000) m"));
 }
 
-TEST_F(BinaryKinds, ADatabaseThatIsBeingWrittenIsRefused) {
+TEST_F(BinaryKinds, RejectOpenDatabases) {
   make_sqlite(path("a.sqlite"), jupedsim_2());
   write("a.sqlite-wal", "something");
   EXPECT_THAT([&] { read_recording({.file = path("a.sqlite")}); },
-              testing::ThrowsMessage<InputError>(HasSubstr("a.sqlite-wal beside it")));
+              testing::ThrowsMessage<InputError>(HasSubstr("found the file a.sqlite-wal")));
 }
 
-TEST_F(BinaryKinds, ArchiveHdf5HasHeads) {
+TEST_F(BinaryKinds, ReadHeadsOfArchiveHdf5) {
   const auto recording = read_hdf5({.wkt = "POLYGON ((-1 -1, 5 -1, 5 5, -1 5))"});
   const RecordingFacts& facts = recording->facts();
   EXPECT_EQ(facts.kind, "archive HDF5");
@@ -114,7 +114,7 @@ TEST_F(BinaryKinds, ArchiveHdf5HasHeads) {
   EXPECT_FALSE(flat->people()[0].height_m);
 }
 
-TEST_F(BinaryKinds, ManyRowsComeInTheirOrder) {
+TEST_F(BinaryKinds, KeepTheOrderOfManyRows) {
   Hdf5Plan plan;
   plan.rows.clear();
   for (int32_t frame = 0; frame < 4000; ++frame)
@@ -126,7 +126,7 @@ TEST_F(BinaryKinds, ManyRowsComeInTheirOrder) {
   EXPECT_TRUE(recording->facts().anomalies.empty());
 }
 
-// Even-odd over all edges, polygon by polygon.
+// Even-odd rule over all edges, polygon by polygon.
 bool lies_in(const std::vector<AreaPolygon>& polygons, const Eigen::Vector2d& p) {
   for (const AreaPolygon& polygon : polygons) {
     bool is_inside = false;
@@ -145,7 +145,7 @@ bool lies_in(const std::vector<AreaPolygon>& polygons, const Eigen::Vector2d& p)
   return false;
 }
 
-TEST(WalkableWkt, ContainsWhatItsPolygonsDo) {
+TEST(WalkableWkt, ContainsThePointsOfItsPolygons) {
   std::string circle;
   for (int i = 0; i < 200; ++i)
     circle += fmt::format("{}{} {}", i > 0 ? ", " : "", 3 * std::cos(i * 0.0314159),
@@ -162,7 +162,7 @@ TEST(WalkableWkt, ContainsWhatItsPolygonsDo) {
     const int column = i % 200, row = i / 200;
     const Eigen::Vector2d p(-9 + 0.09013 * column, -9 + 0.09017 * row);
     inside += area.contains(p);
-    // On an edge both are right.
+    // Both answers are valid on an edge.
     if (area.contains(p) != lies_in(polygons, p)) {
       EXPECT_TRUE(area.contains(p)) << p.transpose();
       EXPECT_TRUE(lies_in(polygons, p + Eigen::Vector2d(2e-3, 1e-3)) ||
@@ -175,7 +175,7 @@ TEST(WalkableWkt, ContainsWhatItsPolygonsDo) {
   EXPECT_TRUE(area.contains({-5, 0})) << "on the edge";
 }
 
-TEST(WalkableWkt, WhatIsNoAreaIsRefused) {
+TEST(WalkableWkt, RejectsInvalidText) {
   for (const char* wkt : {"", "LINESTRING (0 0, 1 1)", "POLYGON ((0 0, 1 1))", "POLYGON ((0 0, 1 0",
                           "POLYGON ((0 0, 1 0, nan 1))", "POLYGON ((0 0, 1 0, 1 1)) x",
                           "POLYGON EMPTY", "POLYGON ((0 0, 1e99 0, 1 1))", "POLYGON ()"})
@@ -187,7 +187,7 @@ TEST(WalkableWkt, WhatIsNoAreaIsRefused) {
   EXPECT_THROW(parse_area(deep, "a.wkt"), InputError);
 }
 
-TEST(WalkableWkt, NamesTheGeometryThatIsNoArea) {
+TEST(WalkableWkt, NamesUnsupportedGeometries) {
   const std::string expected =
       "a.wkt: expected only POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION in the walkable area "
       "(WKT), found ";

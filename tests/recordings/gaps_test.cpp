@@ -1,4 +1,4 @@
-// Missing positions: gaps of their tracks, counted and reported, in every kind of file.
+// Missing positions are gaps in tracks, counted and reported, in every kind of file.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ class Gaps : public RecordingTest {
  protected:
   void expect_gap(const Recording& recording, int64_t count, const std::string& first) const {
     for (const Anomaly& anomaly : recording.facts().anomalies)
-      if (anomaly.what == "missing positions (gaps of their tracks)") {
+      if (anomaly.what == "missing positions (gaps in tracks)") {
         EXPECT_EQ(anomaly.count, count);
         EXPECT_EQ(anomaly.first, first);
         return;
@@ -31,7 +31,7 @@ constexpr const char* kMissing[] = {
     ".",    "-",    "1.#QNAN", "-1.#IND",   "1.#qnan",   "-1.#IND00", "1.#QNAN0",
     "#N/A", "#n/a", "#NUM!",   "-nan(ind)", "nan(snan)", "NaT"};
 
-TEST_F(Gaps, OfTracksAreCounted) {
+TEST_F(Gaps, AreCounted) {
   for (const std::string missing : kMissing) {
     SCOPED_TRACE(missing);
     const auto archive = read("# framerate: 25\n# id frame x/m y/m z/m\n1 0 " + missing +
@@ -78,13 +78,13 @@ TEST_F(Gaps, MayBeginALine) {
              "id 1 at frame 1");
 }
 
-TEST_F(Gaps, AreNoRowsOfSeparatorsAlone) {
+TEST_F(Gaps, ExcludeRowsOfSeparators) {
   const auto expect_empty = [&](const std::string& text, int64_t count, const std::string& first) {
     const auto recording = read(text);
     EXPECT_EQ(recording->facts().samples, 2) << text;
     ASSERT_EQ(recording->facts().anomalies.size(), 1u) << text;
     EXPECT_EQ(recording->facts().anomalies[0].what,
-              "rows of separators alone (taken as empty lines)");
+              "rows with separators only (treated as empty lines)");
     EXPECT_EQ(recording->facts().anomalies[0].count, count) << text;
     EXPECT_EQ(recording->facts().anomalies[0].first, first) << text;
   };
@@ -106,7 +106,7 @@ TEST_F(Gaps, MayBeginATableWithoutNames) {
   }
 }
 
-TEST_F(Gaps, InBinaryFilesAreNanOrNull) {
+TEST_F(Gaps, AreNanOrNullInBinaryFiles) {
   std::string sql = jupedsim_2();
   for (size_t at = sql.find(" NOT NULL"); at != std::string::npos; at = sql.find(" NOT NULL"))
     sql.erase(at, 9);
@@ -119,15 +119,15 @@ TEST_F(Gaps, InBinaryFilesAreNanOrNull) {
   expect_gap(*read_recording({.file = path("a.h5")}), 1, "id 1 at frame 1");
 }
 
-TEST_F(Gaps, AloneAreNoRecording) {
+TEST_F(Gaps, DoNotMakeARecording) {
   EXPECT_THAT(refusal("# framerate: 25\n# id frame x/m y/m\n1 0 nan nan\n1 1 nan 3\n"),
-              HasSubstr("at least one position of somebody, found 2 missing ones alone"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,?,?\n"), HasSubstr("1 missing ones alone"));
+              HasSubstr("at least one position of a person, found only 2 missing ones"));
+  EXPECT_THAT(refusal("id,t,x,y\n1,0,?,?\n"), HasSubstr("only 1 missing ones"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,1,2\n1,2,?,?\n", {.strict = true}),
               AllOf(HasSubstr("--strict"), HasSubstr("missing positions")));
 }
 
-TEST_F(Gaps, AreNoIdsTimesOrInfinities) {
+TEST_F(Gaps, ExcludeIdsTimesAndInfinities) {
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n,1,1,2\n"), HasSubstr(":3: expected a whole number"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,nan,1,2\n"), HasSubstr(":3: expected a number"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,1.#INF,2\n"), HasSubstr("'1.#INF'"));

@@ -1,5 +1,4 @@
-// Files that are no recordings, or not quite: each is refused in one line that names the file, the
-// line of it, what is expected, what was found, and the way out where there is one.
+// Malformed files are rejected in one line with file, line, expectation, finding and remedy.
 #include <gmock/gmock.h>
 
 #include "tests/recordings/binary_files.h"
@@ -14,7 +13,7 @@ using testing::StartsWith;
 struct Malformed {
   std::string name;
   std::string text;
-  std::vector<std::string> words;  ///< of the error, the first one at its beginning
+  std::vector<std::string> words;  ///< expected in the error, the first one at its start
   RecordingOptions options{};
 };
 
@@ -23,7 +22,7 @@ void PrintTo(const Malformed& malformed, std::ostream* out) { *out << malformed.
 
 class MalformedText : public RecordingTest, public testing::WithParamInterface<Malformed> {};
 
-TEST_P(MalformedText, IsRefusedInOneLine) {
+TEST_P(MalformedText, IsRejectedInOneLine) {
   const Malformed& malformed = GetParam();
   const std::string error = refusal(malformed.text, malformed.options);
   EXPECT_THAT(error, StartsWith(malformed.words.front()));
@@ -53,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {"recording:1: ", "id, frame, x, y", "'1 0 2'"},
                   {.fps = 25, .unit_m = 1}},
         Malformed{
-            "GapsAlone", kArchive + "1 0 nan 3 1.7\n", {"recording: ", "1 missing ones alone"}},
+            "GapsAlone", kArchive + "1 0 nan 3 1.7\n", {"recording: ", "only 1 missing ones"}},
         Malformed{"InfinityAsY", kArchive + "1 0 2 inf 1.7\n", {"recording:3: ", "inf"}},
         Malformed{"InfinityAsZ", kArchive + "1 0 2 3 inf\n", {"recording:3: ", "expected z"}},
         Malformed{"WordAsX",
@@ -71,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {"recording:4: ", "a frame that is a whole number", "'0.5'"}},
         Malformed{"FrameBeyondInt64",
                   kArchive + "1 0 2 3 1\n1 99999999999999999999 2 3 1\n",
-                  {"recording:4: ", "beyond what is counted in"}},
+                  {"recording:4: ", "which is too large"}},
         Malformed{"FrameBeyondDoubles",
                   kArchive + "1 9223372036854775807 2 3 1\n",
                   {"recording:3: ", "a frame within 9e15"}},
@@ -97,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"TwoUnits",
                   kArchive + "1 0 2 3 1\n# framerate: 25 fps\n# id frame x/cm y/cm z/cm\n",
                   {"recording:5: ", "one unit of length"}},
-        Malformed{"CommentsAlone", kArchive, {"recording: ", "position of somebody", "none"}},
+        Malformed{"CommentsAlone", kArchive, {"recording: ", "position of a person", "none"}},
         Malformed{"EndlessLine",
                   kArchive + "1 0 2 3 1\n" + std::string(100'000, '1'),
                   {"recording:4: ", "lines of at most 64 KiB"}},
@@ -147,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"FramesWithoutRate", "id,frame,x,y\n1,0,2,3\n", {"recording: ", "--fps 25"}},
         Malformed{"RateThatIsNotThere",
                   kTable + "0.5,1,2,3\n1.0,1,2,3\n",
-                  {"recording: ", "because of --fps"},
+                  {"recording: ", "(--fps)"},
                   {.fps = 3}},
         Malformed{"StepBackwards",
                   kSteps + "1 2.0 1.0 0 0 1 1\n",
@@ -162,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"HeadOfHdf5", "\x89HDF\r\n\x1a\n", {"recording: ", "HDF5"}},
         Malformed{"NobodyInThePart",
                   kTable,
-                  {"recording: ", "somebody from 5 s"},
+                  {"recording: ", "a person between 5 s"},
                   {.start_s = 5, .end_s = 6}}),
     [](const auto& each) { return each.param.name; });
 
@@ -193,7 +192,7 @@ class MalformedBinary : public RecordingTest {
   }
 };
 
-TEST_F(MalformedBinary, SqliteIsRefusedInOneLine) {
+TEST_F(MalformedBinary, RejectsSqliteInOneLine) {
   EXPECT_THAT(sqlite_refusal("CREATE TABLE people(id)"),
               HasSubstr("the tables trajectory_data and metadata, as JuPedSim writes them, found "
                         "'people' alone"));
@@ -208,7 +207,7 @@ TEST_F(MalformedBinary, SqliteIsRefusedInOneLine) {
   EXPECT_THAT(with("UPDATE trajectory_data SET id = -3"), HasSubstr("row 1: expected an id of 0"));
   EXPECT_THAT(with("UPDATE trajectory_data SET frame = 9223372036854775807"),
               HasSubstr("row 1: expected a frame within 9e15"));
-  EXPECT_THAT(with("DELETE FROM trajectory_data"), HasSubstr("position of somebody"));
+  EXPECT_THAT(with("DELETE FROM trajectory_data"), HasSubstr("position of a person"));
   EXPECT_THAT(with("DELETE FROM metadata"), HasSubstr("--fps 25"));
   EXPECT_THAT(with("UPDATE metadata SET value = 'fast' WHERE key = 'fps'"),
               HasSubstr("a frame rate as in 25"));
@@ -230,14 +229,14 @@ TEST_F(MalformedBinary, SqliteIsRefusedInOneLine) {
               testing::ThrowsMessage<InputError>(StartsWith("--columns: expected a table")));
 }
 
-TEST_F(MalformedBinary, Hdf5IsRefusedInOneLine) {
+TEST_F(MalformedBinary, RejectsHdf5InOneLine) {
   EXPECT_THAT(hdf5_refusal({.dataset = "paths"}), HasSubstr("one without such a dataset"));
   EXPECT_THAT(hdf5_refusal({.x_name = "breadth"}), HasSubstr("one without the column x"));
   EXPECT_THAT(hdf5_refusal({.fps = 0}), HasSubstr("--fps 25"));
   EXPECT_THAT(hdf5_refusal({.fps = -1}), HasSubstr("an fps above 0"));
   EXPECT_THAT(hdf5_refusal({.fps = std::nan("")}), HasSubstr("--fps 25"));
   EXPECT_THAT(hdf5_refusal({.id_is_real = true}), HasSubstr("whole numbers in the column id"));
-  EXPECT_THAT(hdf5_refusal({.rows = {}}), HasSubstr("position of somebody"));
+  EXPECT_THAT(hdf5_refusal({.rows = {}}), HasSubstr("position of a person"));
   EXPECT_THAT(hdf5_refusal({.rows = {{-1, 0, 0, 0, 0}}}), HasSubstr("row 1: expected an id"));
   EXPECT_THAT(hdf5_refusal({.rows = {{1, 0, 0, 0, 0}, {1, 1, INFINITY, 0, 0}}}),
               HasSubstr("row 2: expected x and y"));
@@ -248,7 +247,7 @@ TEST_F(MalformedBinary, Hdf5IsRefusedInOneLine) {
               HasSubstr("damaged or cut short"));
 }
 
-TEST_F(MalformedBinary, WhatIsNoFileIsNotRead) {
+TEST_F(MalformedBinary, RejectsMissingFilesAndFolders) {
   EXPECT_THAT(refusal_of(path("none.txt")), HasSubstr("found no such file"));
   EXPECT_THAT(refusal_of(path("")), HasSubstr("found a directory"));
 }

@@ -1,4 +1,4 @@
-// Frame rates: understood as a whole or refused, and compared with the times of a file.
+// Frame rates: parsed completely or rejected, and compared with the times of a file.
 #include <gmock/gmock.h>
 
 #include "recordings/units.h"
@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(FrameRates, AreUnderstoodToTheirEndOrNotAtAll) {
+TEST(FrameRates, ParseWholeTextsOnly) {
   const struct {
     double per_s;
     std::vector<const char*> texts;
@@ -100,17 +100,17 @@ TEST(FrameRates, AreUnderstoodToTheirEndOrNotAtAll) {
 
 class RatesAndTimes : public RecordingTest {
  protected:
-  /// The note about rates that differ; empty if there is none.
+  /// Note about different rates; empty if there is none.
   std::string note(std::string_view text, RecordingOptions options = {}) const {
     return note_of(*read(text, std::move(options)));
   }
   static std::string note_of(const Recording& recording) {
     for (const Anomaly& anomaly : recording.facts().anomalies)
-      if (anomaly.what == "a frame rate that the times of the file contradict")
+      if (anomaly.what == "a frame rate that contradicts the times of the file")
         return anomaly.first;
     return "";
   }
-  /// A walk whose frames are numbered by `step`, and `rate` of these numbers make a second.
+  /// Walk with frame numbers in steps of `step`, `rate` numbers per second.
   static std::string walk(std::string_view names, int rate, int step = 1) {
     const bool has_frames = names.find("frame") != std::string_view::npos;
     std::string out(names);
@@ -124,17 +124,18 @@ class RatesAndTimes : public RecordingTest {
   }
 };
 
-TEST_F(RatesAndTimes, ThatDifferAreNoted) {
+TEST_F(RatesAndTimes, NoteDifferences) {
   EXPECT_EQ(note("# framerate: 30\n" + walk("id,t,x,y\n", 25)),
-            "30 a second of the comment '30', 25 of the times; that of the times was taken");
+            "30 per second of the comment '30', 25 of the times; that of the times is used");
   EXPECT_EQ(read("# framerate: 30\n" + walk("id,t,x,y\n", 25))->facts().fps, 25);
   EXPECT_EQ(note("# framerate: 30 fps\n" + walk("id,frame,t,x,y\n", 25)),
-            "30 a second of the comment '30 fps', 25 of the times; that of the times was taken");
+            "30 per second of the comment '30 fps', 25 of the times; that of the times is used");
   EXPECT_EQ(note(walk("id,frame,t,x,y\n", 25), {.fps = 30}),
-            "30 a second of --fps, 25 of the times; 30 was taken");
-  EXPECT_EQ(note(walk("id,frame [30 fps],t,x,y\n", 25)),
-            "30 a second of the name of the frames' column '30 fps', 25 of the times; that of the "
-            "times was taken");
+            "30 per second of --fps, 25 of the times; 30 is used");
+  EXPECT_EQ(
+      note(walk("id,frame [30 fps],t,x,y\n", 25)),
+      "30 per second of the name of the frames' column '30 fps', 25 of the times; that of the "
+      "times is used");
   EXPECT_EQ(read("id,frame (1/30 s),x,y\n1,0,0,0\n1,1,0,0\n")->facts().fps, 30);
   EXPECT_THAT(refusal("# framerate: 25\nid,frame [30 fps],x,y\n1,0,0,0\n1,1,0,0\n"),
               StartsWith("recording:2: expected one frame rate, 25"));
@@ -142,23 +143,23 @@ TEST_F(RatesAndTimes, ThatDifferAreNoted) {
   std::string jittered = "# framerate: 50\nid,t,x,y\n";
   for (int frame = 0; frame < 99; ++frame)
     jittered += fmt::format("1,{:.4f},0,0\n", 0.04 * frame + 0.001 * (frame % 7));
-  EXPECT_THAT(note(jittered), StartsWith("50 a second of the comment '50', 2"))
+  EXPECT_THAT(note(jittered), StartsWith("50 per second of the comment '50', 2"))
       << "no regular rate";
   EXPECT_EQ(note(walk("id,t,x,y\n", 10), {.fps = 50}),
-            "50 a second of --fps, 10 of the times; 50 was taken");
-  EXPECT_THAT(refusal(walk("id,t,x,y\n", 10), {.fps = 16}), HasSubstr("because of --fps"));
+            "50 per second of --fps, 10 of the times; 50 is used");
+  EXPECT_THAT(refusal(walk("id,t,x,y\n", 10), {.fps = 16}), HasSubstr("(--fps)"));
   std::string archive = "# framerate: 30\n# id frame t x/m y/m\n";
   for (int frame = 0; frame < 50; ++frame)
     archive += fmt::format("1 {} {} 0 0\n", frame, frame / 25.0);
-  EXPECT_EQ(note(archive), "30 a second of the comment '30', 25 of the times; 30 was taken");
+  EXPECT_EQ(note(archive), "30 per second of the comment '30', 25 of the times; 30 is used");
   make_sqlite(path("a.sqlite"), jupedsim_2() +
                                     "ALTER TABLE trajectory_data ADD COLUMN time_ms; "
                                     "UPDATE trajectory_data SET time_ms = 100 * frame;");
   EXPECT_EQ(note_of(*read_recording({.file = path("a.sqlite")})),
-            "25 a second of the file, 10 of the times; 25 was taken");
+            "25 per second of the file, 10 of the times; 25 is used");
 }
 
-TEST_F(RatesAndTimes, ThatAgreeAreNot) {
+TEST_F(RatesAndTimes, AcceptAgreement) {
   EXPECT_EQ(note("# framerate: 25\n" + walk("id,t,x,y\n", 25)), "");
   EXPECT_EQ(note("# framerate: 25\n" + walk("id,frame,t,x,y\n", 25)), "");
   EXPECT_EQ(note("# framerate: 25\n" + walk("id,frame,t,x,y\n", 25, 10)), "") << "every tenth";
@@ -167,7 +168,7 @@ TEST_F(RatesAndTimes, ThatAgreeAreNot) {
   for (int frame = 0; frame < 99; ++frame)
     if (frame < 20 || frame > 40)
       jittered += fmt::format("1,{:.4f},0,0\n", 0.04 * frame + 0.001 * (frame % 7));
-  EXPECT_EQ(note(jittered), "") << "whatever holes there are";
+  EXPECT_EQ(note(jittered), "") << "with gaps";
   EXPECT_EQ(note(walk("id,frame,t,x,y\n", 60), {.fps = 60}), "");
   EXPECT_EQ(note("# framerate: 60\nid,frame,t,x,y\n1,0,0.00,0,0\n1,1,0.02,0,0\n"), "")
       << "within the rounding of two digits";

@@ -1,5 +1,4 @@
-// A folder for a test's own small recordings.
-// One rule: what a test reads it wrote itself, and it is gone when the test is.
+// RecordingTest gives each test a temporary folder for its recordings.
 #pragma once
 
 #include <fmt/format.h>
@@ -37,7 +36,7 @@ class RecordingTest : public ::testing::Test {
     options.file = write("recording", text);
     return read_recording(options);
   }
-  /// The error of reading it, without the folder; "" if there is none.
+  /// Error of reading a text, without the folder; "" for none.
   std::string refusal(std::string_view text, RecordingOptions options = {}) const {
     try {
       read(text, std::move(options));

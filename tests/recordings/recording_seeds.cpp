@@ -39,7 +39,6 @@ std::string made(const Make& make) {
   return out;
 }
 
-/// Lines for three people and six frames.
 template <typename Line>
 std::string lines(const Line& line) {
   std::string out;

@@ -1,5 +1,4 @@
-// A small sound recording of every kind, as bytes: what fuzzers begin with.
-// One rule: the same on every machine.
+// Small valid recordings of every kind, seeds for fuzzers. Equal on every machine.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Tables with named columns, footsteps and packed files: which column is what, which rate follows.
+// Tables with named columns, footsteps and gzip files: columns, rates and units.
 #include <gmock/gmock.h>
 #include <zlib.h>
 
@@ -28,7 +28,7 @@ std::string gzip(const std::string& text) {
   return out;
 }
 
-TEST_F(Tables, CrowdItIsKnownByItsFirstLine) {
+TEST_F(Tables, DetectCrowdIt) {
   const std::string text = "time,pedID,posX,posY\n0.00,0,40.64,35.44\n0.50,0,41,35\n0.50,4,1,2\n";
   const auto recording = read(text);
   EXPECT_EQ(recording->facts().kind, "Crowd:it");
@@ -40,7 +40,7 @@ TEST_F(Tables, CrowdItIsKnownByItsFirstLine) {
   EXPECT_EQ(read(gzip(text))->content_hash(), recording->content_hash()) << "packed or not";
 }
 
-TEST_F(Tables, PathfinderHasUnitsAndPeopleWhoAreNotThere) {
+TEST_F(Tables, ReadPathfinderUnitsAndAbsences) {
   const auto recording = read(
       "\"t\",\"id\",\"name\",\"active\",\"x\",\"y\",\"z\",\"v\",\"location\"\n"
       "\"s\",\"\",\"\",\"\",\"m\",\"m\",\"m\",\"m/s\",\"\"\n"
@@ -55,7 +55,7 @@ TEST_F(Tables, PathfinderHasUnitsAndPeopleWhoAreNotThere) {
   EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(-10.5, -2));
 }
 
-TEST_F(Tables, ViswalkBeginsWithWhatItIs) {
+TEST_F(Tables, ReadViswalkHeaders) {
   const auto recording = read(
       "$VISION\n* File: a.inpx\n* Comment:\n*\n* NO: Number\n"
       "$PEDESTRIAN:NO;SIMSEC;COORDCENTX;COORDCENTY\n"
@@ -65,7 +65,7 @@ TEST_F(Tables, ViswalkBeginsWithWhatItIs) {
   EXPECT_EQ(track(*recording, 0)[1].time_s, 0.2);
 }
 
-TEST_F(Tables, OurOwnHaveHeadings) {
+TEST_F(Tables, ReadHeadingsOfThrong) {
   std::string text = "frame,time_s,id,x_m,y_m,heading_rad,speed_mps\n";
   for (int frame = 0; frame < 200; ++frame)
     text +=
@@ -78,11 +78,11 @@ TEST_F(Tables, OurOwnHaveHeadings) {
   EXPECT_EQ(track(*recording, 0)[7].time_s, 7 / 60.0);
 }
 
-TEST_F(Tables, ARateIsFoundWithinWhatIsPrinted) {
+TEST_F(Tables, FindRatesWithinPrintedDigits) {
   for (const double fps : {1.0, 2.5, 10.0, 12.5, 16.0, 25.0, 30.0, 30 / 1.001, 50.0, 60.0, 120.0})
     for (const int digits : {2, 3, 4, 6}) {
       SCOPED_TRACE(fmt::format("{} fps, {} digits", fps, digits));
-      // Two frames in one printed time are for nobody to tell apart.
+      // Both frames have the same printed time.
       if (1 / fps < 1.01 * std::pow(10, -digits)) continue;
       std::string text = "t;id;x;y\n";
       for (int frame = 0; frame < 3000; ++frame)
@@ -95,7 +95,7 @@ TEST_F(Tables, ARateIsFoundWithinWhatIsPrinted) {
     }
 }
 
-TEST_F(Tables, TimesWithoutARateAreEvents) {
+TEST_F(Tables, TreatIrregularTimesAsEvents) {
   std::string text = "t,id,x,y\n";
   double time_s = 0;
   for (uint32_t i = 0; i < 500; ++i) {
@@ -104,10 +104,10 @@ TEST_F(Tables, TimesWithoutARateAreEvents) {
     text += fmt::format("{:.3f},1,{},0\n", time_s, time_s);
   }
   EXPECT_EQ(read(text)->facts().fps, 0);
-  EXPECT_THAT(refusal(text, {.fps = 25}), HasSubstr("because of --fps"));
+  EXPECT_THAT(refusal(text, {.fps = 25}), HasSubstr("(--fps)"));
 }
 
-TEST_F(Tables, ColumnsMayHaveAnyNames) {
+TEST_F(Tables, AcceptNamesByOption) {
   const std::string text = "who|when|easting|northing\n4|0|1.5|2\n4|1|1.75|2\n";
   const RecordingOptions options{
       .fps = 10, .columns = "id=who,frame=when,x=easting,y=northing", .separator = '|'};
@@ -121,7 +121,7 @@ TEST_F(Tables, ColumnsMayHaveAnyNames) {
   EXPECT_EQ(bare->people()[0].id, 4);
 }
 
-TEST_F(Tables, UnitsComeFromNamesOrOptions) {
+TEST_F(Tables, TakeUnitsFromNamesOrOptions) {
   const auto x_of = [&](std::string_view text, RecordingOptions options = {}) {
     return track(*read(text, std::move(options)), 0)[0].position_m.x();
   };
@@ -131,13 +131,13 @@ TEST_F(Tables, UnitsComeFromNamesOrOptions) {
   EXPECT_EQ(x_of("t,id,x,y\n0,1,3,4\n", {.unit_m = 0.01}), 0.03);
 }
 
-TEST_F(Tables, FramesWithoutARateAreAskedFor) {
+TEST_F(Tables, RequestMissingRates) {
   const std::string text = "ID,Frame,x,y,v_x,v_y\n21,1010,0.2,-0.1,0,0\n21,1020,0.3,-0.1,0,0\n";
   EXPECT_THAT(refusal(text), HasSubstr("--fps 25"));
   EXPECT_EQ(read(text, {.fps = 25})->facts().fps, 2.5);
 }
 
-TEST_F(Tables, FootstepsBeginAndEndAtTheirTimes) {
+TEST_F(Tables, ReadFootsteps) {
   const auto recording = read(
       "#IDXCOL=2,DATACOL=6,SEP=' '\n"
       "pedestrianId simTime endTime-PID1 startX-PID1 startY-PID1 endX-PID1 endY-PID1 "
@@ -154,10 +154,10 @@ TEST_F(Tables, FootstepsBeginAndEndAtTheirTimes) {
   EXPECT_EQ(one[0].time_s, 0);
   EXPECT_EQ(one[1].time_s, 1.0683293133551417 - 0.4);
   EXPECT_EQ(track(*recording, 1).size(), 4u);
-  EXPECT_TRUE(recording->facts().anomalies.empty()) << "who stands takes no steps";
+  EXPECT_TRUE(recording->facts().anomalies.empty()) << "standing people take no steps";
 }
 
-TEST_F(Tables, EthHasTheFrameFirst) {
+TEST_F(Tables, ReadEthWithFramesFirst) {
   std::string text;
   for (int frame = 780; frame < 1200; frame += 10)
     for (int id = 1; id <= 5; ++id)
@@ -174,7 +174,7 @@ TEST_F(Tables, EthHasTheFrameFirst) {
   EXPECT_EQ(track(*obsmat, 0)[1].position_m, Eigen::Vector2d(9.12, 3.66));
 }
 
-TEST_F(Tables, ACommentAboutSomethingElseLeavesTheOrderAsItIs) {
+TEST_F(Tables, IgnoreUnrelatedComments) {
   std::string rows;
   for (int frame = 780; frame < 900; frame += 6)
     for (int id = 1; id <= 5; ++id)
@@ -200,7 +200,7 @@ TEST_F(Tables, ACommentAboutSomethingElseLeavesTheOrderAsItIs) {
   EXPECT_THAT(refusal("# framerate: fast\n" + rows), HasSubstr("a frame rate as in"));
   EXPECT_THAT(refusal(rows + "# unit: cm\n" + rows), HasSubstr("split the file there"));
   EXPECT_THAT(refusal(rows + "# framerate: 30\n" + rows), HasSubstr("split the file there"));
-  // Names decide, whatever the likelier order is.
+  // Names take precedence over the more likely order.
   const RecordingOptions given = {.fps = 15, .unit_m = 1};
   const auto named = read("# frame id x y\n" + rows, given);
   EXPECT_EQ(named->people().size(), 5u);
@@ -214,7 +214,7 @@ TEST_F(Tables, ACommentAboutSomethingElseLeavesTheOrderAsItIs) {
   EXPECT_EQ(read("# scene\n" + archive, {.fps = 16, .unit_m = 0.01})->facts().kind, "archive text");
 }
 
-TEST_F(Tables, FourColumnsSortedByIdAreArchiveText) {
+TEST_F(Tables, DetectArchiveTextByOrder) {
   std::string text;
   for (int id = 1; id <= 5; ++id)
     for (int frame = 0; frame < 50; ++frame)
@@ -222,7 +222,7 @@ TEST_F(Tables, FourColumnsSortedByIdAreArchiveText) {
   EXPECT_EQ(read(text, {.fps = 16, .unit_m = 0.01})->facts().kind, "archive text");
 }
 
-TEST_F(Tables, PackedFilesThatAreDamagedAreRefused) {
+TEST_F(Tables, RejectDamagedGzipFiles) {
   std::string text = "time,pedID,posX,posY\n";
   for (uint32_t i = 0; i < 20'000; ++i)
     text += fmt::format("{:.2f},{},{},{}\n", 0.5 * i, i % 7,
@@ -233,7 +233,7 @@ TEST_F(Tables, PackedFilesThatAreDamagedAreRefused) {
   for (size_t i = flipped.size() / 2; i < flipped.size() / 2 + 50; ++i) flipped[i] ^= 0x55;
   EXPECT_THAT(refusal(flipped), HasSubstr("expected"));
   EXPECT_FALSE(is_recording(write("bad", "\x1f\x8b\x08nonsense")));
-  // The same line again and again: 300 times smaller, and more.
+  // One repeated line compresses by more than a factor of 300.
   const std::string line = "0.00,0,0,0\n";
   std::string bomb = "time,pedID,posX,posY\n";
   while (bomb.size() < (20u << 20)) bomb += line;

@@ -1,4 +1,4 @@
-// Units and rates that stand in comments, attributes and metadata: honoured or refused.
+// Units and rates in comments, attributes and metadata are applied or rejected.
 #include <gmock/gmock.h>
 
 #include "tests/recordings/binary_files.h"
@@ -18,7 +18,7 @@ class UnitsInComments : public RecordingTest {
   }
 };
 
-TEST_F(UnitsInComments, CommentsStateThem) {
+TEST_F(UnitsInComments, AreReadInArchiveText) {
   const std::string rows = "1 0 300 400 170\n1 1 305 400 170\n";
   for (const char* comments :
        {"# id frame x (in cm) y (in cm) z (in cm)\n",
@@ -100,7 +100,7 @@ TEST_F(UnitsInComments, CommentsStateThem) {
         << comments;
 }
 
-TEST_F(UnitsInComments, CommentsOfTablesStateThem) {
+TEST_F(UnitsInComments, AreReadInTables) {
   const std::string rows = "id,t,x,y\n1,0,300,400\n1,1,300,400\n";
   EXPECT_EQ(first_of("# unit: cm\n" + rows), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first_of("# x, y: positions (in cm)\n" + rows), Eigen::Vector2d(3, 4));
@@ -116,7 +116,7 @@ TEST_F(UnitsInComments, CommentsOfTablesStateThem) {
             Eigen::Vector2d(3, 4));
 }
 
-TEST_F(UnitsInComments, ListsHaveOneForEachColumn) {
+TEST_F(UnitsInComments, AreReadFromLists) {
   const std::string rows = "1,0,300,4000\n1,500,300,4000\n";
   const RecordingOptions numbered = {.columns = "id=1,t=2,x=3,y=4"};
   const auto expect_read = [&](const std::string& text, const RecordingOptions& options = {}) {
@@ -163,7 +163,7 @@ TEST_F(UnitsInComments, ListsHaveOneForEachColumn) {
   }
 }
 
-TEST_F(UnitsInComments, CommentsAboutSomethingElseStateNothing) {
+TEST_F(UnitsInComments, ExcludeUnrelatedComments) {
   const std::string rows = "id,t,x,y\n1,0,300,400\n1,1,300,400\n";
   for (const char* comment : {"# time resolution (ms): 100",
                               "# time step [ms]: 100",
@@ -198,15 +198,15 @@ TEST_F(UnitsInComments, CommentsAboutSomethingElseStateNothing) {
   }
   EXPECT_EQ(first_of("# all lengths in cm; time in s; heights in mm\n" + rows),
             Eigen::Vector2d(3, 4));
-  // Ordinary names beside their opposites.
+  // Ordinary names next to their opposites.
   EXPECT_THAT(refusal("id,t,x_in,y_in,x_out,y_out\n1,0,300,400,1,1\n1,1,300,400,1,1\n"),
               HasSubstr("expected"));
-  // Two lines of names that differ.
+  // Two different lines of names.
   EXPECT_THAT(refusal("# framerate: 10\n# id frame x/m y/m\n# id frame x/cm y/cm\n1 0 300 400\n"),
               HasSubstr("expected"));
 }
 
-TEST_F(UnitsInComments, RatesInCommentsAreUnderstoodOrRefused) {
+TEST_F(UnitsInComments, IncludeRatesOrRejectThem) {
   const std::string rows = "# id frame x/m y/m\n1 0 3 4\n1 1 3 4\n";
   const std::pair<const char*, double> known[] = {
       {"# framerate: 29,97 fps", 29.97},
@@ -233,7 +233,7 @@ TEST_F(UnitsInComments, RatesInCommentsAreUnderstoodOrRefused) {
         "# framerate: 10;25"}) {
     EXPECT_THAT(refusal(fmt::format("{}\n{}", comment, rows)),
                 AllOf(StartsWith("recording:1: expected a frame rate as in 25"),
-                      HasSubstr("--fps overrules")))
+                      HasSubstr("--fps overrides")))
         << comment;
     EXPECT_EQ(read(fmt::format("{}\n{}", comment, rows), {.fps = 25})->facts().fps, 25);
   }
@@ -241,7 +241,7 @@ TEST_F(UnitsInComments, RatesInCommentsAreUnderstoodOrRefused) {
               AllOf(StartsWith("recording:2: expected one frame rate, 25"), HasSubstr("'16'")));
 }
 
-TEST_F(UnitsInComments, BinaryFilesStateThem) {
+TEST_F(UnitsInComments, AreReadInBinaryFiles) {
   const auto sqlite = [&](const std::string& more, RecordingOptions options = {}) {
     make_sqlite(path("a.sqlite"), jupedsim_2() + more);
     options.file = path("a.sqlite");
@@ -263,15 +263,15 @@ TEST_F(UnitsInComments, BinaryFilesStateThem) {
       "INSERT INTO metadata VALUES('fps', 25), ('version', 2), ";
   EXPECT_THAT(sqlite_refusal(open + "('fps', 30)"),
               AllOf(HasSubstr("expected one frame rate, 25, found 30 as fps"),
-                    HasSubstr("--fps overrules")));
+                    HasSubstr("--fps overrides")));
   EXPECT_EQ(sqlite(open + "('fps', '25.0 Hz')")->facts().fps, 25) << "the same twice";
   EXPECT_EQ(sqlite(open + "('FPS', 30)", {.fps = 10})->facts().fps, 10);
   EXPECT_THAT(sqlite_refusal(open + "('unit', 'm'), ('units', 'cm')"),
               AllOf(HasSubstr("expected one unit, 'm', found 'cm' as units"), HasSubstr("--unit")));
-  const std::string odd = "UPDATE metadata SET value = '25 or so' WHERE key = 'fps'";
-  EXPECT_THAT(sqlite_refusal(odd), AllOf(HasSubstr("a frame rate as in 25"),
-                                         HasSubstr("'25 or so'"), HasSubstr("--fps")));
-  EXPECT_EQ(sqlite(odd, {.fps = 25})->facts().fps, 25);
+  const std::string unclear = "UPDATE metadata SET value = '25 or so' WHERE key = 'fps'";
+  EXPECT_THAT(sqlite_refusal(unclear), AllOf(HasSubstr("a frame rate as in 25"),
+                                             HasSubstr("'25 or so'"), HasSubstr("--fps")));
+  EXPECT_EQ(sqlite(unclear, {.fps = 25})->facts().fps, 25);
   const auto in_cm = sqlite("INSERT INTO metadata VALUES('unit', 'cm')");
   EXPECT_EQ(track(*in_cm, 1)[0].position_m, Eigen::Vector2d(0.01, 0.01));
   EXPECT_EQ(in_cm->facts().wkt_unit_m, 0.01);
@@ -303,7 +303,7 @@ TEST_F(UnitsInComments, BinaryFilesStateThem) {
               testing::ThrowsMessage<InputError>(HasSubstr("a unit of length")));
 }
 
-TEST_F(UnitsInComments, FootstepsMayHaveThem) {
+TEST_F(UnitsInComments, AreReadInFootsteps) {
   const auto recording = read(
       "pedestrianId simTime[ms] endTime[ms]-PID1 startX[cm]-PID1 startY-PID1 endX-PID1 endY-PID1\n"
       "1 400 900 250 710 300 710\n1 900 1400 300 710 350 710\n");

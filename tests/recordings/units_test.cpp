@@ -1,5 +1,4 @@
-// Units and frame rates that files state: honoured in every usual spelling, or refused, whatever
-// reader meets them.
+// Units and frame rates in files are accepted in all common spellings or rejected, by every reader.
 #include "recordings/units.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +18,7 @@ using testing::StartsWith;
 
 constexpr double kTurn_rad = 2 * std::numbers::pi;
 
-TEST(Units, AreKnownInEveryUsualSpelling) {
+TEST(Units, AcceptAllSpellings) {
   const struct {
     Quantity quantity;
     double in_si;
@@ -67,7 +66,7 @@ class RecordedUnits : public RecordingTest {
   }
 };
 
-/// A unit as a column's name may state it.
+/// Notations of a unit in a column name.
 constexpr const char* kSpellings[] = {"{} [{}]",    "{}/{}", "{} ({})",
                                       "{} (in {})", "{} {}", "{}_{}"};
 
@@ -75,7 +74,7 @@ std::string named(const char* spelling, const char* name, const char* unit) {
   return fmt::format(fmt::runtime(spelling), name, unit);
 }
 
-TEST_F(RecordedUnits, OneWalkIsTheSameInAllOfThem) {
+TEST_F(RecordedUnits, GiveEqualTracks) {
   const std::pair<const char*, double> x_units[] = {{"m", 1}, {"cm", 0.01}, {"ft", 0.3048}};
   const std::pair<const char*, double> y_units[] = {{"m", 1}, {"mm", 0.001}, {"in", 0.0254}};
   const std::pair<const char*, double> times[] = {{"s", 1}, {"ms", 0.001}, {"min", 60}};
@@ -104,7 +103,7 @@ TEST_F(RecordedUnits, OneWalkIsTheSameInAllOfThem) {
   EXPECT_EQ(files, 162);
 }
 
-TEST_F(RecordedUnits, EveryColumnHasItsOwn) {
+TEST_F(RecordedUnits, DifferByColumn) {
   EXPECT_EQ(first("id,t,x [cm],y [m]\n1,0,300,4\n"), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("id,t,x [m],y [cm]\n1,0,3,400\n"), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("id;t;x [ft];y [in]\n1;0;1;2\n"), Eigen::Vector2d(0.3048, 0.0508));
@@ -113,7 +112,7 @@ TEST_F(RecordedUnits, EveryColumnHasItsOwn) {
   EXPECT_FLOAT_EQ(static_cast<float>(*z->people()[0].height_m), 1.75f);
   const auto same = read("id,t,x [cm],y,z\n1,0,300,400,175\n2,0,0,0,150\n",
                          {.tracked_point = TrackedPoint::kHead});
-  EXPECT_EQ(track(*same, 0)[0].position_m, Eigen::Vector2d(3, 4)) << "x says it for all";
+  EXPECT_EQ(track(*same, 0)[0].position_m, Eigen::Vector2d(3, 4)) << "the unit of x applies to all";
   EXPECT_FLOAT_EQ(static_cast<float>(*same->people()[0].height_m), 1.75f);
   const auto unknown = read("id,t,x [cm],y [m],z\n1,0,300,4,175\n2,0,0,0,150\n",
                             {.tracked_point = TrackedPoint::kHead});
@@ -122,7 +121,7 @@ TEST_F(RecordedUnits, EveryColumnHasItsOwn) {
               testing::Contains(testing::Field(&Anomaly::what, HasSubstr("z without a unit"))));
 }
 
-TEST_F(RecordedUnits, SpellingsOfNamesAreMany) {
+TEST_F(RecordedUnits, AcceptManySpellings) {
   for (const char* header : {"id,t,X[CM],Y[CM]",
                              "id,t,x / cm,y / cm",
                              "id,t,x (centimetres),y (centimeters)",
@@ -157,7 +156,7 @@ TEST_F(RecordedUnits, SpellingsOfNamesAreMany) {
   }
 }
 
-TEST_F(RecordedUnits, ColumnsBetweenBlanksMayHaveThemToo) {
+TEST_F(RecordedUnits, AreReadBetweenBlanks) {
   for (const char* header :
        {"id t x/cm y/cm", "id t x [cm] y [cm]", "id t x (in cm) y (in cm)", "id t x cm y cm",
         "id t x in cm y in cm", "id t x_cm y_cm", "id t x / cm y / cm",
@@ -169,7 +168,7 @@ TEST_F(RecordedUnits, ColumnsBetweenBlanksMayHaveThemToo) {
   EXPECT_EQ(first("id t x in y in\n1 0 100 200\n"), Eigen::Vector2d(2.54, 5.08));
 }
 
-TEST_F(RecordedUnits, InIsAnInchOrAWord) {
+TEST_F(RecordedUnits, DistinguishInchFromIn) {
   for (const char* header : {"id,t,x [in],y [in]", "id,t,x in,y in", "id,t,x/in,y/in",
                              "id,t,x_in,y_in", "id,t,x (in in),y (in inches)", "id,t,x inch,y in."})
     EXPECT_EQ(first(fmt::format("{}\n1,0,100,200\n", header)), Eigen::Vector2d(2.54, 5.08))
@@ -178,8 +177,8 @@ TEST_F(RecordedUnits, InIsAnInchOrAWord) {
     EXPECT_EQ(first(fmt::format("{}\n1,0,100,200\n", header)), Eigen::Vector2d(100, 200)) << header;
 }
 
-TEST_F(RecordedUnits, OrdinaryNamesStayNames) {
-  // Whatever stands behind an underscore, these are other columns than x, y and t.
+TEST_F(RecordedUnits, KeepOrdinaryNames) {
+  // Despite their suffixes these are not x, y and t.
   EXPECT_EQ(
       first("x_smooth,y_smooth,x_mid,x_min,x_s,y_h,t_min_s,id,t,x,y\n9,9,9,9,9,9,9,1,0,3,4\n"),
       Eigen::Vector2d(3, 4));
@@ -191,10 +190,10 @@ TEST_F(RecordedUnits, OrdinaryNamesStayNames) {
   EXPECT_EQ(first("id,t,east_cm,north [ft]\n1,0,300,10\n", {.columns = "x=east_cm,y=north [ft]"}),
             Eigen::Vector2d(3, 3.048));
   EXPECT_EQ(first("id,t,x [px],y [px],x [cm],y [cm]\n1,0,9,9,300,400\n"), Eigen::Vector2d(3, 4))
-      << "of two columns the one whose unit is known";
+      << "the column with a known unit";
 }
 
-TEST_F(RecordedUnits, UnknownOnesAreRefusedWithThoseThatAreKnown) {
+TEST_F(RecordedUnits, RejectUnknownUnitsWithAlternatives) {
   for (const char* unit : {"px", "pixel", "Pixels", "furlong", "voxels", "-", "1"})
     for (const char* spelling : {"{} [{}]", "{}/{}", "{} ({})", "{} (in {})"}) {
       const std::string header =
@@ -202,7 +201,7 @@ TEST_F(RecordedUnits, UnknownOnesAreRefusedWithThoseThatAreKnown) {
       EXPECT_THAT(
           refusal("# a comment\n" + header + "\n1,0,3,4\n"),
           AllOf(StartsWith("recording:2: expected a unit of length (m, cm, mm, km, ft, in)"),
-                HasSubstr("; --unit overrules the file")))
+                HasSubstr("; --unit overrides the file")))
           << header;
     }
   EXPECT_THAT(refusal("id,t,x,y_px\n1,0,3,4\n"), HasSubstr("expected a unit of length"));
@@ -218,10 +217,10 @@ TEST_F(RecordedUnits, UnknownOnesAreRefusedWithThoseThatAreKnown) {
               HasSubstr("a unit of angle (rad, deg)"));
   EXPECT_THAT(refusal("id,frame [s],x,y\n1,0,3,4\n", {.fps = 25}), HasSubstr("a column of frames"));
   EXPECT_EQ(first("id,t,x,y,mood [furlong]\n1,0,3,4,5\n"), Eigen::Vector2d(3, 4))
-      << "of a column that is not read";
+      << "in an ignored column";
 }
 
-TEST_F(RecordedUnits, CapitalsMatterWhereTheyMakeAnotherUnit) {
+TEST_F(RecordedUnits, DistinguishCapitals) {
   for (const char* header : {"id,t,x [Mm],y [Mm]", "id,t,x [MM],y [MM]", "id,t,x/Mm,y/Mm",
                              "id,t,x (in Mm),y (in Mm)", "id,t,x Mm,y Mm", "id,t,x_Mm,y_MM"})
     EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)),
@@ -242,7 +241,7 @@ TEST_F(RecordedUnits, CapitalsMatterWhereTheyMakeAnotherUnit) {
   EXPECT_EQ(read("ID,T [MS],X,Y\n1,0,3,4\n1,40,3,4\n")->facts().fps, 25);
 }
 
-TEST_F(RecordedUnits, WordsThatAreNoUnitAreRemarks) {
+TEST_F(RecordedUnits, TreatOtherWordsAsRemarks) {
   for (const char* header : {"id,time (UTC),x (head),y (head)", "id,t,x (left),y (left)",
                              "id,t,x (HEAD),y (centre of mass)", "id,t (since start),x,y",
                              "id,t,posX (world frame),posY (world-frame)", "id,t,x (smoothed),y",
@@ -254,7 +253,7 @@ TEST_F(RecordedUnits, WordsThatAreNoUnitAreRemarks) {
         read(fmt::format("{0}\n1{1}0{1}3{1}4\n1{1}1{1}3{1}4\n", header, separator));
     EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
     ASSERT_EQ(recording->facts().anomalies.size(), 1u);
-    EXPECT_THAT(recording->facts().anomalies[0].what, HasSubstr("taken as remarks"));
+    EXPECT_THAT(recording->facts().anomalies[0].what, HasSubstr("treated as remarks"));
   }
   const auto noted = read("id,t,x (head),y (head)\n1,0,3,4\n1,1,3,4\n");
   EXPECT_EQ(noted->facts().anomalies[0].count, 2);
@@ -280,26 +279,26 @@ TEST_F(RecordedUnits, WordsThatAreNoUnitAreRemarks) {
         << unit;
 }
 
-TEST_F(RecordedUnits, AnOptionOverrulesTheFileAndSaysSo) {
+TEST_F(RecordedUnits, AreOverriddenByOptionsWithANote) {
   const std::string text = "id,t,x [cm],y [px]\n1,0,3,4\n1,1,3,4\n";
   const auto recording = read(text, {.unit_m = 1});
   EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(3, 4));
   ASSERT_EQ(recording->facts().anomalies.size(), 1u);
-  EXPECT_EQ(recording->facts().anomalies[0].what, "columns whose units --unit overrules");
+  EXPECT_EQ(recording->facts().anomalies[0].what, "columns whose units --unit overrides");
   EXPECT_EQ(recording->facts().anomalies[0].count, 2);
   EXPECT_EQ(recording->facts().anomalies[0].first, "'cm' of the column 'x [cm]'");
-  EXPECT_THAT(refusal(text, {.unit_m = 1, .strict = true}), HasSubstr("--unit overrules"));
+  EXPECT_THAT(refusal(text, {.unit_m = 1, .strict = true}), HasSubstr("--unit overrides"));
   EXPECT_TRUE(
       read("id,t,x [cm],y [cm]\n1,0,3,4\n1,1,3,4\n", {.unit_m = 0.01})->facts().anomalies.empty())
-      << "which says the same";
+      << "equal to the file";
   const auto archive =
       read("# framerate: 25\n# id frame x/cm y/cm\n1 0 3 4\n1 1 3 4\n", {.fps = 16, .unit_m = 1});
   ASSERT_EQ(archive->facts().anomalies.size(), 2u);
-  EXPECT_THAT(archive->facts().anomalies[0].what, HasSubstr("--fps overrules"));
-  EXPECT_THAT(archive->facts().anomalies[1].what, HasSubstr("--unit overrules"));
+  EXPECT_THAT(archive->facts().anomalies[0].what, HasSubstr("--fps overrides"));
+  EXPECT_THAT(archive->facts().anomalies[1].what, HasSubstr("--unit overrides"));
 }
 
-TEST_F(RecordedUnits, TimesHaveThem) {
+TEST_F(RecordedUnits, ApplyToTimes) {
   const std::pair<const char*, double> units[] = {{"s", 1},     {"ms", 1e-3}, {"us", 1e-6},
                                                   {"ns", 1e-9}, {"min", 60},  {"h", 3600}};
   for (const auto& [unit, in_s] : units)
@@ -324,7 +323,7 @@ TEST_F(RecordedUnits, TimesHaveThem) {
   EXPECT_EQ(read(text)->facts().fps, 25);
 }
 
-TEST_F(RecordedUnits, HeadingsHaveThem) {
+TEST_F(RecordedUnits, ApplyToHeadings) {
   const auto heading = [&](std::string_view name, double value, RecordingOptions options = {}) {
     return track(*read(fmt::format("id,t,x,y,{}\n1,0,3,4,0\n1,1,3,4,{}\n", name, value),
                        std::move(options)),
@@ -340,7 +339,7 @@ TEST_F(RecordedUnits, HeadingsHaveThem) {
   for (const char* name : {"heading", "heading_rad", "heading [rad]", "heading (radians)"})
     EXPECT_FLOAT_EQ(heading(name, 1.5), 1.5f) << name;
   EXPECT_FLOAT_EQ(heading("heading_rad", 99), 99) << "said to be rad";
-  // Without a unit, and beyond a turn: asked for.
+  // Beyond a full turn a unit is required.
   const std::string text = "id,t,x,y,heading\n1,0,3,4,0\n1,1,3,4,90\n";
   EXPECT_THAT(refusal(text),
               AllOf(StartsWith("recording:3: expected headings from -2 pi to 2 pi rad"),
@@ -353,14 +352,14 @@ TEST_F(RecordedUnits, HeadingsHaveThem) {
   const auto overruled =
       read("id,t,x,y,heading [deg]\n1,0,3,4,1\n1,1,3,4,1\n", {.heading_unit_rad = 1});
   EXPECT_EQ(track(*overruled, 0)[0].heading_rad, 1);
-  EXPECT_THAT(overruled->facts().anomalies.at(0).what, HasSubstr("--heading-unit overrules"));
+  EXPECT_THAT(overruled->facts().anomalies.at(0).what, HasSubstr("--heading-unit overrides"));
   EXPECT_THAT(refusal("id,t,x,y\n1,0,3,4\n", {.heading_unit_rad = 1}),
               StartsWith("--heading-unit: expected a table with a column of headings"));
   EXPECT_THAT(refusal("# framerate: 25\n# id frame x/m y/m\n1 0 3 4\n", {.heading_unit_rad = 1}),
               StartsWith("--heading-unit: expected"));
 }
 
-TEST_F(RecordedUnits, ALineOfUnitsHasOneForEachColumn) {
+TEST_F(RecordedUnits, AreReadFromALineOfUnits) {
   const std::string names = "\"t\",\"id\",\"name\",\"active\",\"x\",\"y\",\"z\"\n";
   const std::string row = "500,0,\"a\",1,300,4,0\n1000,0,\"a\",1,301,4,0\n";
   const auto read_with = [&](const std::string& units) { return read(names + units + row); };

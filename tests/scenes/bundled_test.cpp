@@ -1,4 +1,4 @@
-// The bundled scenes keep what every scene promises.
+// Bundled scenes keep general and documented properties.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 class BundledScene : public testing::TestWithParam<const char*> {};
 
-TEST_P(BundledScene, KeepsEverybodyOffWallsPlacedAndOnTheWay) {
+TEST_P(BundledScene, KeepsAgentsPlacedMovingAndOffWalls) {
   Scene scene = load_scene(GetParam());
   SmallWorld world(scene, 2);
   const Crowd& crowd = world.crowd;
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(All, BundledScene,
                                          "robot_in_crowd"),
                          [](const auto& each) { return std::string(each.param); });
 
-TEST(BundledScenes, LargeOnesPlaceEverybody) {
+TEST(BundledScenes, PlaceAllAgents) {
   for (const char* name : {"rush_hour", "city_square"}) {
     const Scene scene = load_scene(name);
     Workers workers(2);
@@ -64,7 +64,7 @@ TEST(BundledScenes, LargeOnesPlaceEverybody) {
   }
 }
 
-TEST(BundledScenes, OfTheMetroAllGetOffThenOnAndTheLateStayOutside) {
+TEST(BundledScenes, MetroLetsPassengersOffThenOn) {
   for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic})
     for (uint64_t seed = 1; seed <= 3; ++seed) {
       SCOPED_TRACE(testing::Message() << name_of(model) << ", seed " << seed);
@@ -91,7 +91,7 @@ TEST(BundledScenes, OfTheMetroAllGetOffThenOnAndTheLateStayOutside) {
     }
 }
 
-TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMoreThanFour) {
+TEST(BundledScenes, TicketOfficeKeepsLinesAndCapacity) {
   for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic}) {
     int in_line = 0, in_place = 0;
     for (uint64_t seed = 1; seed <= 12; ++seed) {
@@ -111,7 +111,7 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
         for (uint32_t id = 0; id < crowd.size(); ++id) {
           const bool is_in =
               crowd.journeys().is_present(id) && bakery.contains(crowd.positions_m()[id]);
-          // Who was out again may be pushed back over the sill for a moment.
+          // Customers who have left may be pushed back across the threshold for a moment.
           was_out[id] |= was_in[id] != 0 && !is_in;
           was_in[id] |= is_in;
           inside += is_in && was_out[id] == 0;
@@ -126,16 +126,17 @@ TEST(BundledScenes, InTheTicketOfficePeopleStandInLineAndTheBakeryNeverHoldsMore
       }
       EXPECT_EQ(max_inside, 4);
       EXPECT_EQ(crowd.population().counters().left, crowd.size())
-          << "not everybody has been served";
+          << "some customers were not served";
     }
-    EXPECT_GT(in_line, 12 * 100 * 60) << "nobody queues";
-    fmt::print("ticket_office {}: {:.0f} % of {:.0f} s in line within two places of theirs\n",
-               name_of(model), 100.0 * in_place / in_line, in_line / 60.0);
+    EXPECT_GT(in_line, 12 * 100 * 60) << "no queues";
+    fmt::print(
+        "ticket_office {}: {:.0f} % of {:.0f} s in line within two spacings of their place\n",
+        name_of(model), 100.0 * in_place / in_line, in_line / 60.0);
     EXPECT_GT(in_place, 0.9 * in_line);
   }
 }
 
-TEST(BundledScenes, OfTheConcert95PercentFaceTheStageWithin20DegreesThenAllLeave) {
+TEST(BundledScenes, ConcertAudienceFacesTheStageThenLeaves) {
   for (const SteeringKind model : {SteeringKind::kOrca, SteeringKind::kHeuristic}) {
     SCOPED_TRACE(name_of(model));
     Scene scene = load_scene("concert");

@@ -1,4 +1,4 @@
-// A run whose avatars are moved by a world that comes from outside.
+// Runs with a custom motion source.
 #include <gtest/gtest.h>
 
 #include "scenes/run/posing.h"
@@ -7,8 +7,7 @@
 namespace throng::custom_motion_test {
 namespace {
 
-/// Two adults who face each other, held with their arms at their sides or lifted forwards, from
-/// frame to frame nearer.
+/// Two adults who face each other and approach, with arms at their sides or lifted forwards.
 class TwoWhoMeet final : public MotionSource {
  public:
   TwoWhoMeet(float arms_rad, uint64_t hash) : hash_(hash), models_{load_model(adult_urdf())} {
@@ -25,7 +24,7 @@ class TwoWhoMeet final : public MotionSource {
     bodies.external_rows = {row_.data(), row_.data()};
   }
   void describe(RunInfo& info) const override {
-    info.groups = {"held"};
+    info.groups = {"external"};
     info.control_channels = {""};
     info.group_of_avatar = {0, 0};
   }
@@ -46,7 +45,7 @@ class TwoWhoMeet final : public MotionSource {
 
 Simulation external_run(float arms_rad, uint64_t hash) {
   Scene scene;
-  scene.name = "held";
+  scene.name = "external";
   scene.exact = true;
   SimulationOptions options;
   options.motion = [=](const Scene&, SimdTarget, Workers&) {
@@ -61,21 +60,21 @@ int frame_of_contact(Simulation simulation) {
   return -1;
 }
 
-TEST(OtherWorld, HoldsItsAvatarsInPosturesThatNoGaitKnows) {
+TEST(CustomMotion, AppliesExternalPostures) {
   const int still = frame_of_contact(external_run(0, 0));
   const int reaching = frame_of_contact(external_run(1.5f, 0));
-  EXPECT_GT(still, 14) << "bodies meet at some 0.4 m";
-  EXPECT_GT(reaching, 1) << "arms are not a metre long";
+  EXPECT_GT(still, 14) << "bodies touch at about 0.4 m";
+  EXPECT_GT(reaching, 1) << "arms are shorter than 1 m";
   EXPECT_LT(reaching, 12) << "hands meet at more than 0.8 m";
 }
 
-TEST(OtherWorld, WhatItIsMadeOfNamesTheRun) {
+TEST(CustomMotion, ContributesToTheRunId) {
   EXPECT_EQ(external_run(0, 1).info().run_id, external_run(0, 1).info().run_id);
   EXPECT_NE(external_run(0, 1).info().run_id, external_run(0, 2).info().run_id);
   EXPECT_NE(external_run(0, 1).info().run_id, external_run(0, 0).info().run_id);
 }
 
-TEST(OtherWorld, GoesOnFromWhereItWas) {
+TEST(CustomMotion, ResumesFromACheckpoint) {
   Simulation whole = external_run(1.5f, 3);
   for (int i = 0; i < 5; ++i) whole.step();
   Simulation rest = external_run(1.5f, 3);

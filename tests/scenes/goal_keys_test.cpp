@@ -1,4 +1,4 @@
-// Goals of scene files that people wait for: queues, capacities, and how long somebody stays.
+// Keys of goals: queues, capacities, waiting times.
 #include "tests/scenes/scene_file.h"
 
 namespace throng::goal_keys_test {
@@ -6,7 +6,7 @@ namespace {
 
 class GoalKeys : public SceneFile {};
 
-/// Somebody who goes to the east, and `keys` of that goal.
+/// Scene with one group whose goal in the east has these keys.
 std::string with_goal(const std::string& keys) {
   return kGround +
          "groups:\n"
@@ -17,7 +17,7 @@ std::string with_goal(const std::string& keys) {
          keys + "}\n";
 }
 
-TEST_F(GoalKeys, GoalsMayHaveAQueue) {
+TEST_F(GoalKeys, ReadQueues) {
   const Scene plain = load(with_goal(""));
   EXPECT_FALSE(plain.groups[0].goals[0].is_limited());
   const Scene counter = load(with_goal(", queue: {}"));
@@ -38,7 +38,7 @@ TEST_F(GoalKeys, GoalsMayHaveAQueue) {
   EXPECT_NE(both.content_hash, other.content_hash);
 }
 
-TEST_F(GoalKeys, PeopleWaitAtAGoalForAsLongAsADistributionDraws) {
+TEST_F(GoalKeys, ReadWaitDistributions) {
   const Scene fixed = load(with_goal(", wait_s: 5"));
   EXPECT_EQ(fixed.groups[0].goals[0].wait_s, (Distribution{5, 0, 5, 5}));
   const Scene drawn = load(with_goal(", wait_s: {mean: 5, std_dev: 2, max: 9}"));
@@ -48,7 +48,7 @@ TEST_F(GoalKeys, PeopleWaitAtAGoalForAsLongAsADistributionDraws) {
             "s.yaml:6: expected min <= mean <= max in wait_s, found min 0, mean 5, max 4");
 }
 
-TEST_F(GoalKeys, LinesOfQueuesLieOnFreeGround) {
+TEST_F(GoalKeys, RejectBlockedQueueLines) {
   const auto of_line = [&](const std::string& line) {
     return complaint(with_goal(", queue: {line: " + line + "}"));
   };
@@ -65,11 +65,12 @@ TEST_F(GoalKeys, LinesOfQueuesLieOnFreeGround) {
   EXPECT_EQ(complaint(with_goal(", queue: {line: [[14, 5], [9, 5]]}") +
                       "obstacles:\n"
                       "  - {name: wall, kind: box, position_m: [12, 5], size_m: [0.2, 2, 3]}\n"),
-            "s.yaml:6: expected a line with room to stand on, found [12.25, 5] at obstacle 'wall'");
+            "s.yaml:6: expected a line with free ground to stand on, found [12.25, 5] at obstacle "
+            "'wall'");
   EXPECT_EQ(complaint(with_goal(", queue: {line: [[14, 5], [9, 5]]}") +
                       "      - {min_m: [15, 1], max_m: [19, 9], capacity: 2}\n"),
             fmt::format("s.yaml:7: expected the same 'capacity' and 'queue' as of the goal of the "
-                        "same areas at {}/s.yaml:6, found others",
+                        "same areas at {}/s.yaml:6, found other values",
                         folder_.string()));
 }
 

@@ -1,7 +1,8 @@
-// no_miss_people [PAIRS [SEED [touching]]]: the law of no misses over at least that many near pairs
-// of parts of people who walk, stand and give way, a line a scene; and that of near rows, over as
-// many pairs within a margin, unless touching ones alone are asked for: distances are what takes
-// the time. Exit code 1 if one was missed, or an interval does not hold the distance.
+// no_miss_people [PAIRS [SEED [touching]]] checks the no-miss guarantee for at least PAIRS near
+// pairs of parts of walking, standing and adapting people, per scene.
+// Unless `touching` is given it also checks proximity rows, for as many pairs within a margin;
+// distances take most of the time. Exit code 1: a contact was missed, or bounds do not contain the
+// distance.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +37,7 @@ struct Tally {
   }
 };
 
-/// A bundled scene whose people stand and walk closer to each other than they would.
+/// Bundled scene with people closer together than usual.
 Scene pressed(std::string_view name, uint64_t seed) {
   Scene scene = load_scene(std::string(name));
   for (Group& group : scene.groups)
@@ -45,7 +46,7 @@ Scene pressed(std::string_view name, uint64_t seed) {
   return scene;
 }
 
-/// Some seconds of a scene; what is checked differs from round to round.
+/// Runs some seconds of a scene; settings differ between rounds.
 void run(std::string_view name, uint64_t seed, size_t round, bool has_margin, Tally& tally) {
   constexpr std::array<PairSearch, 3> kSearches = {PairSearch::kGrid, PairSearch::kSweep,
                                                    PairSearch::kBrute};
@@ -93,7 +94,7 @@ int main(int argc, char** argv) {
   Tally sum;
   std::vector<Tally> of_scenes;
   fmt::print("{:<16}{:>12}{:>12}{:>20}{:>8}\n", "scene", "near pairs", "touching",
-             "postures given way", "missed");
+             "adapted postures", "missed");
   const auto line = [](std::string_view name, const Tally& tally) {
     fmt::print("{:<16}{:>12}{:>12}{:>20}{:>8}\n", name, tally.tested, tally.touching,
                tally.avoiding, tally.missed);
@@ -103,8 +104,8 @@ int main(int argc, char** argv) {
   const uint64_t of_each = pairs / kScenes.size() + 1;
   for (const std::string_view name : kScenes) {
     Tally& tally = of_scenes.emplace_back();
-    const uint64_t& least = has_margin ? tally.rows.tested : tally.tested;
-    for (size_t round = 0; std::min(tally.tested, least) < of_each; ++round)
+    const uint64_t& min_tested = has_margin ? tally.rows.tested : tally.tested;
+    for (size_t round = 0; std::min(tally.tested, min_tested) < of_each; ++round)
       run(name, seed, round, has_margin, tally);
     line(name, tally);
     sum.add(tally);

@@ -110,7 +110,7 @@ void PersonPairs::check(const Frame& frame) {
   }
   const auto x_of = [&](uint32_t id) { return frame.roots[id].position_m.x(); };
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return x_of(a) < x_of(b); });
-  // Nobody reaches farther than this with another.
+  // Maximum distance between the centres of people in contact.
   const double reach_m = 3 + static_cast<double>(margin_m_);
   for (size_t i = 0; i < order.size(); ++i)
     for (size_t j = i + 1; j < order.size() && x_of(order[j]) - x_of(order[i]) < reach_m; ++j)

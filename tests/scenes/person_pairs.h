@@ -1,7 +1,6 @@
-// Parts of people near each other in a run, held against triangles: whatever touches must be
-// reported in that frame, and whatever is within the run's margin must have a row.
-// One rule: only near pairs count, those whose axis-aligned boxes, widened by a centimetre (and the
-// margin), overlap; of the others the boxes prove that they are farther apart.
+// PersonPairs compares the contacts and proximity rows of a run with exact triangle tests.
+// It tests pairs whose axis-aligned boxes overlap when widened by 1 cm plus the margin; all other
+// pairs are proven farther apart.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +17,14 @@ namespace throng::test {
 
 class PersonPairs {
  public:
-  /// Of a run with postures and that margin, if any; `run` is to outlive this.
+  /// `run`: with postures, and `margin` if any; it has to outlive this object.
   explicit PersonPairs(const Simulation& run, float proximity_m = 0);
-  /// Compares all avatars with each other, as they are after a step.
+  /// Compares all avatars after a step.
   void check(const Frame& frame);
 
   uint64_t tested = 0, touching = 0, missed = 0;
   std::string first_miss;
-  ProximityTally rows;  ///< of a run with a margin
+  ProximityTally rows;  ///< only for runs with a margin
 
  private:
   struct Box {
@@ -44,9 +43,9 @@ class PersonPairs {
 
   const Simulation& run_;
   float margin_m_;
-  float reach_m_;                                   ///< of boxes that are looked at
-  std::vector<std::vector<TriangleBvh>> surfaces_;  ///< by model, then by part
-  std::vector<std::vector<DistanceTree>> trees_;    ///< the same; of a run with a margin
+  float reach_m_;                                   ///< maximum distance of compared boxes
+  std::vector<std::vector<TriangleBvh>> surfaces_;  ///< indexed by model, then by part
+  std::vector<std::vector<DistanceTree>> trees_;    ///< the same; only for runs with a margin
   std::vector<Avatar> avatars_;
 };
 

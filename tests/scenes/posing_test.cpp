@@ -1,4 +1,4 @@
-// What culling knows of a body before it is posed.
+// Bounds and postures that culling uses before and after posing.
 #include "scenes/run/posing.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace throng::posing_test {
 namespace {
 
-TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
+TEST(Posing, DoesNotBoundExternalPosturesByTheGait) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const std::vector<float> row(static_cast<size_t>(adult->kinematics.column_count()));
   BodyStates bodies;
@@ -36,7 +36,7 @@ TEST(Posing, WhoIsMovedFromOutsideIsNotBoundedByTheGait) {
   EXPECT_FALSE(boxes[1].is_known()) << "an arm may reach out of the gait's box";
 }
 
-TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
+TEST(Posing, KeepsAllStylesWithinCommonBounds) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   constexpr uint32_t kAvatars = 60;
   BodyStates bodies;
@@ -77,7 +77,7 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
     const Gait& gait = gaits[static_cast<size_t>(bodies.styles[id])];
     gait.postures({&bodies.phases[id], 1}, {&bodies.gait_mps[id], 1}, {&bodies.scales[id], 1}, own);
     gait.apply_head_yaw(looks[id], own);
-    // Legs are bent anew, to the same feet: near a straight knee a millimetre is half a degree.
+    // Legs are recomputed to the same feet: near a straight knee 1 mm is half a degree.
     for (size_t c = 0; c < columns; ++c) EXPECT_NEAR(own[c], rows[id * columns + c], 0.02f);
     for (size_t part = 0; part < parts; ++part)
       for (const Eigen::Vector3f& vertex : adult->parts[part].mesh.vertices) {
@@ -93,7 +93,7 @@ TEST(Posing, EveryoneWalksInOneOwnStyleWithinTheBoundsOfAll) {
   }
 }
 
-TEST(Posing, RowsThatLieSomewhereAreReadWhereTheyLie) {
+TEST(Posing, ReadsExternalRowsInPlace) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const auto columns = static_cast<size_t>(adult->kinematics.column_count());
   std::vector<float> external(columns, 0.1f), scratch(2 * columns, 7.0f);
@@ -107,7 +107,7 @@ TEST(Posing, RowsThatLieSomewhereAreReadWhereTheyLie) {
   EXPECT_EQ(scratch, std::vector<float>(2 * columns, 7.0f));
 }
 
-TEST(Posing, PosesAreTheSameWhetherRowsAreComputedBeforeOrNot) {
+TEST(Posing, IsIndependentOfPrecomputedRows) {
   const std::shared_ptr<const Model> adult = load_model(adult_urdf());
   const auto columns = static_cast<size_t>(adult->kinematics.column_count());
   constexpr uint32_t kAvatars = 200;

@@ -1,5 +1,4 @@
-// Distances of a run: the same for threads and behind a checkpoint, and no event is another for
-// them.
+// Proximity in runs: rows are independent of threads and checkpoints, and events of proximity.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +30,7 @@ RunSummary summary_of(const Scene& scene, int threads) {
   return run(simulation, {});
 }
 
-TEST(NearRun, HasTheSameRowsForThreadsAndChangesNoEvent) {
+TEST(ProximityRun, IsIndependentOfThreadsAndKeepsEvents) {
   const RunSummary one = summary_of(plaza(0.2, 0.6), 1), three = summary_of(plaza(0.2, 0.6), 3),
                    none = summary_of(plaza(0, 0), 1);
   EXPECT_GT(one.proximity.pairs, 100u);
@@ -43,7 +42,7 @@ TEST(NearRun, HasTheSameRowsForThreadsAndChangesNoEvent) {
   EXPECT_NE(one.run_id, none.run_id) << "what a run lists is part of its name";
 }
 
-TEST(NearRun, GoesOnBehindACheckpoint) {
+TEST(ProximityRun, ContinuesAfterACheckpoint) {
   const Scene scene = plaza(0.2, 0.6);
   Simulation whole(scene, {}), rest(scene, {});
   for (int i = 0; i < 10; ++i) whole.step();
@@ -60,8 +59,8 @@ TEST(NearRun, GoesOnBehindACheckpoint) {
   }
 }
 
-/// Behind a checkpoint, on any number of threads, with a margin and without.
-TEST(ContactPointsOfARun, AreThoseOfItsPairsAndChangeNoEvent) {
+/// After a checkpoint, for any number of threads, with and without a margin.
+TEST(ContactPointsRun, MatchesPairsAndKeepsEvents) {
   Scene scene = load_scene("robot_in_crowd");
   scene.exact = true;
   Simulation plain(scene, {});
@@ -70,11 +69,11 @@ TEST(ContactPointsOfARun, AreThoseOfItsPairsAndChangeNoEvent) {
   threads.threads = 3;
   Simulation with(scene, {}), rest(scene, threads);
   scene.proximity_m = 0.1;
-  Simulation beside(scene, {});
+  Simulation with_proximity(scene, {});
   size_t points = 0;
   for (int i = 0; i < 60; ++i) {
     if (i == 20) rest.resume(with.saved(), "test");
-    const Frame &expected = plain.step(), &found = with.step(), &near = beside.step();
+    const Frame &expected = plain.step(), &found = with.step(), &near = with_proximity.step();
     EXPECT_EQ(found.hash, expected.hash);
     EXPECT_EQ(near.hash, expected.hash);
     EXPECT_TRUE(expected.contact_points.empty());
@@ -95,8 +94,8 @@ TEST(ContactPointsOfARun, AreThoseOfItsPairsAndChangeNoEvent) {
   EXPECT_GT(points, 100u);
 }
 
-/// The people of a row of two people are nowhere else nearer.
-TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
+/// In rows of two people all other parts are at least as far apart.
+TEST(ProximityRun, ReportsClosestPartsOfTwoPeople) {
   Simulation simulation(plaza(0.3, 0.3), {});
   int rows = 0;
   for (int i = 0; i < 20; ++i) {
@@ -112,7 +111,6 @@ TEST(NearRun, NamesTheNearestPartsOfEachTwoPeople) {
   EXPECT_GT(rows, 50);
 }
 
-/// What a frame lists, whatever the speeds are.
 struct ListedRow {
   PairKey pair;
   float lo_m, hi_m;
@@ -126,7 +124,6 @@ std::vector<ListedRow> rows_of(const ProximityRows& rows) {
   return out;
 }
 
-/// Both kinds of rows of some frames.
 struct ListedFrames {
   std::vector<std::vector<ListedRow>> parts, people;
   size_t rows() const {
@@ -136,7 +133,7 @@ struct ListedFrames {
   }
 };
 
-ListedFrames listed(const Scene& scene, int threads) {
+ListedFrames rows_of_run(const Scene& scene, int threads) {
   SimulationOptions options;
   options.threads = threads;
   Simulation run(scene, options);
@@ -149,8 +146,8 @@ ListedFrames listed(const Scene& scene, int threads) {
   return out;
 }
 
-/// The rows of the pairs that a filter asks for.
-ListedFrames sifted(const ListedFrames& all, const Scene& scene) {
+/// Rows of the pairs that a filter selects.
+ListedFrames filtered(const ListedFrames& all, const Scene& scene) {
   const Simulation run(scene, {});
   const PairFilter filter = filter_of(scene, run.info());
   const auto type_of = [&](uint32_t body) -> size_t {
@@ -169,11 +166,11 @@ ListedFrames sifted(const ListedFrames& all, const Scene& scene) {
   return out;
 }
 
-TEST(NearRun, RowsAtTheMarginDependOnNoOtherMarginAndNoFilter) {
+TEST(ProximityRun, RowsDependOnTheirOwnMarginOnly) {
   for (const char* const name : {"robot_in_crowd", "plaza"})
     for (uint64_t seed = 1; seed <= 2; ++seed)
       for (const bool exact : {false, true}) {
-        // With every change robots among people once, and people alone with triangles once.
+        // Every change once with robots and people, once with people and triangles.
         const bool is_plaza = std::string_view(name) == "plaza";
         if (!test::is_nightly() && (seed > 1 || exact != is_plaza)) continue;
         SCOPED_TRACE(fmt::format("{}, seed {}, exact {}", name, seed, exact));
@@ -183,38 +180,38 @@ TEST(NearRun, RowsAtTheMarginDependOnNoOtherMarginAndNoFilter) {
         scene.seed = seed;
         scene.exact = exact;
         scene.proximity_m = 0.2;
-        const ListedFrames whole = listed(scene, 1);
+        const ListedFrames whole = rows_of_run(scene, 1);
         ASSERT_GT(whole.rows(), 100u);
         for (const double closest_parts_m : {0.0, 0.05, 0.9})
-          for (const auto& [between, parts] : {std::pair("", ""),
-                                               {"robots: people", ""},
-                                               {"", "hands: torso, head"},
-                                               {"people, robots: obstacles", "lower arms"}}) {
-            if (is_plaza && *between != 0) continue;  // it has no robots
+          for (const auto& [groups, parts] : {std::pair("", ""),
+                                              {"robots: people", ""},
+                                              {"", "hands: torso, head"},
+                                              {"people, robots: obstacles", "lower arms"}}) {
+            if (is_plaza && *groups != 0) continue;  // plaza has no robots
             SCOPED_TRACE(
-                fmt::format("person_near {}, '{}', '{}'", closest_parts_m, between, parts));
+                fmt::format("closest_parts_m {}, '{}', '{}'", closest_parts_m, groups, parts));
             Scene other = scene;
             other.closest_parts_m = closest_parts_m;
-            if (*between != 0) other.group_filter = pair_rules_of(between, "test");
+            if (*groups != 0) other.group_filter = pair_rules_of(groups, "test");
             if (*parts != 0) other.part_filter = part_rules_of(parts, "test");
-            const ListedFrames found = listed(other, closest_parts_m == 0.9 ? 3 : 1),
-                               expected = sifted(whole, other);
+            const ListedFrames found = rows_of_run(other, closest_parts_m == 0.9 ? 3 : 1),
+                               expected = filtered(whole, other);
             for (size_t frame = 0; frame < expected.parts.size(); ++frame)
               ASSERT_EQ(found.parts[frame], expected.parts[frame]) << "frame " << frame;
           }
-        // And the nearest parts of two people on no margin of all parts.
+        // Closest parts of two people do not depend on the other margin either.
         scene.proximity_m = 0;
         scene.closest_parts_m = 0.3;
-        const ListedFrames alone = listed(scene, 1);
+        const ListedFrames alone = rows_of_run(scene, 1);
         for (const double proximity_m : {0.1, 0.8}) {
           scene.proximity_m = proximity_m;
-          EXPECT_EQ(listed(scene, 1).people, alone.people) << "near " << proximity_m;
+          EXPECT_EQ(rows_of_run(scene, 1).people, alone.people) << "proximity_m " << proximity_m;
         }
       }
 }
 
-/// By volumes: the wall of a shop is 48 m long, and its corners are far from everybody.
-TEST(NearRun, RowsAtLargeObstaclesAreNoWiderThanPromised) {
+/// Compared by volumes: the wall of a shop is 48 m long, with its corners far away.
+TEST(ProximityRun, KeepsBoundsTightAtLargeObstacles) {
   Scene scene = load_scene("robot_in_crowd");
   scene.proximity_m = 0.2;
   Simulation by_volumes(scene, {});
@@ -246,7 +243,6 @@ struct Named {
   bool is_robot, is_obstacle;
 };
 
-/// What a key of a frame names.
 Named named(const Simulation& run, uint32_t id, uint32_t part) {
   const RunInfo& info = run.info();
   if (id >= info.model_of_avatar.size())
@@ -255,9 +251,9 @@ Named named(const Simulation& run, uint32_t id, uint32_t part) {
   return {info.groups[info.group_of_avatar[id]], model.parts[part].name, !model.is_person, false};
 }
 
-/// Every pair of some frames, as text, that a predicate of both its ends keeps.
+/// Pairs of several frames, as text, for which a predicate of both sides holds.
 template <typename Keeps>
-std::vector<std::string> seen(const Scene& scene, const Keeps& keeps) {
+std::vector<std::string> pairs_of(const Scene& scene, const Keeps& keeps) {
   Simulation run(scene, {});
   std::vector<std::string> out;
   for (int i = 0; i < 40; ++i) {
@@ -275,7 +271,7 @@ std::vector<std::string> seen(const Scene& scene, const Keeps& keeps) {
   return out;
 }
 
-constexpr auto kAnybody = [](const Named&, const Named&) { return true; };
+constexpr auto kAny = [](const Named&, const Named&) { return true; };
 
 Scene hall() {
   Scene scene = load_scene("robot_in_crowd");
@@ -283,23 +279,22 @@ Scene hall() {
   return scene;
 }
 
-TEST(AskedPairs, OfGroupsAreThoseOfTheWholeRunSifted) {
+TEST(PairRules, SelectPairsOfGroups) {
   Scene scene = hall();
-  const std::vector<std::string> robots = seen(scene, [](const Named& a, const Named& b) {
+  const std::vector<std::string> robots = pairs_of(scene, [](const Named& a, const Named& b) {
     return a.is_robot && !b.is_robot && !b.is_obstacle;
   });
   scene.group_filter = pair_rules_of("robots: people", "test");
   EXPECT_GT(robots.size(), 20u);
-  EXPECT_EQ(seen(scene, kAnybody), robots);
+  EXPECT_EQ(pairs_of(scene, kAny), robots);
   scene = hall();
   const std::string group = Simulation(scene, {}).info().groups.front();
   const std::vector<std::string> own =
-      seen(scene, [&](const Named& a, const Named&) { return a.body == group; });
+      pairs_of(scene, [&](const Named& a, const Named&) { return a.body == group; });
   scene.group_filter = pair_rules_of(group, "test");
-  EXPECT_EQ(seen(scene, kAnybody), own) << "a name alone is with all";
+  EXPECT_EQ(pairs_of(scene, kAny), own) << "a name alone is with all";
 }
 
-/// What a run says of its filter.
 std::vector<std::string> notes_of(const Scene& scene) {
   std::vector<std::string> out;
   const Simulation run(scene, {});
@@ -308,12 +303,12 @@ std::vector<std::string> notes_of(const Scene& scene) {
   return out;
 }
 
-TEST(AskedPairs, OfAKindAreAllOfItWhateverGroupsAndObstaclesAreCalled) {
+TEST(PairRules, SelectKindsRegardlessOfGroupNames) {
   const auto is_person = [](const Named& one) { return !one.is_robot && !one.is_obstacle; };
   Scene plain = hall();
   const std::vector<std::string> all =
-      seen(plain, [&](const Named& a, const Named& b) { return a.is_robot && is_person(b); });
-  const std::vector<std::string> eastbound = seen(
+      pairs_of(plain, [&](const Named& a, const Named& b) { return a.is_robot && is_person(b); });
+  const std::vector<std::string> eastbound = pairs_of(
       plain, [&](const Named& a, const Named& b) { return a.is_robot && b.body == "eastbound"; });
   ASSERT_LT(eastbound.size(), all.size());
   EXPECT_TRUE(notes_of(plain).empty());
@@ -321,29 +316,30 @@ TEST(AskedPairs, OfAKindAreAllOfItWhateverGroupsAndObstaclesAreCalled) {
     Scene scene = hall();
     for (Group& group : scene.groups)
       if (group.name == "eastbound") group.name = name;
-    EXPECT_TRUE(notes_of(scene).empty()) << "nobody asks for anything";
+    EXPECT_TRUE(notes_of(scene).empty()) << "no filter";
     scene.group_filter = pair_rules_of("robots: people", "test");
-    EXPECT_EQ(seen(scene, kAnybody), all) << name;
+    EXPECT_EQ(pairs_of(scene, kAny), all) << name;
     EXPECT_EQ(notes_of(scene).size(), name == "people" || name == "robots" ? 1u : 0u) << name;
     scene.group_filter = pair_rules_of(fmt::format("robots: group:{}", name), "test");
-    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
+    EXPECT_EQ(pairs_of(scene, kAny), eastbound) << name;
     scene.group_filter = pair_rules_of(fmt::format("group:{}:group:robot", name), "test");
-    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
+    EXPECT_EQ(pairs_of(scene, kAny), eastbound) << name;
     scene.group_filter = pair_rules_of(std::string(name), "test");
     ASSERT_EQ(notes_of(scene).size(), 1u) << name;
-    EXPECT_EQ(notes_of(scene).front(),
-              fmt::format("group_filter: '{0}' means all of that kind; the group of this name is "
-                          "'group:{0}'",
-                          name));
+    EXPECT_EQ(
+        notes_of(scene).front(),
+        fmt::format("group_filter: '{0}' means all bodies of that kind; the group of this name is "
+                    "'group:{0}'",
+                    name));
   }
   Scene scene = hall();
   scene.obstacles.back().name = "people";
   scene.group_filter = pair_rules_of("robots: people", "test");
-  EXPECT_EQ(seen(scene, kAnybody), all) << "and no obstacle of that name";
+  EXPECT_EQ(pairs_of(scene, kAny), all) << "and no obstacle of that name";
   EXPECT_NE(notes_of(scene).front().find("'obstacle:people'"), std::string::npos);
 }
 
-TEST(AskedPairs, OfAGroupAreWrittenWithAPrefixOrWithout) {
+TEST(PairRules, ParsePrefixes) {
   const auto text = [](const char* given) { return to_text(pair_rules_of(given, "test")); };
   EXPECT_EQ(text("group:people"), "group:people: all");
   EXPECT_EQ(text(" group:people : robots"), "group:people: robots");
@@ -356,7 +352,7 @@ TEST(AskedPairs, OfAGroupAreWrittenWithAPrefixOrWithout) {
   EXPECT_EQ(to_text(part_rules_of("group:hand", "test")), "group: hand") << "parts have no groups";
 }
 
-TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
+TEST(PairRules, ParseQuotedNames) {
   const auto rules = [](const std::string& given) { return pair_rules_of(given, "test"); };
   const auto same = [&](const std::string& given, const std::string& left,
                         const std::string& right) {
@@ -372,7 +368,7 @@ TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
   same(R"(" a ": people)", " a ", "people");
   same(R"(group:"group:a": people)", "group:group:a", "people");
   same(R"("""a""": people)", R"("a")", "people");
-  // What is no quotes is part of the name.
+  // Text that is not a complete quotation is part of the name.
   same("O'Brien: it's", "O'Brien", "it's");
   same(R"("a: b)", R"("a)", "b");
   same(R"('a' b: c)", "'a' b", "c");
@@ -382,7 +378,7 @@ TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
     EXPECT_THROW(rules(wrong), InputError) << wrong;
 
   Scene plain = hall();
-  const std::vector<std::string> eastbound = seen(plain, [&](const Named& a, const Named& b) {
+  const std::vector<std::string> eastbound = pairs_of(plain, [&](const Named& a, const Named& b) {
     return a.is_robot && !b.is_obstacle && b.body == "eastbound";
   });
   ASSERT_FALSE(eastbound.empty());
@@ -392,8 +388,8 @@ TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
     for (Group& group : scene.groups)
       if (group.name == "eastbound") group.name = name;
     scene.group_filter = rules("robots: " + rule_name("group:" + name));
-    EXPECT_EQ(seen(scene, kAnybody), eastbound) << name;
-    scene.group_filter = rules("nobody");
+    EXPECT_EQ(pairs_of(scene, kAny), eastbound) << name;
+    scene.group_filter = rules("unknown");
     try {
       const Simulation run(scene, {});
       ADD_FAILURE() << name;
@@ -406,26 +402,26 @@ TEST(AskedPairs, OfAGroupWhoseNameHasSeparatorsAreWrittenInQuotes) {
   }
 }
 
-TEST(AskedPairs, OfPartsAreThoseOfTheWholeRunSifted) {
+TEST(PairRules, SelectPairsOfParts) {
   Scene scene = plaza(0.2, 0);
   scene.exact = false;
   const auto has = [](const Named& one, std::string_view word) {
     return has_words(one.part, word);
   };
   const std::vector<std::string> hands =
-      seen(scene, [&](const Named& a, const Named&) { return has(a, "hand"); });
-  const std::vector<std::string> arms = seen(scene, [&](const Named& a, const Named& b) {
+      pairs_of(scene, [&](const Named& a, const Named&) { return has(a, "hand"); });
+  const std::vector<std::string> arms = pairs_of(scene, [&](const Named& a, const Named& b) {
     return (has(a, "hands") && has(b, "lower arms")) || (has(a, "torso") && has(b, "torso"));
   });
   scene.part_filter = pair_rules_of("hands", "test");
   EXPECT_GT(hands.size(), 20u);
-  EXPECT_EQ(seen(scene, kAnybody), hands);
+  EXPECT_EQ(pairs_of(scene, kAny), hands);
   scene.part_filter = pair_rules_of("hands: lower arms, torso: torso", "test");
   EXPECT_GT(arms.size(), 5u);
-  EXPECT_EQ(seen(scene, kAnybody), arms);
+  EXPECT_EQ(pairs_of(scene, kAny), arms);
 }
 
-TEST(AskedPairs, ArePartOfTheRunsNameAndOfNothingElse) {
+TEST(PairRules, ChangeTheRunIdOnly) {
   Scene scene = plaza(0.2, 0.6);
   const RunSummary all = summary_of(scene, 1);
   scene.part_filter = pair_rules_of("hands, head: torso", "test");
@@ -436,11 +432,11 @@ TEST(AskedPairs, ArePartOfTheRunsNameAndOfNothingElse) {
   EXPECT_LT(one.proximity.pairs, all.proximity.pairs);
 }
 
-TEST(AskedPairs, OfNobodyAreRefused) {
-  const auto refusal = [](const char* between, const char* parts) -> std::string {
+TEST(PairRules, RejectUnknownNames) {
+  const auto refusal = [](const char* groups, const char* parts) -> std::string {
     Scene scene = hall();
-    if (*between != 0) scene.group_filter = pair_rules_of(between, "--filter-groups");
-    if (*parts != 0) scene.part_filter = pair_rules_of(parts, "--parts");
+    if (*groups != 0) scene.group_filter = pair_rules_of(groups, "--filter-groups");
+    if (*parts != 0) scene.part_filter = pair_rules_of(parts, "--filter-parts");
     try {
       const Simulation run(scene, {});
     } catch (const InputError& error) {
@@ -459,7 +455,7 @@ TEST(AskedPairs, OfNobodyAreRefused) {
     EXPECT_THROW(pair_rules_of(text, "--filter-groups"), InputError) << '\'' << text << '\'';
 }
 
-TEST(AskedPairs, ThatSeparationCannotDoWithoutAreNotLeftOut) {
+TEST(PairRules, RejectFiltersThatBreakSeparation) {
   Scene scene = hall();
   scene.exact = true;
   scene.proximity_m = 2;

@@ -1,5 +1,5 @@
-// Whole runs of recordings: recorded positions are kept, bodies walk, own people keep clear, and
-// the same frames come out however the run is made.
+// Runs of recordings: recorded positions are kept, bodies walk, other groups keep clear, and
+// results are independent of threads, SIMD and checkpoints.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,8 +25,7 @@ double uniform(uint64_t seed, uint64_t id, uint32_t number, double low, double h
   return random_uniform({seed, id, number, Purpose::kSpawnPosition}, low, high);
 }
 
-/// Archive text of people who wander, stop, turn, are away for a while, and come and go at frames
-/// of their own; heads sway.
+/// Archive text of people who wander, stop, turn, and are absent at various times; heads sway.
 std::string wandering(uint64_t seed, int people, int frames, double fps) {
   std::string text = fmt::format("# framerate: {} fps\n# id frame x/m y/m z/m\n", fps);
   for (int person = 0; person < people; ++person) {
@@ -40,7 +39,7 @@ std::string wandering(uint64_t seed, int people, int frames, double fps) {
       heading += uniform(seed, id, 1000 + stage, -0.8, 0.8) / fps;
       at += speed / fps * Eigen::Vector2d(std::cos(heading), std::sin(heading));
       walked += speed / fps;
-      if (stage % 7 == 3 && person % 5 == 0) continue;  // out of sight
+      if (stage % 7 == 3 && person % 5 == 0) continue;  // absent
       const double sway = 0.03 * std::sin(walked * 2 * std::numbers::pi / 1.3);
       const Eigen::Vector2d head =
           at + sway * Eigen::Vector2d(-std::sin(heading), std::cos(heading));
@@ -51,20 +50,19 @@ std::string wandering(uint64_t seed, int people, int frames, double fps) {
   return text;
 }
 
-class RecordedWorldTest : public RecordingTest {
+class RecordedMotionTest : public RecordingTest {
  protected:
   Scene scene(const std::string& text, TrackedPoint tracks) const {
     RecordingOptions options;
     options.file = write("walks.txt", text);
     options.tracked_point = tracks;
     Scene scene = recorded_scene(options);
-    scene.groups.back().gait_styles =
-        StyleShares{1};  // a gait takes a tenth of a second to tabulate
+    scene.groups.back().gait_styles = StyleShares{1};  // tabulating a gait takes 0.1 s
     return scene;
   }
 };
 
-/// How far from the record what was tracked is, at every recorded instant.
+/// Distance between the tracked point and the record, at every recorded instant.
 std::vector<double> errors_m(
     const Scene& scene,
     const std::function<Eigen::Vector2d(const Frame&, const BodyStates&, size_t)>& place) {
@@ -96,7 +94,7 @@ Eigen::Vector2d root_of(const Frame& frame, const BodyStates&, size_t id) {
   return frame.roots[id].position_m.head<2>();
 }
 
-/// The share of heads nearer than 2 cm to the record.
+/// Fraction of heads within 2 cm of the record.
 double share_within_2_cm(const Scene& scene) {
   const std::shared_ptr<const Model> model = load_model(adult_urdf());
   const std::vector<double> errors =
@@ -107,7 +105,7 @@ double share_within_2_cm(const Scene& scene) {
   return static_cast<double>(near) / static_cast<double>(errors.size());
 }
 
-TEST_F(RecordedWorldTest, WhoComesInIsExpectedByThoseNear) {
+TEST_F(RecordedMotionTest, AnnouncesEnteringPeople) {
   constexpr int kComesIn = 91;
   const auto expected_from = static_cast<int>(std::ceil(kComesIn - 60 * kExpected_s));
   for (const bool was_there_before : {false, true}) {
@@ -135,7 +133,7 @@ TEST_F(RecordedWorldTest, WhoComesInIsExpectedByThoseNear) {
   }
 }
 
-TEST_F(RecordedWorldTest, RootsPassThroughEveryRecordedCentreAtItsInstant) {
+TEST_F(RecordedMotionTest, MovesRootsThroughRecordedCentres) {
   for (const auto& [seed, fps] : {std::pair{1, 25.0}, {2, 16.0}, {3, 2.5}, {4, 60.0}, {5, 1.0}}) {
     const Scene made =
         scene(wandering(static_cast<uint64_t>(seed), 12, 160, fps), TrackedPoint::kCentre);
@@ -145,7 +143,7 @@ TEST_F(RecordedWorldTest, RootsPassThroughEveryRecordedCentreAtItsInstant) {
   }
 }
 
-TEST_F(RecordedWorldTest, HeadsKeepToTheRecordWithinTwoCentimetres) {
+TEST_F(RecordedMotionTest, KeepsHeadsWithinTwoCentimetres) {
   for (const auto& [seed, fps] : {std::pair{1, 25.0}, {2, 16.0}, {3, 50.0}})
     EXPECT_GE(share_within_2_cm(
                   scene(wandering(static_cast<uint64_t>(seed), 20, 400, fps), TrackedPoint::kHead)),
@@ -153,7 +151,7 @@ TEST_F(RecordedWorldTest, HeadsKeepToTheRecordWithinTwoCentimetres) {
         << "seed " << seed;
 }
 
-/// As in a crowd of our own.
+/// As for the agents of a crowd.
 void expect_planted_feet(const Scene& scene, const std::string& name) {
   Simulation simulation(scene, {});
   SlideMeter meter(simulation);
@@ -166,13 +164,13 @@ void expect_planted_feet(const Scene& scene, const std::string& name) {
   EXPECT_LT(meter.slides.quantile_m(0.5), 0.002) << name;
 }
 
-TEST_F(RecordedWorldTest, PlantedFeetStayWhereTheyArePut) {
+TEST_F(RecordedMotionTest, KeepsPlantedFeetInPlace) {
   for (const TrackedPoint tracks : {TrackedPoint::kHead, TrackedPoint::kCentre})
     expect_planted_feet(scene(wandering(11, 20, 600, 25), tracks), "wandering");
 }
 
-/// With real recordings, where they are at hand.
-TEST_F(RecordedWorldTest, RealHeadsAndCentresAreKeptAsWell) {
+/// Uses real recordings if available.
+TEST_F(RecordedMotionTest, FollowsRealRecordings) {
   const char* folder = std::getenv("THRONG_RECORDINGS");
   if (folder == nullptr) GTEST_SKIP() << "THRONG_RECORDINGS names no folder of recordings";
   const auto run = [&](const std::string& name, RecordingOptions options) {
@@ -199,7 +197,7 @@ TEST_F(RecordedWorldTest, RealHeadsAndCentresAreKeptAsWell) {
   run("pathfinder.csv", {});
 }
 
-/// Everything that a frame says and that a clock does not.
+/// Hash of a frame's contents, except for times.
 uint64_t hash_of(const Frame& frame) {
   Hasher hash;
   hash.add(frame.hash);
@@ -212,7 +210,7 @@ uint64_t hash_of(const Frame& frame) {
   return hash.value();
 }
 
-/// Recorded people and ten of our own who cross them.
+/// Recorded people, and ten agents of a group who cross them.
 Scene mixed(const Scene& recorded) {
   Scene scene = recorded;
   Group group;
@@ -226,7 +224,7 @@ Scene mixed(const Scene& recorded) {
   return scene;
 }
 
-TEST_F(RecordedWorldTest, FramesAreTheSameForAnyThreadsAndSimd) {
+TEST_F(RecordedMotionTest, IsIndependentOfThreadsAndSimd) {
   for (const bool with_own : {false, true}) {
     Scene made = scene(wandering(7, 70, 60, 25), TrackedPoint::kHead);
     if (with_own) made = mixed(made);
@@ -245,7 +243,7 @@ TEST_F(RecordedWorldTest, FramesAreTheSameForAnyThreadsAndSimd) {
   }
 }
 
-TEST_F(RecordedWorldTest, AResumedRunIsTheRunThatNeverStopped) {
+TEST_F(RecordedMotionTest, ContinuesBitwiseEqual) {
   for (const bool with_own : {false, true}) {
     Scene made = scene(wandering(9, 30, 200, 25), TrackedPoint::kHead);
     if (with_own) made = mixed(made);
@@ -266,7 +264,7 @@ TEST_F(RecordedWorldTest, AResumedRunIsTheRunThatNeverStopped) {
   }
 }
 
-TEST_F(RecordedWorldTest, OfWhomTheFileSaysNothingNothingIsThere) {
+TEST_F(RecordedMotionTest, OmitsPeopleOutsideTheirTracks) {
   const Scene made = scene(wandering(5, 20, 400, 25), TrackedPoint::kHead);
   Simulation simulation(made, {});
   bool was_away = false;
@@ -278,10 +276,10 @@ TEST_F(RecordedWorldTest, OfWhomTheFileSaysNothingNothingIsThere) {
     }
     was_away |= number > 600 && std::count(frame.present.begin(), frame.present.end(), 0) > 0;
   }
-  EXPECT_TRUE(was_away) << "nobody was out of sight for a while";
+  EXPECT_TRUE(was_away) << "no person was absent";
 }
 
-TEST_F(RecordedWorldTest, MapCoordinatesAreShiftedAndTheShiftIsKept) {
+TEST_F(RecordedMotionTest, ShiftsMapCoordinates) {
   std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";
   for (int frame = 0; frame < 50; ++frame)
     text += fmt::format("1 {} {:.4f} 5461234.5678 1.7\n", frame, 487'654.25 + 0.04 * frame);
@@ -299,8 +297,8 @@ TEST_F(RecordedWorldTest, MapCoordinatesAreShiftedAndTheShiftIsKept) {
   EXPECT_NEAR(frame.roots[0].position_m.y() + shift_m.y(), 5'461'234.5678, 1e-6);
 }
 
-TEST_F(RecordedWorldTest, OwnPeopleWalkAroundThoseWhoWereRecorded) {
-  // A row of people who stand for half a minute, across the way of ten others.
+TEST_F(RecordedMotionTest, LetsOtherGroupsAvoidRecordedPeople) {
+  // A row of people who stand for 30 s across the path of ten others.
   std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";
   for (int person = 0; person < 6; ++person)
     for (int frame = 0; frame < 750; ++frame)
@@ -331,7 +329,7 @@ TEST_F(RecordedWorldTest, OwnPeopleWalkAroundThoseWhoWereRecorded) {
     }
   }
   EXPECT_EQ(simulation.info().avatar_count(), 16);
-  EXPECT_GT(nearest_m, 0.38) << "two discs of 0.22 m, and what steering lets them overlap";
+  EXPECT_GT(nearest_m, 0.38) << "two discs of 0.22 m minus the allowed overlap";
   EXPECT_EQ(arrived, 10u);
 }
 

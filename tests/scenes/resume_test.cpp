@@ -1,5 +1,4 @@
-// A run that was stopped and goes on from its checkpoint is the run that was never stopped; a
-// damaged checkpoint is refused, never half used.
+// Checkpoints: a resumed run equals an uninterrupted one, and damaged checkpoints are rejected.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@
 namespace throng::resume_test {
 namespace {
 
-/// A bundled scene, small enough to be stepped often.
+/// Bundled scene with few people.
 Scene small(const std::string& name) {
   Scene scene = load_scene(name);
   std::vector<std::string> notes;
@@ -29,7 +28,7 @@ Scene small(const std::string& name) {
   return scene;
 }
 
-/// Everything that a frame says and that a clock does not.
+/// Hash of a frame's contents, except for times.
 uint64_t hash_of(const Frame& frame) {
   Hasher hash;
   hash.add(static_cast<uint64_t>(frame.number)).add(static_cast<uint64_t>(frame.utime_us));
@@ -50,7 +49,7 @@ uint64_t hash_of(const Frame& frame) {
 
 class ResumeScenes : public testing::TestWithParam<std::string> {};
 
-TEST_P(ResumeScenes, GivesTheSameRemainingFramesToTheBit) {
+TEST_P(ResumeScenes, ContinueBitwiseEqual) {
   constexpr int kFrames = 100;  // 17 decisions of steering
   std::vector<uint64_t> expected;
   std::vector<std::vector<uint8_t>> states;
@@ -88,7 +87,7 @@ std::vector<std::string> scene_names() {
 INSTANTIATE_TEST_SUITE_P(Bundled, ResumeScenes, testing::ValuesIn(scene_names()),
                          [](const auto& name) { return name.param; });
 
-TEST(Resume, UnderADeadlineGivesTheSameRemainingFrames) {
+TEST(Resume, ContinuesBitwiseEqualWithABudget) {
   SimulationOptions options;
   options.culler.budget_tests = 2000;
   Simulation whole(small("plaza"), options);
@@ -100,8 +99,8 @@ TEST(Resume, UnderADeadlineGivesTheSameRemainingFrames) {
   EXPECT_EQ(rest.finish().hash, whole.finish().hash);
 }
 
-// The paper's spheres report whole bodies: the end of a pair that began before the checkpoint has
-// to say so, too.
+// Spheres of the paper report whole bodies; ends of pairs that began before the checkpoint keep
+// that level.
 TEST(Resume, KeepsTheLevelsOfAStrategy) {
   SimulationOptions options;
   options.strategy = Strategy::kSphere;
@@ -128,7 +127,6 @@ TEST(Resume, KeepsTheLevelsOfAStrategy) {
   EXPECT_EQ(rest.finish().hash, whole.finish().hash);
 }
 
-/// A path for a file that is gone when the object is.
 class ScratchFile {
  public:
   ScratchFile()
@@ -141,7 +139,7 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
-/// A run of four seconds, stopped after 30 frames.
+/// Run of 4 s, stopped after 30 frames.
 struct Stopped {
   Stopped() : simulation(scene(), {}) {
     for (int i = 0; i < 30; ++i) simulation.step();
@@ -156,10 +154,10 @@ struct Stopped {
   Checkpoint checkpoint;
 };
 
-TEST(Checkpoints, GoThroughAFile) {
+TEST(CheckpointFile, RoundTrips) {
   Stopped stopped;
   const ScratchFile file;
-  write_checkpoint(file.path(), {1, 2, {3}});  // an older one is replaced
+  write_checkpoint(file.path(), {1, 2, {3}});  // replaces an existing file
   write_checkpoint(file.path(), stopped.checkpoint);
   Simulation rest(Stopped::scene(), {});
   resume(rest, file.path());
@@ -167,7 +165,7 @@ TEST(Checkpoints, GoThroughAFile) {
   EXPECT_EQ(run(rest, {}).hash, run(stopped.simulation, {}).hash);
 }
 
-TEST(Checkpoints, OfAnotherRunAreRefused) {
+TEST(CheckpointFile, RejectsOtherRuns) {
   const Stopped stopped;
   const ScratchFile file;
   write_checkpoint(file.path(), stopped.checkpoint);
@@ -182,7 +180,7 @@ TEST(Checkpoints, OfAnotherRunAreRefused) {
   }
 }
 
-TEST(Checkpoints, AreRefusedWithEveryCutAndEveryChangedByte) {
+TEST(CheckpointFile, RejectsTruncatedAndChangedFiles) {
   const Stopped stopped;
   const std::vector<uint8_t> whole = format_checkpoint(stopped.checkpoint);
   EXPECT_EQ(parse_checkpoint(whole, "test").state, stopped.checkpoint.state);
@@ -195,8 +193,8 @@ TEST(Checkpoints, AreRefusedWithEveryCutAndEveryChangedByte) {
   }
 }
 
-/// Behind the checksum: whatever the state says, resuming refuses it or goes on.
-TEST(Checkpoints, WithAnyStateAreRefusedOrGoOn) {
+/// With a valid checksum, resume() rejects or accepts any state without crashing.
+TEST(CheckpointFile, RejectsOrResumesAnyState) {
   constexpr uint64_t kSeed = 5;
   const Stopped stopped;
   int refused = 0;
@@ -223,12 +221,12 @@ TEST(Checkpoints, WithAnyStateAreRefusedOrGoOn) {
   EXPECT_GE(refused, 3) << "every cut";
 }
 
-TEST(Checkpoints, ThatCannotBeWrittenLeaveTheOldOneAlone) {
+TEST(CheckpointFile, KeepsTheOldFileIfWritingFails) {
   const Checkpoint small{1, 2, {3, 4, 5}};
   EXPECT_THROW(write_checkpoint("/proc/no_such_folder/file", small), EnvironmentError);
   const ScratchFile file;
   write_checkpoint(file.path(), small);
-  // A file that may not grow stands in for a full disk.
+  // A file size limit simulates a full disk.
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);

@@ -1,4 +1,4 @@
-// People put on recorded tracks: positions kept, headings and gait as the tracks have them.
+// Retargeting: recorded positions are kept, headings and gait phase follow the tracks.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,14 +25,14 @@ double uniform(uint64_t seed, uint64_t id, uint32_t number, double low, double h
   return random_uniform({seed, id, number, Purpose::kSpawnPosition}, low, high);
 }
 
-/// Nearly normal, of deviation 1.
+/// Nearly normal, with standard deviation 1.
 double noise(uint64_t seed, uint64_t id, uint32_t number) {
   double sum = 0;
   for (uint32_t i = 0; i < 12; ++i) sum += uniform(seed, id, 12 * number + i, -0.5, 0.5);
   return sum;
 }
 
-/// Walks of people who wander, stop, jump and are away for a while.
+/// Tracks of people who wander, stop, jump and are absent for a while.
 std::vector<Sample> wandering(uint64_t seed, double step_s, size_t count) {
   std::vector<Sample> track;
   Eigen::Vector2d at(uniform(seed, 1, 0, -5, 5), uniform(seed, 1, 1, -5, 5));
@@ -50,7 +50,7 @@ std::vector<Sample> wandering(uint64_t seed, double step_s, size_t count) {
   return track;
 }
 
-class Dressing : public testing::Test {
+class Retargeting : public testing::Test {
  protected:
   // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   static void SetUpTestSuite() {
@@ -64,7 +64,7 @@ class Dressing : public testing::Test {
     adult_gait.reset();
     adult_model.reset();
   }
-  static RetargetBody wearer(TrackedPoint tracked, float scale = 1) {
+  static RetargetBody body_of(TrackedPoint tracked, float scale = 1) {
     return {tracked, adult_gait.get(), adult_head.get(), scale};
   }
 
@@ -73,11 +73,11 @@ class Dressing : public testing::Test {
   static inline std::unique_ptr<HeadOffset> adult_head;
 };
 
-TEST_F(Dressing, CentresAreKeptToTheLastDigitAndHeadsToACentimetre) {
+TEST_F(Retargeting, KeepsTrackedPoints) {
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     const std::vector<Sample> track = wandering(seed, seed % 2 == 0 ? 0.04 : 0.5, 300);
-    const std::vector<TrackSample> centres = retarget(track, wearer(TrackedPoint::kCentre));
-    const std::vector<TrackSample> heads = retarget(track, wearer(TrackedPoint::kHead));
+    const std::vector<TrackSample> centres = retarget(track, body_of(TrackedPoint::kCentre));
+    const std::vector<TrackSample> heads = retarget(track, body_of(TrackedPoint::kHead));
     ASSERT_EQ(centres.size(), track.size());
     for (size_t i = 0; i < track.size(); ++i) {
       const Eigen::Vector2d& at = track[i].position_m;
@@ -89,15 +89,15 @@ TEST_F(Dressing, CentresAreKeptToTheLastDigitAndHeadsToACentimetre) {
   }
 }
 
-TEST_F(Dressing, BetweenTwoInstantsNobodyLeavesTheRectangleOfBoth) {
+TEST_F(Retargeting, InterpolatesWithinTheRectangleOfNeighbours) {
   for (uint64_t seed = 1; seed <= 30; ++seed) {
-    const std::vector<TrackSample> knots =
-        retarget(wandering(seed, 0.4, 200), wearer(TrackedPoint::kCentre));
-    for (size_t i = 0; i + 1 < knots.size(); ++i) {
-      const TrackSample &from = knots[i], &to = knots[i + 1];
+    const std::vector<TrackSample> samples =
+        retarget(wandering(seed, 0.4, 200), body_of(TrackedPoint::kCentre));
+    for (size_t i = 0; i + 1 < samples.size(); ++i) {
+      const TrackSample &from = samples[i], &to = samples[i + 1];
       if (from.next != TrackSample::Next::kMove) continue;
-      const TrackSample* before = i > 0 ? &knots[i - 1] : nullptr;
-      const TrackSample* after = i + 2 < knots.size() ? &knots[i + 2] : nullptr;
+      const TrackSample* before = i > 0 ? &samples[i - 1] : nullptr;
+      const TrackSample* after = i + 2 < samples.size() ? &samples[i + 2] : nullptr;
       for (int part = 0; part <= 10; ++part) {
         const double time_s = from.time_s + 0.1 * part * (to.time_s - from.time_s);
         const Eigen::Vector2d at = position_between(before, from, to, after, time_s);
@@ -110,28 +110,27 @@ TEST_F(Dressing, BetweenTwoInstantsNobodyLeavesTheRectangleOfBoth) {
   }
 }
 
-TEST_F(Dressing, WhatIsAwayOrJumpsIsNeverMovedBetween) {
+TEST_F(Retargeting, DoesNotInterpolateAbsencesAndJumps) {
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     const std::vector<Sample> track = wandering(seed, 0.04, 600);
-    const std::vector<TrackSample> knots = retarget(track, wearer(TrackedPoint::kCentre));
+    const std::vector<TrackSample> samples = retarget(track, body_of(TrackedPoint::kCentre));
     for (size_t i = 0; i + 1 < track.size(); ++i) {
       const double time_s = track[i + 1].time_s - track[i].time_s;
       const double moved_m = (track[i + 1].position_m - track[i].position_m).norm();
       const TrackSample::Next expected = time_s > 1     ? TrackSample::Next::kAbsent
                                          : moved_m > 20 ? TrackSample::Next::kJump
                                                         : TrackSample::Next::kMove;
-      EXPECT_EQ(knots[i].next, expected) << "seed " << seed << ", sample " << i;
+      EXPECT_EQ(samples[i].next, expected) << "seed " << seed << ", sample " << i;
     }
-    EXPECT_EQ(knots.back().next, TrackSample::Next::kAbsent);
+    EXPECT_EQ(samples.back().next, TrackSample::Next::kAbsent);
   }
 }
 
-/// The angle between two headings.
 double apart_rad(double a, double b) {
   return std::abs(std::remainder(a - b, 2 * std::numbers::pi));
 }
 
-TEST_F(Dressing, BodiesFaceTheWayAndThoseWhoStandFaceWhereTheyCameFromAndGo) {
+TEST_F(Retargeting, TurnsHeadingsAlongThePath) {
   // East for 4 s, standing for 4 s with a head that moves by 5 cm, then north.
   std::vector<Sample> track;
   for (int i = 0; i < 300; ++i) {
@@ -140,35 +139,35 @@ TEST_F(Dressing, BodiesFaceTheWayAndThoseWhoStandFaceWhereTheyCameFromAndGo) {
     const Eigen::Vector2d fidget(0.05 * std::sin(3 * time_s), 0.05 * std::cos(2 * time_s));
     track.push_back({time_s, Eigen::Vector2d(1.2 * east_s, 1.2 * north_s) + fidget, kNone, kNone});
   }
-  const std::vector<TrackSample> knots = retarget(track, wearer(TrackedPoint::kHead));
+  const std::vector<TrackSample> samples = retarget(track, body_of(TrackedPoint::kHead));
   const auto heading = [&](double time_s) {
-    return static_cast<double>(knots[static_cast<size_t>(time_s / 0.04)].heading_rad);
+    return static_cast<double>(samples[static_cast<size_t>(time_s / 0.04)].heading_rad);
   };
   const double north = std::numbers::pi / 2;
   EXPECT_LT(apart_rad(heading(2), 0), 0.1);
   EXPECT_LT(apart_rad(heading(4.2), 0), 0.5);
   EXPECT_LT(apart_rad(heading(7.8), north), 0.5);
   EXPECT_LT(apart_rad(heading(10), north), 0.1);
-  for (size_t i = 0; i + 1 < knots.size(); ++i)
-    EXPECT_LT(std::abs(knots[i + 1].heading_rad - knots[i].heading_rad), 0.04 * 2.5)
-        << "at " << knots[i].time_s << " s";
+  for (size_t i = 0; i + 1 < samples.size(); ++i)
+    EXPECT_LT(std::abs(samples[i + 1].heading_rad - samples[i].heading_rad), 0.04 * 2.5)
+        << "at " << samples[i].time_s << " s";
 }
 
-TEST_F(Dressing, AStepBackIsNoTurn) {
-  // North, 25 cm back within half a second, and on.
+TEST_F(Retargeting, DoesNotTurnForAStepBack) {
+  // North, 25 cm back within 0.5 s, and north again.
   std::vector<Sample> track;
   double y = 0;
   for (int i = 0; i < 200; ++i) {
     y += i >= 100 && i < 113 ? -0.02 : 0.03;
     track.push_back({0.04 * i, {0, y}, kNone, kNone});
   }
-  const std::vector<TrackSample> knots = retarget(track, wearer(TrackedPoint::kHead));
-  for (const TrackSample& knot : knots)
-    EXPECT_LT(apart_rad(static_cast<double>(knot.heading_rad), std::numbers::pi / 2), 0.2)
-        << "at " << knot.time_s << " s";
+  const std::vector<TrackSample> samples = retarget(track, body_of(TrackedPoint::kHead));
+  for (const TrackSample& sample : samples)
+    EXPECT_LT(apart_rad(static_cast<double>(sample.heading_rad), std::numbers::pi / 2), 0.2)
+        << "at " << sample.time_s << " s";
 }
 
-TEST_F(Dressing, HowFastSomebodyIsAboutToGoIsTheMeanOfTheNextThreeTenthsOfASecond) {
+TEST_F(Retargeting, AveragesTheNextVelocity) {
   const double step_s = 0.05;
   const Eigen::Vector2d begins_mps(0.3, -0.1), harder_mps2(0.4, 0.2);
   std::vector<Sample> track;
@@ -177,28 +176,28 @@ TEST_F(Dressing, HowFastSomebodyIsAboutToGoIsTheMeanOfTheNextThreeTenthsOfASecon
     track.push_back(
         {time_s, time_s * begins_mps + 0.5 * time_s * time_s * harder_mps2, kNone, kNone});
   }
-  const std::vector<TrackSample> knots = retarget(track, wearer(TrackedPoint::kCentre));
-  for (size_t i = 10; i < 44; ++i) {  // nobody knows what was before and comes after
+  const std::vector<TrackSample> samples = retarget(track, body_of(TrackedPoint::kCentre));
+  for (size_t i = 10; i < 44; ++i) {  // without the ends, which lack samples
     const Eigen::Vector2d next_mps = begins_mps + (track[i].time_s + 0.15) * harder_mps2;
-    EXPECT_NEAR(static_cast<double>(knots[i].next_x_mps), next_mps.x(), 1e-4) << i;
-    EXPECT_NEAR(static_cast<double>(knots[i].next_y_mps), next_mps.y(), 1e-4) << i;
+    EXPECT_NEAR(static_cast<double>(samples[i].next_x_mps), next_mps.x(), 1e-4) << i;
+    EXPECT_NEAR(static_cast<double>(samples[i].next_y_mps), next_mps.y(), 1e-4) << i;
   }
 }
 
-TEST_F(Dressing, HeadingsOfTheFileAreKeptWhateverTheWay) {
+TEST_F(Retargeting, KeepsRecordedHeadings) {
   std::vector<Sample> track;
   for (int i = 0; i < 100; ++i)
     track.push_back({0.04 * i, {0.04 * i, 0}, kNone, static_cast<float>(0.1 * i)});
-  const std::vector<TrackSample> knots = retarget(track, wearer(TrackedPoint::kCentre));
-  for (size_t i = 0; i < knots.size(); ++i)
-    EXPECT_LT(apart_rad(static_cast<double>(knots[i].heading_rad), 0.1 * static_cast<double>(i)),
+  const std::vector<TrackSample> samples = retarget(track, body_of(TrackedPoint::kCentre));
+  for (size_t i = 0; i < samples.size(); ++i)
+    EXPECT_LT(apart_rad(static_cast<double>(samples[i].heading_rad), 0.1 * static_cast<double>(i)),
               1e-5);
 }
 
 constexpr std::array<double, 6> kSpeeds_mps = {0.6, 0.8, 1.0, 1.2, 1.4, 1.6};
 constexpr size_t kPeopleASpeed = 10;
 
-/// People who walk side by side, each in a lane of their own, some at each speed.
+/// People who walk side by side in separate lanes, several per speed.
 Scene lanes(double fps, const std::shared_ptr<const Model>& model) {
   Scene scene;
   scene.name = "lanes";
@@ -221,13 +220,13 @@ Scene lanes(double fps, const std::shared_ptr<const Model>& model) {
   return scene;
 }
 
-/// 0: the right foot alone carries, 1: the left one, -1: both.
+/// Supporting foot: 0: right, 1: left, -1: both.
 int carrying(double phase, double stance) {
   const bool right = phase < stance, left = phase >= 0.5 || phase + 0.5 < stance;
   return right && left ? -1 : right ? 0 : 1;
 }
 
-TEST_F(Dressing, TheSwayOfHeadsTellsWhichFootCarries) {
+TEST_F(Retargeting, FindsTheGaitPhaseFromHeadSway) {
   const double leg_m =
       std::pow(static_cast<double>(adult_gait->stride_length_m(1, 1)) / kStridePerSqrtSpeed, 2);
   for (const double fps : {25.0, 16.0}) {
@@ -249,16 +248,16 @@ TEST_F(Dressing, TheSwayOfHeadsTellsWhichFootCarries) {
       int right = 0, all = 0;
       for (size_t id = speed * kPeopleASpeed; id < (speed + 1) * kPeopleASpeed; ++id) {
         const float scale = bodies.scales[id];
-        const std::vector<TrackSample> knots =
-            retarget(tracks[id], wearer(TrackedPoint::kHead, scale));
+        const std::vector<TrackSample> samples =
+            retarget(tracks[id], body_of(TrackedPoint::kHead, scale));
         const double stance =
             stance_fraction(kSpeeds_mps[speed] / (leg_m * static_cast<double>(scale)));
-        for (size_t i = 0; i < knots.size(); ++i) {
+        for (size_t i = 0; i < samples.size(); ++i) {
           const int truth = carrying(phases[id][i], stance);
           if (truth < 0) continue;
           ++all;
-          // An unseen one is NaN, and counts as wrong.
-          const auto seen = static_cast<double>(knots[i].phase);
+          // Invisible phases are NaN and count as wrong.
+          const auto seen = static_cast<double>(samples[i].phase);
           if (!std::isnan(seen) && carrying(seen, stance) == truth) ++right;
         }
       }

@@ -1,4 +1,4 @@
-// People and robots: who is scaled to what, and where who stands.
+// Robots and people: scale, height above the ground and steering discs.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Writes a robot and a scene with it, gone afterwards.
+/// Writes a temporary robot and a scene with it.
 class Robots : public testing::Test {
  protected:
   Robots()
@@ -51,7 +51,7 @@ class Robots : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Three boxes: the root's and two on a lift and an arm, all where the seed says.
+/// Three boxes on root, lift and arm, at random positions.
 std::string random_robot(uint64_t seed) {
   uint32_t index = 0;
   const auto draw = [&](double low, double high) {
@@ -75,7 +75,7 @@ std::string random_robot(uint64_t seed) {
              low, low + 0.5, draw(-1, 1));
 }
 
-/// Lowest and highest vertex of an avatar, over the ground.
+/// Lowest and highest vertex of an avatar above the ground.
 std::pair<double, double> extent_of(const Simulation& simulation, const Frame& frame, size_t id) {
   const RunInfo& info = simulation.info();
   const Model& model = *info.models[info.model_of_avatar[id]];
@@ -97,7 +97,7 @@ std::pair<double, double> extent_of(const Simulation& simulation, const Frame& f
   return {low, high};
 }
 
-TEST_F(Robots, KeepTheirSizeAndStandOnTheirLowestPoint) {
+TEST_F(Robots, StandOnTheirLowestPoint) {
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     write("r.urdf", random_robot(seed));
@@ -114,7 +114,7 @@ TEST_F(Robots, KeepTheirSizeAndStandOnTheirLowestPoint) {
   }
 }
 
-TEST_F(Robots, AreAsTallAsTheSceneSaysFromLowestToHighestPoint) {
+TEST_F(Robots, ScaleToTheHeightOfTheScene) {
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     write("r.urdf", random_robot(seed));
     for (const double height_m : {0.3, 7.0}) {
@@ -126,7 +126,7 @@ TEST_F(Robots, AreAsTallAsTheSceneSaysFromLowestToHighestPoint) {
   }
 }
 
-TEST_F(Robots, StandThereUntilTheyAreDrivenAndThenWhereTheRootIsPut) {
+TEST_F(Robots, FollowSetPose) {
   write("r.urdf", random_robot(3));
   Scene scene = scene_with("model: r.urdf");
   scene.groups[0].control_channel = "ROBOT";
@@ -138,7 +138,7 @@ TEST_F(Robots, StandThereUntilTheyAreDrivenAndThenWhereTheRootIsPut) {
   EXPECT_EQ(simulation.step().roots[0].position_m, pose.root.position_m);
 }
 
-TEST_F(Robots, SayTheirSizeAndScale) {
+TEST_F(Robots, DescribeSizeAndScale) {
   write(
       "r.urdf",
       "<robot name='cart'><link name='a'><collision><geometry><box size='1.2 0.6 0.5'/></geometry>"
@@ -154,7 +154,7 @@ TEST_F(Robots, SayTheirSizeAndScale) {
   EXPECT_THAT(simulation.notes(), testing::Contains("group 'g': " + own));
 }
 
-TEST_F(Robots, KeepADiscAroundAllOfThem) {
+TEST_F(Robots, FitIntoTheirSteeringDiscs) {
   const auto apart_m = [&](const std::string& keys, uint64_t seed) {
     Scene scene = scene_with(keys);
     scene.seed = seed;
@@ -174,7 +174,7 @@ TEST_F(Robots, KeepADiscAroundAllOfThem) {
   EXPECT_THAT(refusal_of("model: r.urdf, radius_m: 2.01"), HasSubstr("'radius_m' from 0.05 to 2"));
 }
 
-TEST_F(Robots, AndPeopleInOtherUnitsAreRefused) {
+TEST_F(Robots, AndPeopleInWrongUnitsAreRejected) {
   write("r.urdf",
         "<robot name='r'><link name='a'><collision><geometry><box size='0.001 0.001 "
         "0.001'/></geometry></collision></link></robot>");

@@ -1,4 +1,4 @@
-// Whether a crowd ends in the same places however many threads move it, and after a checkpoint.
+// same_walk() checks that a crowd is independent of threads and resumes from a checkpoint.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace throng {
 
-/// Walks a scene for so many steps before and after the moment at which its state is taken.
+/// Walks a scene for some steps before and after its state is saved.
 inline void expect_same_walk(const Scene& scene, int steps_before, int steps_after) {
   const auto walk = [](SmallWorld& world, int steps) {
     for (int step = 0; step < steps; ++step) world.crowd.step();

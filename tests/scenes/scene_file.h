@@ -1,4 +1,4 @@
-// Scene files that a test writes, and what loading them says.
+// SceneFile writes scene files for tests and loads them.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 
 namespace throng {
 
-/// A folder of its own, gone at the end.
+/// Temporary folder per test, removed at its end.
 class SceneFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -31,7 +31,7 @@ class SceneFile : public testing::Test {
   }
   Scene load(const std::string& text) const { return load_scene(write("s.yaml", text).string()); }
 
-  /// The complaint about a text, its folder taken off.
+  /// Error of loading a text, without the folder.
   std::string complaint(const std::string& text) const {
     const std::string file = write("s.yaml", text).string();
     try {

@@ -1,4 +1,4 @@
-// Scene files: what they say arrives, what is wrong with them is reported with file and line.
+// Scene files: values are read, errors name file and line.
 #include "scenes/file/scene.h"
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ const std::string kTwoGroups = kGround +
                                "    spawn: {min_m: [5, 1], max_m: [8, 9]}\n"
                                "    goals: [{min_m: [15, 1], max_m: [19, 9]}]\n";
 
-TEST_F(SceneFile, SaysWhoWaitsForWhomAndWhenDoorsOpen) {
+TEST_F(SceneFile, ReadsTriggersAndDoors) {
   const Scene scene = load(kTwoGroups +
                            "    after: {group: a, goal: 1, delay_s: 2}\n"
                            "doors:\n"
@@ -62,7 +62,7 @@ TEST_F(SceneFile, SaysWhoWaitsForWhomAndWhenDoorsOpen) {
   EXPECT_EQ(load(kTwoGroups + "doors: []\n").content_hash, load(kTwoGroups).content_hash);
 }
 
-TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
+TEST_F(SceneFile, RejectsInvalidTriggersDoorsAndDensities) {
   const auto group = [](const std::string& lines) { return kTwoGroups + lines; };
   const auto door = [](const std::string& keys) {
     return kTwoGroups + "doors: [{from_m: [9, 2], " + keys + "}]\n";
@@ -72,19 +72,19 @@ TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
   EXPECT_EQ(complaint(group("    after: {group: a, goal: 3}\n")),
             "s.yaml:13: expected one of the 2 goals of 'a', found 3");
   EXPECT_EQ(complaint(group("    after: {goal: 1}\n")),
-            "s.yaml:13: expected the key 'group' in a cue, found none");
+            "s.yaml:13: expected the key 'group' in a trigger, found none");
   EXPECT_EQ(complaint(group("    after: soon\n")),
-            "s.yaml:13: expected a number for 'a cue', found 'soon'");
+            "s.yaml:13: expected a number for 'a trigger', found 'soon'");
   EXPECT_EQ(
       complaint(group("    after: {group: b}\n")),
-      "s.yaml: expected groups of which one sets out first, found 'b', which waits for itself "
-      "by way of 'after'");
+      "s.yaml: expected groups that do not wait for each other, found 'b', which waits for itself "
+      "through 'after'");
   EXPECT_EQ(complaint(group("    density_per_m2: 3\n")),
             "s.yaml:10: expected either 'count' or 'density_per_m2', found both");
   EXPECT_EQ(complaint(door("to_m: [9, 2.1], opens: [1]")),
             "s.yaml:13: expected a door at least 0.2 m wide, found 0.1 m");
   EXPECT_EQ(complaint(door("to_m: [9, 4]")),
-            "s.yaml:13: expected 'opens' or 'closes' of a door, found neither");
+            "s.yaml:13: expected the key 'opens' or 'closes' in a door, found neither");
   EXPECT_EQ(
       complaint(door("to_m: [9, 40], opens: [1]")),
       "s.yaml:13: expected door 'door 1' within the ground ([0, 0] to [20, 10]), found an end "
@@ -93,7 +93,7 @@ TEST_F(SceneFile, ComplainsOfCuesDoorsAndDensities) {
             "s.yaml:13: expected the name of a group of the scene, found 'c' (did you mean 'a'?)");
 }
 
-TEST_F(SceneFile, SaysWhoWalksWithWhom) {
+TEST_F(SceneFile, ReadsSocialGroups) {
   const Scene alone = load(kTwoGroups);
   EXPECT_FALSE(alone.groups[1].social_groups);
   const Scene usual = load(kTwoGroups + "    social_groups: {}\n");
@@ -108,11 +108,11 @@ TEST_F(SceneFile, SaysWhoWalksWithWhom) {
   EXPECT_EQ(complaint(group("    social_groups: 2\n")),
             "s.yaml:13: expected 'social_groups' from 0 to 1, found 2");
   EXPECT_EQ(complaint(group("    social_groups: [2]\n")),
-            "s.yaml:13: expected companions (a map of keys), found a list of 1");
+            "s.yaml:13: expected social_groups (a map of keys), found a list of 1");
   EXPECT_EQ(complaint(group("    social_groups: {pairs: 0, threes: 0, fours: 0}\n")),
             "s.yaml:13: expected one of 'pairs', 'threes' and 'fours' above 0, found none");
-  EXPECT_EQ(complaint(group("    social_groups: {pair: 1}\n")).substr(0, 40),
-            "s.yaml:13: expected a key of companions,");
+  EXPECT_EQ(complaint(group("    social_groups: {pair: 1}\n")).substr(0, 43),
+            "s.yaml:13: expected a key of social_groups,");
   EXPECT_EQ(complaint(kGround + "groups:\n"
                                 "  - density_per_m2: 3\n"
                                 "    social_groups: 0.5\n"
@@ -121,7 +121,7 @@ TEST_F(SceneFile, SaysWhoWalksWithWhom) {
             "s.yaml:4: expected either 'social_groups' or 'density_per_m2', found both");
 }
 
-TEST_F(SceneFile, SaysWhatItSays) {
+TEST_F(SceneFile, ReadsAllValues) {
   const Scene scene =
       load("name: test\ndescription: a test\nseed: 7\nstep_s: 1/50\nduration_s: 2.5\n" + kGround +
            "culling: {part_volume: ordop14, exact: true}\nplanted_feet: false\n" + kGroup +
@@ -160,7 +160,7 @@ struct Wrong {
   std::string complaint;  ///< how it begins
 };
 
-TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
+TEST_F(SceneFile, ReportsErrorsWithFileAndLine) {
   const std::string box = "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 1, 1]";
   const Wrong cases[] = {
       {"unknown key", kGround + kGroup + "durations: 3\n",
@@ -205,37 +205,36 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
       {"no goals", kGround + kGroup.substr(0, kGroup.find("    goals")) + "    goals: []\n",
        "s.yaml:6: expected a list for 'goals', found a list of 0"},
       {"mean outside", kGround + kGroup + "    desired_speed_mps: {mean: 3, max: 2}\n",
-       "s.yaml:7: expected min <= mean <= max in speed_mps, found min 0.5, mean 3, max 2"},
+       "s.yaml:7: expected min <= mean <= max in desired_speed_mps, found min 0.5, mean 3, max 2"},
       {"unknown age", kGround + kGroup + "    ages: elderlies\n",
-       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed) "
-       "or "
-       "a map of shares, found 'elderlies' (did you mean 'elderly'?)"},
+       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed), "
+       "or a map of shares, found 'elderlies' (did you mean 'elderly'?)"},
       {"a list of ages", kGround + kGroup + "    ages: [elderly]\n",
-       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed) "
-       "or "
-       "a map of shares, found a list of 1"},
+       "s.yaml:7: expected ages (adults, children, young, middle_aged, elderly, impaired, mixed), "
+       "or a map of shares, found a list of 1"},
       {"unknown age among others", kGround + kGroup + "    ages: {young: 1, old: 1}\n",
        "s.yaml:7: expected a key of ages, found 'old'"},
       {"a mix among ages", kGround + kGroup + "    ages: {mixed: 1}\n",
        "s.yaml:7: expected a key of ages, found 'mixed'"},
-      {"nobody of any age", kGround + kGroup + "    ages: {young: 0}\n",
+      {"no ages", kGround + kGroup + "    ages: {young: 0}\n",
        "s.yaml:7: expected a share above 0 in ages, found none"},
       {"negative share", kGround + kGroup + "    ages: {young: -1}\n",
        "s.yaml:7: expected 'young' from 0 to 1000000, found -1"},
       {"unknown style", kGround + kGroup + "    gait_styles: stif\n",
-       "s.yaml:7: expected styles (plain, relaxed, brisk, stiff, pockets, short_steps) or a map of "
-       "shares, found 'stif' (did you mean 'stiff'?)"},
+       "s.yaml:7: expected gait_styles (plain, relaxed, brisk, stiff, pockets, short_steps), or a "
+       "map "
+       "of shares, found 'stif' (did you mean 'stiff'?)"},
       {"unknown style among others", kGround + kGroup + "    gait_styles: {plain: 1, brisque: 1}\n",
-       "s.yaml:7: expected a key of styles, found 'brisque' (did you mean 'brisk'?)"},
-      {"nobody in any style", kGround + kGroup + "    gait_styles: {plain: 0}\n",
-       "s.yaml:7: expected a share above 0 in styles, found none"},
-      {"no such model", kGround + kGroup + "    model: nobody.urdf\n",
-       "s.yaml:7: expected 'adult' or a URDF file, found 'nobody.urdf', and no such file at "},
+       "s.yaml:7: expected a key of gait_styles, found 'brisque' (did you mean 'brisk'?)"},
+      {"no gait styles", kGround + kGroup + "    gait_styles: {plain: 0}\n",
+       "s.yaml:7: expected a share above 0 in gait_styles, found none"},
+      {"no such model", kGround + kGroup + "    model: missing.urdf\n",
+       "s.yaml:7: expected 'adult' or a URDF file, found 'missing.urdf', and no such file at "},
       {"obstacle off the ground",
        kGround + kGroup +
            "obstacles:\n  - {name: x, kind: box, position_m: [20.5, 5], size_m: [1, 1, 1]}\n",
        "s.yaml:8: expected obstacle 'x' on the ground ([0, 0] to [20, 10]), found all of it "
-       "beside, [20, 4.5] to [21, 5.5]"},
+       "outside, [20, 4.5] to [21, 5.5]"},
       {"flat obstacle",
        kGround + kGroup + "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 0, 1]}\n",
        "s.yaml:8: expected 'size_m' from 0.001 to 10000, found 0"},
@@ -259,16 +258,16 @@ TEST_F(SceneFile, EveryMistakeIsToldWithFileAndLine) {
       {"a tag", "ground: !!python/object {min_m: [0, 0]}\n",
        "s.yaml:1: expected a value without a tag, found the tag "},
       {"deep nesting", "ground: " + std::string(40, '[') + std::string(40, ']') + "\n",
-       "s.yaml:1: expected at most 16 levels of nesting, found a deeper one"},
+       "s.yaml:1: expected at most 16 levels of nesting, found a deeper level"},
       {"binary", std::string("a: \0b", 5), "s.yaml: expected text, found a binary file"},
   };
   for (const Wrong& wrong : cases)
     EXPECT_THAT(complaint(wrong.text), testing::StartsWith(wrong.complaint)) << wrong.what;
 }
 
-TEST_F(SceneFile, HugeFilesAreRefusedUnread) {
+TEST_F(SceneFile, RejectsHugeFilesUnread) {
   const fs::path file = write("big.yaml", "");
-  fs::resize_file(file, uint64_t{3} << 30);  // sparse: takes no room
+  fs::resize_file(file, uint64_t{3} << 30);  // sparse file
   EXPECT_THAT(
       [&] { load_scene(file.string()); },
       testing::ThrowsMessage<InputError>(testing::HasSubstr("expected at most 4194304 bytes")));
@@ -278,18 +277,18 @@ TEST_F(SceneFile, HugeFilesAreRefusedUnread) {
       testing::ThrowsMessage<InputError>(testing::HasSubstr("expected a file, found a directory")));
 }
 
-TEST_F(SceneFile, ManyKeysDoNotTakeForever) {
+TEST_F(SceneFile, RejectsManyKeysQuickly) {
   std::string text;
   for (int i = 0; i < 100000; ++i) text += fmt::format("k{}: 1\n", i);
   EXPECT_EQ(complaint(text), "s.yaml:65: expected at most 64 keys in a map, found more");
 }
 
-TEST_F(SceneFile, MisspeltBundledNameIsCorrected) {
+TEST_F(SceneFile, SuggestsBundledNames) {
   EXPECT_THAT([] { load_scene("plazza"); },
               testing::ThrowsMessage<InputError>(testing::HasSubstr("(did you mean 'plaza'?)")));
 }
 
-TEST_F(SceneFile, BundledScenesLoadAndHoldWhatTheySay) {
+TEST_F(SceneFile, LoadsBundledScenes) {
   const std::vector<SceneEntry> entries = bundled_scenes();
   std::vector<std::string> names;
   for (const SceneEntry& entry : entries) {
@@ -312,7 +311,7 @@ TEST_F(SceneFile, BundledScenesLoadAndHoldWhatTheySay) {
   }
 }
 
-TEST_F(SceneFile, ContentHashSeesWhatIsSaidAndNotWhereItLies) {
+TEST_F(SceneFile, HashesContentNotLocation) {
   const std::string tri = "4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n4\n0 2 1\n0 1 3\n1 2 3\n2 0 3\n";
   const std::string text =
       kGround + kGroup + "obstacles:\n  - {kind: mesh, file: a.tri, position_m: [9, 5]}\n";
@@ -329,7 +328,7 @@ TEST_F(SceneFile, ContentHashSeesWhatIsSaidAndNotWhereItLies) {
   EXPECT_NE(load("name: n\n" + text).content_hash, hash);
 }
 
-TEST_F(SceneFile, GroundsAndBoxesThatNobodyFitsOnAreRefused) {
+TEST_F(SceneFile, RejectsTooSmallGroundsAndBoxes) {
   for (const char* ground :
        {"{min_m: [0, 0], max_m: [0.04, 5]}", "{min_m: [0, 0], max_m: [5, 1e-3]}",
         "{min_m: [0, 0], max_m: [1e-300, 1e-300]}"})
@@ -343,7 +342,7 @@ TEST_F(SceneFile, GroundsAndBoxesThatNobodyFitsOnAreRefused) {
               testing::HasSubstr("'size_m' from 0.001 to 10000"));
 }
 
-TEST_F(SceneFile, TheBottomOfAMeshIsTheHeightOfItsLowerEnd) {
+TEST_F(SceneFile, PlacesMeshesByTheirLowestVertex) {
   // A pyramid whose origin lies at its tip.
   write("hanging.tri",
         "5\n-1 -1 -3\n1 -1 -3\n1 1 -3\n-1 1 -3\n0 0 0\n6\n0 2 1\n0 3 2\n0 1 4\n1 2 4\n2 3 4\n3 0 "
@@ -355,10 +354,10 @@ TEST_F(SceneFile, TheBottomOfAMeshIsTheHeightOfItsLowerEnd) {
     EXPECT_EQ(read.obstacles[0].centre_m, Eigen::Vector3d(3, 5, bottom_m + 3));
     EXPECT_EQ(blocks_people(read.obstacles[0], headroom_m(read)), bottom_m < 2.1) << bottom_m;
   }
-  EXPECT_EQ(load(scene + "}]\n").obstacles[0].centre_m.z(), 3) << "on the ground unless told";
+  EXPECT_EQ(load(scene + "}]\n").obstacles[0].centre_m.z(), 3) << "on the ground by default";
 }
 
-TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
+TEST_F(SceneFile, ClipsFootprintsAtTheEdgeOfTheGround) {
   const auto with = [&](const std::string& keys) {
     return load(kGround + kGroup + "obstacles: [{name: x, kind: box, " + keys + "}]\n");
   };
@@ -366,9 +365,10 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
   EXPECT_TRUE(inside.notes.empty()) << "its ends lie in the edge";
   const Scene over = with("position_m: [20, 5], yaw_deg: 30, size_m: [4, 1, 1]");
   ASSERT_EQ(over.notes.size(), 1u);
-  EXPECT_EQ(over.notes[0],
-            "obstacle 'x' reaches over the edge of the ground: its footprint is cut off there, all "
-            "of its mesh is tested for contacts");
+  EXPECT_EQ(
+      over.notes[0],
+      "obstacle 'x' extends beyond the ground: its footprint is cut off there; its whole mesh "
+      "is tested for contacts");
   EXPECT_GT(bounds_of(footprint_of(over.obstacles[0])).max_m.x(), 21.5);
   const std::vector<Footprint> footprints = footprints_of(over);
   ASSERT_EQ(footprints.size(), 1u);
@@ -385,17 +385,17 @@ TEST_F(SceneFile, AnObstacleOverTheEdgeIsCutOffForWalkingOnly) {
                            "position_m: [-500, 5], size_m: [4, 1, 1]"})
     EXPECT_THAT(complaint(kGround + kGroup + "obstacles: [{name: x, kind: box, " + keys + "}]\n"),
                 testing::HasSubstr("s.yaml:7: expected obstacle 'x' on the ground ([0, 0] to [20, "
-                                   "10]), found all of it beside, "));
+                                   "10]), found all of it outside, "));
   EXPECT_EQ(with("position_m: [5000, 5], size_m: [10000, 1, 1]").notes.size(), 1u);
   EXPECT_EQ(with("position_m: [0, 5], size_m: [1, 1, 1]}, {name: y, kind: cylinder, position_m: "
                  "[9, 10], diameter_m: 1, height_m: 1")
                 .notes,
             std::vector<std::string>{
-                "2 obstacles reach over the edge of the ground, the first is 'x': their footprints "
-                "are cut off there, all of their meshes are tested for contacts"});
+                "2 obstacles extend beyond the ground, first 'x': their footprints are cut off "
+                "there; their whole meshes are tested for contacts"});
 }
 
-TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
+TEST_F(SceneFile, LetsAgentsPassBelowHighObstacles) {
   const auto headroom = [&](const std::string& keys) {
     return headroom_m(load(kGround + kGroup + keys));
   };
@@ -410,7 +410,7 @@ TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
   EXPECT_DOUBLE_EQ(headroom(second), 2.3) << "the tallest group";
   Scene scene = load(kGround + kGroup + second);
   scene.groups[1].count = 0;
-  EXPECT_DOUBLE_EQ(headroom_m(scene), 2.1) << "a group of none";
+  EXPECT_DOUBLE_EQ(headroom_m(scene), 2.1) << "an empty group";
   const auto blocks = [&](const std::string& keys) {
     const Scene read =
         load(kGround + kGroup + "obstacles: [{kind: box, position_m: [10, 5], " + keys + "}]\n");
@@ -421,7 +421,7 @@ TEST_F(SceneFile, WhatBlocksNobodyHangsOverTheTallest) {
   EXPECT_EQ(blocks("size_m: [0.3, 10, 1], bottom_m: -1"), 0u) << "in the ground";
 }
 
-TEST(ScaleTo, KeepsProportionsToThePerson) {
+TEST(ScaleTo, KeepsProportions) {
   for (const int total : {1, 3, 7, 101, 999, 5000}) {
     Scene scene;
     scene.ground = {{0, 0}, {1000, 1000}};
@@ -441,21 +441,21 @@ TEST(ScaleTo, KeepsProportionsToThePerson) {
       sum += scene.groups[i].count;
     }
     EXPECT_EQ(sum, total);
-    EXPECT_TRUE(notes.empty()) << "there was room for " << total;
+    EXPECT_TRUE(notes.empty()) << "enough space for " << total;
   }
 }
 
-TEST(ScaleTo, CrowdedPlansGrowAndSaySo) {
+TEST(ScaleTo, GrowsCrowdedPlans) {
   Scene scene = load_scene("corridor");
   const Scene before = scene;
   std::vector<std::string> notes;
   scale_to(scene, 4000, notes);
   ASSERT_EQ(notes.size(), 1u);
-  EXPECT_THAT(notes[0], testing::HasSubstr("4000 people need more room"));
+  EXPECT_THAT(notes[0], testing::HasSubstr("4000 people need more space"));
   const double factor = scene.ground.size_m().x() / before.ground.size_m().x();
   EXPECT_GT(factor, 1.5);
   EXPECT_LE(4000 / scene.ground.area_m2(), 1.0 + 1e-9) << "more than one person per m2";
-  // The walls still bound the corridor from end to end and are as thin and high as before.
+  // The walls still bound the whole corridor and keep their thickness and height.
   EXPECT_NEAR(scene.obstacles[0].size_m.x(), factor * before.obstacles[0].size_m.x(), 1e-9);
   EXPECT_EQ(scene.obstacles[0].size_m.y(), before.obstacles[0].size_m.y());
   EXPECT_EQ(scene.obstacles[0].size_m.z(), before.obstacles[0].size_m.z());
@@ -463,7 +463,7 @@ TEST(ScaleTo, CrowdedPlansGrowAndSaySo) {
   EXPECT_NE(scene.content_hash, before.content_hash);
 }
 
-TEST(ScaleTo, RefusesWhatIdsCannotHold) {
+TEST(ScaleTo, RejectsInvalidTotals) {
   Scene scene = load_scene("corridor");
   std::vector<std::string> notes;
   EXPECT_THROW(scale_to(scene, 0, notes), InputError);

@@ -1,4 +1,4 @@
-// A run from scene to events: the same for any number of threads, reported once to every sink.
+// Simulation and Runner: independence of threads, complete reports to all sinks.
 #include "scenes/run/simulation.h"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ Scene small_plaza(int people, double duration_s) {
   return scene;
 }
 
-/// Hash of everything a frame says.
+/// Hash of a frame's contents.
 uint64_t hash_of(const Frame& frame) {
   Hasher hash;
   hash.add(static_cast<uint64_t>(frame.number)).add(static_cast<uint64_t>(frame.utime_us));
@@ -41,7 +41,7 @@ uint64_t hash_of(const Frame& frame) {
   return hash.value();
 }
 
-TEST(Simulation, FramesAreTheSameForEveryNumberOfThreads) {
+TEST(Simulation, IsIndependentOfTheThreadCount) {
   std::vector<uint64_t> expected;
   uint64_t expected_id = 0;
   for (const int threads : {1, 2, 3, 8}) {
@@ -61,7 +61,7 @@ TEST(Simulation, FramesAreTheSameForEveryNumberOfThreads) {
   }
 }
 
-TEST(Simulation, EventsDoNotDependOnWhetherPosturesAreWanted) {
+TEST(Simulation, EventsDoNotDependOnPostures) {
   uint64_t hashes[2];
   for (const bool postures : {false, true}) {
     SimulationOptions options;
@@ -73,7 +73,7 @@ TEST(Simulation, EventsDoNotDependOnWhetherPosturesAreWanted) {
   EXPECT_EQ(hashes[0], hashes[1]);
 }
 
-TEST(Simulation, FirstFrameIsTheStartAndTimeRunsInSteps) {
+TEST(Simulation, StartsAtZeroAndAdvancesByStep) {
   Simulation simulation(small_plaza(50, 1), {});
   const std::vector<RootPose> start(simulation.step().roots.begin(), simulation.step().roots.end());
   Simulation again(small_plaza(50, 1), {});
@@ -83,7 +83,7 @@ TEST(Simulation, FirstFrameIsTheStartAndTimeRunsInSteps) {
   for (int i = 1; i <= 60; ++i) EXPECT_EQ(again.step().utime_us, std::llround(i * 1e6 / 60));
 }
 
-TEST(Simulation, HeadingOfARootIsTheWayItWalks) {
+TEST(Simulation, HeadsInTheDirectionOfWalking) {
   Simulation simulation(small_plaza(200, 1), {});
   std::vector<RootPose> before(simulation.step().roots.begin(), simulation.step().roots.end());
   for (int i = 0; i < 3; ++i) {
@@ -102,7 +102,7 @@ TEST(Simulation, HeadingOfARootIsTheWayItWalks) {
   }
 }
 
-TEST(Simulation, RunIdNamesWhatChangesResultsOnly) {
+TEST(Simulation, RunIdDependsOnResultOptionsOnly) {
   const auto id_of = [](Scene scene, const SimulationOptions& options) {
     return Simulation(std::move(scene), options).info().run_id;
   };
@@ -126,7 +126,7 @@ TEST(Simulation, RunIdNamesWhatChangesResultsOnly) {
   EXPECT_NE(id_of(exact, {}), id);
 }
 
-TEST(Simulation, EveryAvatarHasAGroupWithAName) {
+TEST(Simulation, AssignsEveryAvatarANamedGroup) {
   const Simulation plaza(small_plaza(60, 1), {});
   const RunInfo& info = plaza.info();
   ASSERT_EQ(info.group_of_avatar.size(), 60u);
@@ -140,7 +140,7 @@ TEST(Simulation, EveryAvatarHasAGroupWithAName) {
   }
 }
 
-TEST(Simulation, RunIdDoesNotDependOnWhereTheSceneLies) {
+TEST(Simulation, RunIdIgnoresTheLocationOfTheScene) {
   const std::filesystem::path bundled = load_scene("plaza").file.parent_path();
   const std::filesystem::path copy =
       std::filesystem::temp_directory_path() / fmt::format("throng_copy_{}", ::getpid());
@@ -152,7 +152,7 @@ TEST(Simulation, RunIdDoesNotDependOnWhereTheSceneLies) {
   EXPECT_NE(here.info().instance, there.info().instance);
 }
 
-/// Counts what a sink receives and checks its order.
+/// Counts calls and checks their order.
 class Counting : public Sink {
  public:
   void begin(const RunInfo& run) override {
@@ -180,7 +180,7 @@ class Counting : public Sink {
   uint64_t ends = 0;
 };
 
-TEST(Runner, TellsEverySinkEverythingAndSumsItUp) {
+TEST(Runner, FeedsAllSinksAndSummarises) {
   Simulation simulation(small_plaza(500, 3), {});
   Counting first;
   Counting second;
@@ -192,7 +192,7 @@ TEST(Runner, TellsEverySinkEverythingAndSumsItUp) {
   EXPECT_EQ(first.begun * second.begun * first.ended * second.ended, 1);
   EXPECT_EQ(summary.begins, first.begins);
   EXPECT_EQ(summary.begins, summary.ends) << "every begin has its end";
-  EXPECT_GT(summary.begins, 0u) << "500 people crossed a plaza and nobody touched";
+  EXPECT_GT(summary.begins, 0u) << "no contacts among 500 people on a plaza";
   EXPECT_EQ(summary.avatars + summary.unplaced, 500);
   EXPECT_EQ(summary.parts, 15 * summary.avatars);
   EXPECT_GT(summary.frame_ms.median, 0);
@@ -201,7 +201,7 @@ TEST(Runner, TellsEverySinkEverythingAndSumsItUp) {
   EXPECT_FALSE(summary.stopped_early);
 }
 
-TEST(Runner, StopsWhenToldAndStillEndsEveryPair) {
+TEST(Runner, StopsEarlyAndEndsAllPairs) {
   Simulation simulation(small_plaza(500, 3), {});
   Counting sink;
   Sink* sinks[] = {&sink};
@@ -213,7 +213,7 @@ TEST(Runner, StopsWhenToldAndStillEndsEveryPair) {
   EXPECT_EQ(sink.ended, 1);
 }
 
-TEST(Runner, QuantilesAreRanksOfTheSamples) {
+TEST(Runner, ComputesQuantilesByRank) {
   std::vector<float> samples;
   for (int i = 100; i >= 1; --i) samples.push_back(static_cast<float>(i));
   const Quantiles found = quantiles_of(samples);
@@ -223,8 +223,8 @@ TEST(Runner, QuantilesAreRanksOfTheSamples) {
   EXPECT_EQ(quantiles_of({}).max, 0);
 }
 
-/// What hangs over the whole ground, a decimetre above people of 2 m.
-TEST_F(SceneFile, PeopleWalkUnderALintelAndDoNotTouchIt) {
+/// An obstacle over the whole ground, 0.1 m above people of 2 m.
+TEST_F(SceneFile, LetsPeopleWalkUnderALintel) {
   const Scene scene = load(
       kGround +
       "proximity_m: 0.3\n"

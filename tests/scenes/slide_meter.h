@@ -1,5 +1,5 @@
-// How far planted feet slide: the lowest vertex of a posed foot, from frame to frame.
-// One rule: it looks at postures only, and takes a foot for planted where the gait's phase says so.
+// SlideMeter measures how far planted feet slide, by the lowest vertex of the posed foot.
+// It uses postures only; the gait phase defines which foot is planted.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +13,14 @@
 
 namespace throng {
 
-/// How far feet slid, a stance each.
+/// Slide distance of each stance.
 struct Slides {
   std::vector<double> all_m;
 
   void add(const Slides& others) {
     all_m.insert(all_m.end(), others.all_m.begin(), others.all_m.end());
   }
-  /// Of all stances, the share of which slid less.
+  /// Fraction of stances with a smaller slide.
   double quantile_m(double share) const {
     std::vector<double> sorted = all_m;
     std::sort(sorted.begin(), sorted.end());
@@ -28,7 +28,7 @@ struct Slides {
   }
 };
 
-/// Looks at everybody's planted feet, frame by frame: by vertices of the posed foot.
+/// Measures the planted feet of all people, frame by frame.
 class SlideMeter {
  public:
   explicit SlideMeter(const Simulation& simulation) : simulation_(simulation) {
@@ -69,7 +69,7 @@ class SlideMeter {
     }
   }
 
-  Slides slides;  ///< of each stance that ended
+  Slides slides;  ///< one per completed stance
 
  private:
   struct Foot {

@@ -1,5 +1,5 @@
-// A warm step of a whole simulation allocates nothing but what growing contacts need, and that is
-// counted: every operator new of the process is.
+// Steps after warm-up allocate only for growing contact buffers, which is counted. Counts every
+// operator new of the process.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,9 +30,9 @@ void expect_no_uncounted_growth(const Scene& scene, const char* what) {
   }
 }
 
-TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
+TEST(Simulation, AllocatesOnlyCountedGrowthWhenWarm) {
   expect_no_uncounted_growth(load_scene("corridor"), "corridor");
-  // Between the opening and the closing of its doors.
+  // Between opening and closing of its doors.
   expect_no_uncounted_growth(load_scene("metro"), "metro");
   expect_no_uncounted_growth(load_scene("ticket_office"), "ticket_office");
   expect_no_uncounted_growth(load_scene("concert"), "concert");  // stands, then sets out
@@ -43,8 +43,8 @@ TEST(Simulation, AWarmStepAllocatesOnlyWhatItCountsAsGrowth) {
 
 using RecordingAllocations = RecordingTest;
 
-TEST_F(RecordingAllocations, AWarmStepOfARecordingAllocatesOnlyWhatItCountsAsGrowth) {
-  // Forty people on circles, some of them out of sight for a while, and ten who walk among them.
+TEST_F(RecordingAllocations, AreOnlyCountedGrowthWhenWarm) {
+  // Forty people on circles, some of them absent for a while, and ten who walk among them.
   std::string text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n";
   for (int person = 0; person < 40; ++person)
     for (int frame = 0; frame < 300; ++frame) {
@@ -64,7 +64,7 @@ TEST_F(RecordingAllocations, AWarmStepOfARecordingAllocatesOnlyWhatItCountsAsGro
   own.spawn = {{-6, -6}, {-4, 6}};
   own.goals = {Rectangle{{4, -6}, {6, 6}}};
   scene.groups.insert(scene.groups.begin(), own);
-  expect_no_uncounted_growth(scene, "recorded, and some of our own");
+  expect_no_uncounted_growth(scene, "recorded people and a group");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
-// Crowds that no scene should have: pressed together, in one point, coming and going every frame,
-// a hundred thousand with one at 1000 m/s, ten kilometres from the origin. Nothing crashes, nothing
-// that touches is missed, and every begin has its end.
+// Extreme crowds: dense, in one point, entering and leaving every frame, at 1000 m/s, ten
+// kilometres from the origin. Nothing crashes, no contact is missed, and every begin has an end.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +21,7 @@ double uniform(uint64_t id, uint64_t step, double low, double high, uint32_t ind
   return random_uniform({kSeed, id, step, Purpose::kBoxWorld}, low, high, index);
 }
 
-/// Adults who stand, wherever the test puts them.
+/// Standing adults at given places.
 class StandIns : public PoseSource {
  public:
   StandIns() : adult_(load_model(adult_urdf())) {
@@ -65,7 +64,7 @@ class StandIns : public PoseSource {
     }
   }
 
-  /// Bodies by index; part pairs whose triangles touch that are not among `reported`.
+  /// Returns the number of unreported touching pairs of parts; counts touching ones in `touching`.
   int missed_of(uint32_t a, uint32_t b, std::span<const PairKey> reported, int& touching) const {
     std::vector<PartPose> of_a(parts()), of_b(parts());
     poses({&a, 1}, of_a);
@@ -100,7 +99,7 @@ void expect_sorted(std::span<const PairKey> pairs) {
   for (const PairKey& pair : pairs) ASSERT_LT(pair.a(), pair.b());
 }
 
-/// Begins minus ends since the start is what touches now.
+/// Begins minus ends since the start equal the touching pairs.
 struct Balance {
   int64_t begun = 0, ended = 0;
   void add(const Culler& culler) {
@@ -110,7 +109,7 @@ struct Balance {
   }
 };
 
-TEST(Stress, EightPeopleASquareMetreMissNothing) {
+TEST(Stress, MissesNothingAtEightPeoplePerSquareMetre) {
   StandIns people;
   constexpr int kSide = 12;
   for (int i = 0; i < kSide * kSide; ++i) {
@@ -137,7 +136,7 @@ TEST(Stress, EightPeopleASquareMetreMissNothing) {
   EXPECT_GT(touching, 500);
 }
 
-TEST(Stress, EverybodyInOnePointTouchesEverybody) {
+TEST(Stress, FindsAllContactsInOnePoint) {
   StandIns people;
   constexpr uint32_t kPeople = 120;
   for (uint32_t id = 0; id < kPeople; ++id) people.place(id, {1, 2, 0}, 0);
@@ -160,7 +159,7 @@ TEST(Stress, EverybodyInOnePointTouchesEverybody) {
   }
 }
 
-TEST(Stress, PeopleWhoComeAndGoEveryFrameEndTheirPairs) {
+TEST(Stress, EndsPairsOfAvatarsThatLeave) {
   StandIns people;
   Workers workers(2);
   Culler culler({people.type()}, {}, workers);
@@ -179,7 +178,7 @@ TEST(Stress, PeopleWhoComeAndGoEveryFrameEndTheirPairs) {
     for (const PairKey& pair : culler.pairs())
       ASSERT_TRUE(is_there[pair.a()] && is_there[pair.b()]) << "frame " << frame;
   }
-  // Down to nobody at all, and back.
+  // Down to no person, and back.
   people.clear();
   culler.step(people.view(), people);
   balance.add(culler);
@@ -190,7 +189,7 @@ TEST(Stress, PeopleWhoComeAndGoEveryFrameEndTheirPairs) {
   EXPECT_EQ(balance.begun, balance.ended);
 }
 
-TEST(Stress, OneAtAThousandMetresASecondAmongAHundredThousand) {
+TEST(Stress, HandlesAThousandMetresPerSecond) {
   constexpr uint32_t kPeople = 100'000;
   StandIns people;
   for (uint32_t id = 0; id + 1 < kPeople; ++id) {
@@ -202,7 +201,7 @@ TEST(Stress, OneAtAThousandMetresASecondAmongAHundredThousand) {
   Culler culler({people.type()}, {}, workers);
   Balance balance;
   int touching = 0;
-  // Contacts at sampled instants: 16.7 m a frame, and where that is on somebody, it is seen.
+  // Contacts are found at sampled instants, 16.7 m apart.
   for (int frame = 0; frame < 12; ++frame) {
     Eigen::Vector3d& fast = people.roots.back().position_m;
     fast = {1000.0 / 60 * frame, 2.0 * frame + 0.1, 0};
@@ -220,12 +219,12 @@ TEST(Stress, OneAtAThousandMetresASecondAmongAHundredThousand) {
   EXPECT_EQ(balance.begun, balance.ended);
 }
 
-TEST(Stress, TenKilometresAwayTheSamePeopleTouch) {
+TEST(Stress, IsIndependentOfTheOrigin) {
   std::vector<PairKey> expected;
   for (const double away : {0.0, 1e4, -1e4}) {
     StandIns people;
     for (uint32_t id = 0; id < 300; ++id)
-      // Whole 1/1024 m, which doubles add exactly at any of these places.
+      // Multiples of 1/1024 m, which doubles add exactly at all of these places.
       people.place(id,
                    {away + std::floor(uniform(id, 0, 0, 7, 0) * 1024) / 1024,
                     -away + std::floor(uniform(id, 0, 0, 7, 1) * 1024) / 1024, 0},
@@ -243,11 +242,11 @@ TEST(Stress, TenKilometresAwayTheSamePeopleTouch) {
   EXPECT_GT(expected.size(), 500u);
 }
 
-TEST(Stress, APressedCrowdWalksOnAndEndsItsPairs) {
+TEST(Stress, EndsAllPairsOfADenseCrowd) {
   Scene scene = load_scene("corridor");
   std::vector<std::string> notes;
   scale_to(scene, 400, notes);
-  scene.body_avoidance = false;  // so that many touch
+  scene.body_avoidance = false;  // for more contacts
   SimulationOptions options;
   options.threads = 2;
   Simulation simulation(std::move(scene), options);

@@ -1,4 +1,4 @@
-// How people of a real scene walk: their feet on the ground, their bodies inside their bounds.
+// Walking in bundled scenes: planted feet, bodies within their bounds.
 #include "scenes/motion/walk.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// A bundled scene with so many people.
+/// Bundled scene with this many people.
 Scene small(const std::string& name, int people) {
   Scene scene = load_scene(name);
   scene.planted_feet = true;
@@ -28,7 +28,7 @@ Scene small(const std::string& name, int people) {
   return scene;
 }
 
-/// How far planted feet slide a step: the share of steps, and no more than that.
+/// Prints the slide of planted feet per step: median and percentiles.
 void print_slides(const char* who, const char* name, const Slides& slides) {
   const auto mm = [&](double share) { return 1e3 * slides.quantile_m(share); };
   std::printf(
@@ -37,7 +37,7 @@ void print_slides(const char* who, const char* name, const Slides& slides) {
       name, who, slides.all_m.size(), mm(0.5), mm(0.95), mm(0.99), mm(1));
 }
 
-TEST(Walk, PlantedFeetOfARealCrowdStayWhereTheyArePut) {
+TEST(Walk, KeepsPlantedFeetInPlace) {
   for (const char* name : {"plaza", "corridor"}) {
     Scene scene = small(name, 200);
     scene.body_avoidance = false;
@@ -52,27 +52,26 @@ TEST(Walk, PlantedFeetOfARealCrowdStayWhereTheyArePut) {
     print_slides(", three seeds", name, slides);
     EXPECT_LT(slides.quantile_m(0.5), 0.002) << name;
     EXPECT_LT(slides.quantile_m(0.95), 0.01) << name;
-    // What is left are steps of people who are stopped, pushed or turned all at once, and of those
-    // whose stride is as long as the room of all postures: see docs/architecture.md.
+    // The rest are steps of people who stop, are pushed or turn abruptly, and strides at the limit
+    // of the bounds.
     EXPECT_LT(slides.quantile_m(0.99), 0.02) << name;
   }
 }
 
-/// Feet that land away from others' are sometimes farther behind at the end of stance than a leg
-/// reaches: these slide, which docs/realism.md counts.
-TEST(Walk, PlantedFeetOfThoseWhoGiveWayStayInTheMedian) {
+/// Feet that avoid other feet may end a stance farther behind than a leg reaches; these slide.
+TEST(Walk, KeepsMostFeetInPlaceWithBodyAvoidance) {
   for (const char* name : {"plaza", "corridor"}) {
     Simulation simulation(small(name, 200), {});
     SlideMeter meter(simulation);
     for (int i = 0; i < 900; ++i) meter.watch(simulation.step());
     ASSERT_GT(meter.slides.all_m.size(), 2000u);
-    print_slides(" who give way", name, meter.slides);
+    print_slides(" with body avoidance", name, meter.slides);
     EXPECT_LT(meter.slides.quantile_m(0.5), 0.002) << name;
   }
 }
 
-/// What culling goes by before it poses anybody, against what it gets when it does.
-TEST(Walk, EverybodyIsInsideTheBoundsGivenBeforePosing) {
+/// Bounds that culling uses before posing contain the posed vertices.
+TEST(Walk, KeepsBodiesWithinTheirBounds) {
   for (const char* name : {"plaza", "evacuation"}) {
     Simulation simulation(small(name, 120), {});
     const BodyStates& bodies = simulation.bodies();

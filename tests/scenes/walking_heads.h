@@ -1,5 +1,5 @@
-// Heads as cameras see them, of people who walk by our own gait.
-// One rule: found by forward kinematics of whole postures, not by the tables that dressing uses.
+// Recorded heads of people who walk by the gait, as cameras see them. They come from forward
+// kinematics of whole postures, not from the tables of HeadOffset.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace throng {
 
-/// Where the middle of somebody's head is, seen from above.
+/// Horizontal position of the centre of a head.
 inline Eigen::Vector2d head_of(const Model& model, const Frame& frame, const BodyStates& bodies,
                                size_t id) {
   std::vector<PartPose> poses(static_cast<size_t>(model.part_count()));

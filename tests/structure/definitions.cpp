@@ -16,7 +16,7 @@ struct Token {
 using Tokens = std::span<const Token>;
 
 const std::set<std::string_view> kTypeWords = {"struct", "class", "union", "enum"};
-/// Words that cannot be the name of a parameter.
+/// Words that cannot be parameter names.
 const std::set<std::string_view> kBuiltIn = {"bool",   "char",     "short",  "int",
                                              "long",   "unsigned", "signed", "float",
                                              "double", "void",     "auto"};
@@ -27,8 +27,8 @@ const std::set<std::string_view> kNotFunctions = {"alignas", "decltype", "noexce
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_word(const Token& token) { return is_word(token.text[0]); }
 
-/// Splits a source into words and marks; "::" is one mark. Comments and directives are left out,
-/// literals stand as "".
+/// Splits a source into words and punctuation; "::" is one token. Comments and directives are
+/// skipped, literals become "".
 class Lexer {
  public:
   explicit Lexer(std::string_view text) : text_(text) {}
@@ -123,7 +123,7 @@ std::string joined(Tokens tokens) {
   return text;
 }
 
-/// The index behind the bracket that closes the one at `open`.
+/// Index after the bracket that closes the one at `open`.
 size_t behind_closing(Tokens tokens, size_t open) {
   const std::string& opening = tokens[open].text;
   const std::string closing = opening == "("   ? ")"
@@ -138,7 +138,7 @@ size_t behind_closing(Tokens tokens, size_t open) {
   return tokens.size();
 }
 
-/// Without `template <...>` and attributes in front.
+/// Removes leading `template <...>` and attributes.
 Tokens without_prefix(Tokens head) {
   for (;;) {
     if (head.size() > 1 && head[0].text == "template" && head[1].text == "<") {
@@ -237,7 +237,7 @@ class Reader {
     const bool is_whole = add_type(words) || add_function(words);
     at_ = behind_closing(tokens_, at_);
     if (is_whole) {
-      // Behind a type may stand variables; behind a function nothing does.
+      // Variables may follow a type, nothing follows a function.
       if (at_ < tokens_.size() && tokens_[at_].text == ";") ++at_;
       begin_ = at_;
     }
@@ -256,7 +256,7 @@ class Reader {
           name[0].text == "HWY_ALIGN" ? 1 : behind_closing(name, name[0].text == "[" ? 0 : 1));
     size_t end = 0;  // a base or an underlying type may follow
     while (end < name.size() && name[end].text != ":" && name[end].text != "final") {
-      if (name[end].text == "(") return false;  // a function that returns one
+      if (name[end].text == "(") return false;  // function returning the type
       ++end;
     }
     if (end == 0) return true;
@@ -290,10 +290,10 @@ class Reader {
     return false;
   }
 
-  /// Variables and aliases; declarations define nothing.
+  /// Handles variables and aliases; declarations define nothing.
   void end_statement() {
     const Tokens words = without_prefix(head());
-    // A namespace alias is for its file alone.
+    // A namespace alias is local to its file.
     if (words.size() < 2 || words[0].text == "extern" || words[0].text == "namespace") return;
     if (words[0].text == "using") {
       if (words.size() > 3 && words[2].text == "=") add(words[1].text, words[1]);

@@ -10,13 +10,13 @@ namespace throng {
 
 /// A type, function, constant or variable that a file defines at namespace scope.
 struct Definition {
-  std::string scope;  ///< "throng::one_lane"; "(lanes)" for headers included inside a namespace
+  std::string scope;  ///< "throng::scalar_lanes"; "(lanes)" for headers included inside a namespace
   std::string name;   ///< "Sphere", or "overlaps(const Sphere&,const Sphere&)"
   int line = 0;
 };
 
-/// Definitions with a name that other files can see: not in unnamed namespaces, not static, not
-/// members. Preprocessor branches are all read. Reads what clang-format lays out, not all of C++.
+/// Returns definitions visible to other files: not in unnamed namespaces, not static, not members.
+/// Reads all preprocessor branches. Expects the layout of clang-format, not all of C++.
 std::vector<Definition> read_definitions(const SourceFile& file);
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// What comments and documents name exists: a reader who is sent to a file finds it.
+// Files named in comments and documents exist.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ const Names kFolders = {"analysis",   "apps",    "avatars",  "base",   "bench",
                         "cmake",      "crowd",   "culling",  "docs",   "examples",
                         "kinematics", "lcm_io",  "lcmtypes", "python", "recordings",
                         "scenes",     "scripts", "tests",    "viewer"};
-/// Those that a build makes.
+/// Files that a build generates.
 const Names kMade = {"base/version.cpp"};
 
 bool is_of_a_path(char c) {
@@ -38,7 +38,7 @@ std::vector<std::string_view> paths_in(std::string_view text) {
     size_t end = begin;
     while (end < text.size() && is_of_a_path(text[end])) ++end;
     std::string_view path = text.substr(begin, end - begin);
-    // A pattern, a name to be chosen or what a program makes up names no single file.
+    // Patterns, placeholders and files that programs write do not name a file.
     const bool whole =
         path.find("NAME") == std::string_view::npos &&
         (begin == 0 || std::string_view("*<{}$%>").find(text[begin - 1]) == std::string_view::npos);
@@ -51,14 +51,14 @@ std::vector<std::string_view> paths_in(std::string_view text) {
   return paths;
 }
 
-/// In code, what comments say; in everything else, all of it.
+/// Comments in code; the whole line in other files.
 std::string_view read_part(const SourceFile& file, std::string_view line) {
   if (!file.has_extension(kCode)) return line;
   const size_t comment = line.find("//");
   return comment == std::string_view::npos ? std::string_view() : line.substr(comment);
 }
 
-/// From the top of the tree, or from the folder of the file that names it.
+/// Whether the path exists from the top of the tree or from the folder of `from`.
 bool exists(std::string_view path, const SourceFile& from) {
   const std::filesystem::path top(THRONG_SOURCE_DIR);
   return kMade.contains(path) || std::filesystem::exists(top / path) ||
@@ -72,7 +72,7 @@ TEST(NamedFiles, Exist) {
     names.insert(std::filesystem::path(file.path).filename().string());
   int seen = 0;
   for (const SourceFile& file : files) {
-    // The history names what was there at the time.
+    // The changelog may name removed files.
     if (!file.has_extension(kRead) || file.path == "CHANGELOG.md") continue;
     for (const Line& line : lines_of(file))
       for (const std::string_view path : paths_in(read_part(file, line.text))) {
@@ -89,7 +89,7 @@ TEST(NamedFiles, Exist) {
         }
       }
   }
-  EXPECT_GT(seen, 200) << "the test does not read the sources any more";
+  EXPECT_GT(seen, 200) << "the test no longer finds the sources";
 }
 
 TEST(NamedFiles, AreFoundInProse) {

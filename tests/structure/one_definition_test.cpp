@@ -1,4 +1,4 @@
-// A name means one thing: no two files define the same type, function or constant in one namespace.
+// No two files define the same type, function or constant in one namespace.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 const std::set<std::string_view> kCode = {".cpp", ".h"};
 
-/// Files of which a program links one.
+/// Files of which a program links only one.
 const std::vector<std::set<std::string>> kAlternatives = {{"analysis/studies/ranks_launched.cpp",
                                                            "analysis/studies/ranks_mpi.cpp",
                                                            "analysis/studies/ranks_none.cpp"}};
@@ -26,7 +26,7 @@ std::vector<std::string> names_in(const std::string& text) {
   return names;
 }
 
-/// Where a definition is seen: the whole product, or one folder of tests or one example.
+/// Program that sees a definition: the product, one folder of tests, or one example.
 std::string program_of(const SourceFile& file) {
   if (file.is_test()) return "tests/" + file.folder();
   if (file.folder() == "examples") return file.path;
@@ -44,7 +44,7 @@ struct Place {
   int line;
 };
 
-/// The files among `places` that one program may see together.
+/// Files among `places` that one program may see together.
 std::set<std::string> seen_together(const std::vector<Place>& places) {
   std::set<std::string> files;
   for (const Place& a : places)
@@ -68,7 +68,7 @@ TEST(Definitions, AreReadWithTheirNamespace) {
             (std::vector<std::string>{"a E", "a C", "a C<int>", "a U", "a kHole_s", "a kRows"}));
 }
 
-TEST(Definitions, OfFunctionsAreToldApartByTheirParameters) {
+TEST(Definitions, DistinguishFunctionsByParameters) {
   EXPECT_EQ(
       names_in(
           "namespace a { F f(const S& s, float x = g(1)) { return {}; }\n"
@@ -76,7 +76,7 @@ TEST(Definitions, OfFunctionsAreToldApartByTheirParameters) {
       (std::vector<std::string>{"a f(const S&,float)", "a operator+(F,F)", "a h()"}));
 }
 
-TEST(Definitions, ThatOthersCannotSeeAreLeftOut) {
+TEST(Definitions, OmitLocalNames) {
   EXPECT_EQ(names_in("namespace a { namespace { struct S {}; void f() {} } static void g() {}\n"
                      "struct D; void h(); extern int x; void C::m() { struct L {}; }\n"
                      "struct C::I { int i; }; int C::count = 0; // struct Comment {};\n"
@@ -84,7 +84,7 @@ TEST(Definitions, ThatOthersCannotSeeAreLeftOut) {
             std::vector<std::string>{"a kText"});
 }
 
-TEST(OneDefinition, ANameMeansOneThing) {
+TEST(OneDefinition, GivesEachNameOneMeaning) {
   std::map<std::string, std::vector<Place>> places;
   size_t definitions = 0;
   for (const SourceFile& file : read_source_tree()) {

@@ -25,7 +25,7 @@ std::string read(const fs::path& file) {
 }
 
 bool is_text(const fs::path& file) {
-  // Fixtures are input, good and bad, of the tests that own them.
+  // Fixtures are test inputs, valid and invalid.
   for (const fs::path& part : file)
     if (part == "fixtures" || part == "node_modules") return false;
   return kTextExtensions.contains(file.extension().string());
@@ -55,7 +55,7 @@ std::vector<SourceFile> read_source_tree() {
     }
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(top))
-    // In a worktree of git, .git is a file that names the place of the repository.
+    // In a git worktree .git is a file.
     if (entry.is_regular_file() && is_text(entry.path().filename()) &&
         entry.path().filename() != ".git")
       files.push_back({entry.path().filename().string(), read(entry.path())});
@@ -84,7 +84,7 @@ std::vector<Include> includes_of(const SourceFile& file) {
     const std::string_view rest = line.text.substr(kDirective.size());
     const bool angled = rest.starts_with('<');
     const size_t end = rest.find(angled ? '>' : '"', 1);
-    if (end == std::string_view::npos) continue;  // a macro names the file
+    if (end == std::string_view::npos) continue;  // included by a macro
     includes.push_back({line.number, std::string(rest.substr(1, end - 1)), angled});
   }
   return includes;

@@ -1,5 +1,5 @@
-// The tree is the architecture: includes point one way, libraries stay behind the folder that uses
-// them, and nothing knows the machine it was written on.
+// The tree is the architecture: includes point one way, only some folders use a library, and no
+// file names the machine it was written on.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,13 +16,13 @@ using Names = std::set<std::string, std::less<>>;
 
 const std::set<std::string_view> kCode = {".cpp", ".h"};
 
-/// The folders that bodies rest on, and `more`.
+/// `more` and the folders that all bodies need.
 Names below(Names more) {
   more.insert({"kinematics", "culling", "avatars"});
   return more;
 }
 
-/// Whom a folder may include, besides itself and base.
+/// Folders that a folder may include, in addition to itself and base.
 const std::map<std::string, Names> kMayInclude = {
     {"base", {}},
     {"kinematics", {}},
@@ -40,8 +40,8 @@ const std::map<std::string, Names> kMayInclude = {
     {"examples", below({"crowd", "recordings", "scenes", "lcm_io", "bench"})},
 };
 
-/// Which folders may see a library's headers, by the first part of the header's path. A folder's
-/// tests may see what the folder may.
+/// Folders that may include a library's headers, by the first part of the header's path. Tests of a
+/// folder may include what the folder may.
 const std::map<std::string, Names> kLibraryOf = {
     {"kdl", {"kinematics", "bench"}},
     {"urdf_parser", {"kinematics"}},
@@ -92,11 +92,11 @@ TEST_F(Structure, IncludesPointOneWay) {
       if (!kMayInclude.contains(folder)) continue;
       ++seen;
       EXPECT_TRUE(folder == file.folder() || folder == "base" || allowed->second.contains(folder))
-          << file.path << ":" << include.line << ": " << file.folder() << " must not know "
+          << file.path << ":" << include.line << ": " << file.folder() << " must not include "
           << folder;
     }
   }
-  EXPECT_GT(seen, 100) << "the test does not read the sources any more";
+  EXPECT_GT(seen, 100) << "the test no longer finds the sources";
 }
 
 TEST_F(Structure, LibrariesStayInTheirFolder) {
@@ -108,17 +108,16 @@ TEST_F(Structure, LibrariesStayInTheirFolder) {
       if (library == kLibraryOf.end()) continue;
       seen.insert(library->first);
       EXPECT_TRUE(library->second.contains(file.folder()))
-          << file.path << ":" << include.line << ": <" << include.path << "> is the business of "
+          << file.path << ":" << include.line << ": <" << include.path << "> may be included by "
           << *library->second.begin() << "/";
     }
   }
   EXPECT_TRUE(seen.contains("kdl") && seen.contains("lcm") && seen.contains("CLI"))
-      << "the test does not read the sources any more";
+      << "the test no longer finds the sources";
 }
 
-// Volumes as such are for whoever measures them (bench), and for the four files that fit or draw
-// one.
-TEST_F(Structure, CullingIsKnownByItsDoor) {
+// Only bench, which measures volumes, and four files that fit or draw one may include volumes.
+TEST_F(Structure, CullingIsIncludedByItsInterface) {
   const std::set<std::string_view> door = {"culling/bodies.h",
                                            "culling/body_type.h",
                                            "culling/counters.h",
@@ -144,14 +143,14 @@ TEST_F(Structure, CullingIsKnownByItsDoor) {
     for (const Include& include : includes_of(file)) {
       if (first_part(include.path) != "culling" || door.contains(include.path)) continue;
       seen.insert(file.path);
-      EXPECT_TRUE(behind.contains(file.path)) << file.path << ":" << include.line << ": "
-                                              << include.path << " lies behind culling's door";
+      EXPECT_TRUE(behind.contains(file.path))
+          << file.path << ":" << include.line << ": " << include.path << " is internal to culling";
     }
   }
-  EXPECT_EQ(seen.size(), behind.size()) << "an exception that nobody needs any more";
+  EXPECT_EQ(seen.size(), behind.size()) << "an exception is no longer needed";
 }
 
-TEST_F(Structure, OwnHeadersAreNamedFromTheTop) {
+TEST_F(Structure, HeadersAreIncludedByFullPath) {
   for (const SourceFile& file : files()) {
     if (!file.has_extension(kCode) || file.is_test()) continue;
     for (const Include& include : includes_of(file))
@@ -160,40 +159,40 @@ TEST_F(Structure, OwnHeadersAreNamedFromTheTop) {
   }
 }
 
-TEST_F(Structure, HeadersBeginByTellingTheirPurpose) {
+TEST_F(Structure, HeadersBeginWithAComment) {
   for (const SourceFile& file : files()) {
     if (!file.has_extension({".h"})) continue;
     EXPECT_TRUE(file.text.starts_with("// ")) << file.path;
-    const bool repeats = file.path.ends_with("-inl.h");  // once a SIMD target, with its own guard
+    const bool repeats = file.path.ends_with("-inl.h");  // compiled per target, with its own guard
     EXPECT_TRUE(repeats || file.text.find("\n#pragma once\n") != std::string::npos) << file.path;
   }
 }
 
-TEST_F(Structure, OnePlaceSpeaksToStandardError) {
-  // Whatever throws, or ends the process, where stderr takes nothing must not be used.
+TEST_F(Structure, OnlyConsoleWritesToStandardError) {
+  // Other functions may throw or end the process if stderr fails.
   const std::vector<std::string_view> ways = {"stderr", "std::cerr", "std::clog", "perror(",
                                               "STDERR_FILENO,"};
-  bool said = false;
+  bool is_found = false;
   for (const SourceFile& file : files()) {
     if (!file.has_extension(kCode) || file.is_test()) continue;
     for (const Line& line : lines_of(file)) {
       const std::string_view code = line.text.substr(0, line.text.find("//"));
-      // Where a sanitizer reports to is no message of ours.
+      // The report path of a sanitizer is no message of Throng.
       if (code.find("__sanitizer_set_report_path") != std::string_view::npos) continue;
       for (const std::string_view way : ways) {
         if (code.find(way) == std::string_view::npos) continue;
-        said |= file.path == "base/console.cpp";
+        is_found |= file.path == "base/console.cpp";
         EXPECT_EQ(file.path, "base/console.cpp")
             << file.path << ":" << line.number
             << ": messages go through print_message() of base/console.h: " << line.text;
       }
     }
   }
-  EXPECT_TRUE(said) << "the test does not read the sources any more";
+  EXPECT_TRUE(is_found) << "the test no longer finds the sources";
 }
 
-TEST_F(Structure, NothingKnowsTheMachineItWasWrittenOn) {
-  // Put together here, so that this file does not find itself.
+TEST_F(Structure, NoFileNamesTheMachine) {
+  // Concatenated, because this file must not match itself.
   std::vector<std::string> places;
   for (const char* folder : {"home", "root", "work", "Users", "mnt"})
     places.push_back(fmt::format("/{}/", folder));
@@ -201,7 +200,7 @@ TEST_F(Structure, NothingKnowsTheMachineItWasWrittenOn) {
     for (const Line& line : lines_of(file)) {
       for (const std::string& place : places) {
         const size_t at = line.text.find(place);
-        // "a/work/b" is a relative path; an absolute one follows a blank, a quote or the like.
+        // An absolute path follows a blank, a quote or similar; "a/work/b" is relative.
         const bool absolute = at != std::string::npos &&
                               (at == 0 || std::string_view(" \t\"'`=:(<").find(line.text[at - 1]) !=
                                               std::string::npos);

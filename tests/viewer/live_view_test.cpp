@@ -1,4 +1,4 @@
-// A run over LCM behind the page, whatever else comes over the network.
+// Tests LiveView with runs over LCM and damaged messages from the network.
 #include "viewer/server/live_view.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A sender and a viewer in one process, joined by LCM's memory queue.
+/// A sender and a viewer in one process, connected by LCM's memory queue.
 class LiveCrowd : public testing::Test {
  protected:
   LiveCrowd()
@@ -27,7 +27,7 @@ class LiveCrowd : public testing::Test {
         view_(std::make_unique<Receiver>(lcm_), {.send_buffer_bytes = 4096}, "<!doctype html>",
               "udpm://239.255.0.1:7799?ttl=0") {}
 
-  /// The next binary message of a kind.
+  /// Returns the next binary message of a kind.
   static std::string next(TestSocket& browser, uint32_t kind) {
     for (;;) {
       const auto message = browser.read_message();
@@ -48,7 +48,7 @@ class LiveCrowd : public testing::Test {
   LiveView view_;
 };
 
-TEST_F(LiveCrowd, TellsThatItWaits) {
+TEST_F(LiveCrowd, ReportsThatItWaits) {
   TestSocket browser(view_.server().port());
   browser.open();
   const auto message = browser.read_message();
@@ -61,7 +61,7 @@ TEST_F(LiveCrowd, TellsThatItWaits) {
       << message->payload;
 }
 
-TEST_F(LiveCrowd, ShowsTheLastFrameOfAFinishedRunToALatePage) {
+TEST_F(LiveCrowd, ShowsAFinishedRunToALatePage) {
   SyntheticRun run({.avatars = 30, .pairs = 50});
   LcmSink sink({.url = "memq://"}, lcm_);
   sink.begin(run.info());
@@ -76,25 +76,25 @@ TEST_F(LiveCrowd, ShowsTheLastFrameOfAFinishedRunToALatePage) {
   TestSocket late(view_.server().port());
   late.open();
   EXPECT_NE(next(late, kRunMessage), "");
-  bool is_told = false;
+  bool has_end = false;
   for (;;) {
     const auto message = late.read_message();
     ASSERT_TRUE(message) << "no frame";
-    is_told = is_told || message->payload == R"({"end":true})";
+    has_end = has_end || message->payload == R"({"end":true})";
     if (message->opcode != Opcode::kBinary) continue;
     EXPECT_EQ(head_of(message->payload).pairs, pairs) << "the ends behind the last frame";
     EXPECT_EQ(head_of(message->payload).frame, 9);
     break;
   }
-  for (int i = 0; i < 5 && !is_told; ++i) {
+  for (int i = 0; i < 5 && !has_end; ++i) {
     const auto message = late.read_message();
-    is_told = message && message->payload == R"({"end":true})";
+    has_end = message && message->payload == R"({"end":true})";
   }
-  EXPECT_TRUE(is_told);
+  EXPECT_TRUE(has_end);
   EXPECT_GT(pairs, 0u);
 }
 
-TEST_F(LiveCrowd, ShowsARunThatBeganBeforeAndAfterThePage) {
+TEST_F(LiveCrowd, ShowsRunsStartedBeforeAndAfterThePage) {
   TestSocket early(view_.server().port());
   early.open();
   SyntheticRun run({.avatars = 30});
@@ -116,11 +116,11 @@ TEST_F(LiveCrowd, ShowsARunThatBeganBeforeAndAfterThePage) {
   }
 }
 
-// The run's process only sends; what the viewer does with a browser that stopped reading must not
-// even be felt by the viewer's own listening: every frame of the run is heard.
-TEST_F(LiveCrowd, AClientThatStopsReadingCostsNoFrame) {
-  TestSocket lazy(view_.server().port(), 4096);
-  lazy.open();
+// The run's process only sends. A browser that stops reading must not delay the viewer's reception:
+// every frame of the run is received.
+TEST_F(LiveCrowd, ReceivesAllFramesDespiteAStalledClient) {
+  TestSocket stalled(view_.server().port(), 4096);
+  stalled.open();
   SyntheticRun run({.avatars = 200});
   LcmSink sink({.url = "memq://"}, lcm_);
   sink.begin(run.info());
@@ -129,7 +129,7 @@ TEST_F(LiveCrowd, AClientThatStopsReadingCostsNoFrame) {
     sink.frame(run.info(), run.step());  // the first picture takes long
     std::this_thread::sleep_for(100ms);
   }
-  // As many frames as it takes until pictures were made of 30: a busy machine makes one of several.
+  // Sends until 30 frames were built: a busy machine builds one frame from several.
   for (; view_.frames_built() < 30 && sent < 3000; ++sent) {
     sink.frame(run.info(), run.step());
     std::this_thread::sleep_for(2ms);
@@ -142,7 +142,7 @@ TEST_F(LiveCrowd, AClientThatStopsReadingCostsNoFrame) {
       << "a few frames fit into the socket, the rest is dropped and counted";
 }
 
-TEST_F(LiveCrowd, SurvivesAHundredThousandDamagedMessages) {
+TEST_F(LiveCrowd, SurvivesDamagedMessages) {
   TestSocket browser(view_.server().port());
   browser.open();
   SyntheticRun run({.avatars = 10, .deadline = true});
@@ -153,7 +153,7 @@ TEST_F(LiveCrowd, SurvivesAHundredThousandDamagedMessages) {
   for (uint64_t i = 0; sent < kPackets; ++i) {
     const RandomKey key{.seed = kSeed, .id = i};
     const MessageList::Message& message = messages[random_bits(key, 0) % messages.size()];
-    // Descriptions are large: damaged ones are sent more rarely, so that the test stays quick.
+    // Damaged descriptions are large and sent rarely, which keeps the test short.
     if (message.bytes.size() > 8000 && i % 50 != 0) continue;
     std::vector<uint8_t> bytes = message.bytes;
     for (uint32_t change = 0; change < 1 + random_bits(key, 1) % 4; ++change)
@@ -164,7 +164,7 @@ TEST_F(LiveCrowd, SurvivesAHundredThousandDamagedMessages) {
     ++sent;
     if (i % 500 == 0) std::this_thread::sleep_for(1ms);
   }
-  // And it still shows a run that is sound.
+  // Afterwards it still shows an intact run.
   SyntheticRun sound({.avatars = 17, .seed = 99});
   sound.set_instance(12345);
   LcmSink sink({.url = "memq://"}, lcm_);

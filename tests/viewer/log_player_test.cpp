@@ -1,4 +1,4 @@
-// A log behind the page: any frame, in any order, is the frame that the run had.
+// Tests LogPlayer: any frame, in any order, equals the frame of the run.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,12 +43,12 @@ FrameHead head_of(const Bytes& message) {
   return head;
 }
 
-/// All but the numbers that differ from player to player.
+/// Returns the message without the head, whose numbers differ between players.
 std::vector<uint8_t> picture_of(const Bytes& message) {
   return {message.begin() + sizeof(FrameHead), message.end()};
 }
 
-TEST_F(RecordedCrowd, JumpingAndPlayingShowTheSame) {
+TEST_F(RecordedCrowd, JumpsAndPlaysEqually) {
   for (const double state_every : {1.0, 2.4, 7.0, 150.0}) {
     record({.avatars = 30, .seed = 3, .pairs = 60, .comings = true, .deadline = true}, state_every);
     LogIndex index(log_.path());
@@ -73,7 +73,7 @@ TEST_F(RecordedCrowd, JumpingAndPlayingShowTheSame) {
   }
 }
 
-TEST_F(RecordedCrowd, FramesHoldWhatTheRunSaid) {
+TEST_F(RecordedCrowd, FramesEqualTheRun) {
   const SyntheticRun::Options options{.avatars = 12, .seed = 8, .pairs = 20, .comings = true};
   record(options);
   LogIndex index(log_.path());
@@ -100,7 +100,7 @@ TEST_F(RecordedCrowd, FramesHoldWhatTheRunSaid) {
   }
 }
 
-TEST_F(RecordedCrowd, IsKnownToTheEnd) {
+TEST_F(RecordedCrowd, IndexesTheWholeLog) {
   record({.avatars = 10});
   LogIndex index(log_.path());
   index.wait();
@@ -111,8 +111,8 @@ TEST_F(RecordedCrowd, IsKnownToTheEnd) {
   EXPECT_LE(json["pairs"].size(), 50u);
 }
 
-TEST_F(RecordedCrowd, AFrameFarAheadOfAllOthersIsOneMoreFrame) {
-  // The largest number that a message may have; memory for all frames before it has nobody.
+TEST_F(RecordedCrowd, CountsAFrameFarAheadOnce) {
+  // The largest number that a message may have: there is no memory for all frames before it.
   const int64_t far = int64_t{1} << 53;
   {
     SyntheticRun run({.avatars = 10});
@@ -132,7 +132,7 @@ TEST_F(RecordedCrowd, AFrameFarAheadOfAllOthersIsOneMoreFrame) {
   EXPECT_LE(json["pairs"].size(), 50u);
 }
 
-TEST_F(RecordedCrowd, PlaysWhatIsSoundOfATornLog) {
+TEST_F(RecordedCrowd, PlaysTheSoundPartOfATornLog) {
   record({.avatars = 10});
   std::vector<uint8_t> bytes = bytes_of(log_.path());
   bytes.resize(bytes.size() * 2 / 3);
@@ -164,12 +164,11 @@ TEST_F(RecordedCrowd, SurvivesDamage) {
       LogPlayer player(index, geometry);
       for (const int64_t frame : {150, 3, 199, 80}) player.frame(frame);
     } catch (const InputError&) {
-      // Damaged where the description is: said so, and that is fine.
+      // A damaged description is rejected with an error.
     }
   }
 }
 
-/// The BeginFrame of each pair of a message.
 std::map<PairKey, int64_t> begins_of(const Bytes& message) {
   struct Pair {
     uint32_t a, b;
@@ -187,7 +186,7 @@ std::map<PairKey, int64_t> begins_of(const Bytes& message) {
   return begins;
 }
 
-/// The frames of a run as its events tell them, pair by pair.
+/// Returns the begin frames of each frame's pairs, derived from the run's events.
 std::vector<std::map<PairKey, int64_t>> begins_by_hand(const SyntheticRun::Options& options) {
   SyntheticRun run(options);
   std::map<PairKey, int64_t> open;
@@ -204,7 +203,7 @@ std::vector<std::map<PairKey, int64_t>> begins_by_hand(const SyntheticRun::Optio
   return frames;
 }
 
-TEST_F(RecordedCrowd, KnowsSinceWhenPairsTouchWhereverItJumps) {
+TEST_F(RecordedCrowd, KnowsBeginFramesAfterJumps) {
   const SyntheticRun::Options options{.avatars = 30, .seed = 5, .pairs = 60, .comings = true};
   record(options, 3);
   LogIndex index(log_.path());
@@ -216,7 +215,7 @@ TEST_F(RecordedCrowd, KnowsSinceWhenPairsTouchWhereverItJumps) {
   for (int64_t frame = 0; frame < kFrames; ++frame)
     ASSERT_EQ(begins_of(*playing.frame(frame)), expected[static_cast<size_t>(frame)]) << frame;
   for (uint64_t i = 0; i < 60; ++i) {
-    // Backwards, forwards, and on from there.
+    // Backwards, forwards, and one frame on.
     const auto frame = static_cast<int64_t>(random_bits({.seed = 6, .id = i}) % (kFrames - 1));
     for (const int64_t number : {frame, frame + 1})
       ASSERT_EQ(begins_of(*jumping.frame(number)), expected[static_cast<size_t>(number)])
@@ -224,8 +223,8 @@ TEST_F(RecordedCrowd, KnowsSinceWhenPairsTouchWhereverItJumps) {
   }
 }
 
-TEST_F(RecordedCrowd, TellsBeforeWhenAPairBeganWhoseBeginItNeverHeard) {
-  // A run that goes on: what touches at first began before.
+TEST_F(RecordedCrowd, BoundsUnrecordedBeginFrames) {
+  // The log starts within a run: the first pairs began before it.
   const SyntheticRun::Options options{.avatars = 30, .seed = 7, .pairs = 60};
   constexpr int kBefore = 70;
   const auto expected = begins_by_hand(options);
@@ -258,7 +257,7 @@ TEST_F(RecordedCrowd, TellsBeforeWhenAPairBeganWhoseBeginItNeverHeard) {
   EXPECT_GT(from_before, 0);
 }
 
-TEST(PairBegins, DoubtsAllBeginsWhereEventsAreLost) {
+TEST(PairBegins, BoundsBeginsAfterLostEvents) {
   const SyntheticRun::Options options{.avatars = 20, .seed = 9, .pairs = 50};
   SyntheticRun sender(options);
   const std::vector<MessageList::Message> messages = messages_of(sender, kFrames);
@@ -276,7 +275,7 @@ TEST(PairBegins, DoubtsAllBeginsWhereEventsAreLost) {
     begins.take(run, update);
     if (update == RunReader::Update::kFrameStats) frame = header.frame;
     if (update != RunReader::Update::kFrameStats || frame >= kFrames) continue;
-    // A frame number is said only where it is right; before the gap shows, nobody can know.
+    // A stated frame number must be right; before the gap is detected, no number can be checked.
     for (const auto& [pair, began] : begins.all()) {
       const auto& now = expected[static_cast<size_t>(frame)];
       if (!now.contains(pair) || frame - lost_until < 2) continue;
@@ -290,10 +289,10 @@ TEST(PairBegins, DoubtsAllBeginsWhereEventsAreLost) {
   EXPECT_GT(doubted, 0);
 }
 
-TEST_F(RecordedCrowd, GoesOnBehindATornLength) {
+TEST_F(RecordedCrowd, ContinuesAfterATornLength) {
   record({.avatars = 10, .pairs = 30});
   std::vector<uint8_t> bytes = bytes_of(log_.path());
-  // The length of a message in the middle becomes larger than the file.
+  // Makes the length of a message in the middle larger than the file.
   LogReader reader(log_.path());
   LogEvent event;
   while (reader.next(event) == LogReader::Status::kEvent && event.offset < bytes.size() / 2)
@@ -310,7 +309,7 @@ TEST_F(RecordedCrowd, GoesOnBehindATornLength) {
   EXPECT_EQ(head_of(*LogPlayer(index, geometry).frame(kFrames - 1)).frame, kFrames - 1);
 }
 
-TEST_F(RecordedCrowd, SaysThatAMessageIsNotWhatWasWritten) {
+TEST_F(RecordedCrowd, ReportsAlteredMessages) {
   record({.avatars = 10, .pairs = 30});
   std::vector<uint8_t> bytes = bytes_of(log_.path());
   LogReader reader(log_.path());
@@ -318,16 +317,15 @@ TEST_F(RecordedCrowd, SaysThatAMessageIsNotWhatWasWritten) {
   while (reader.next(event) == LogReader::Status::kEvent &&
          (event.offset < bytes.size() / 2 || event.channel != name_of(Channel::kStates)))
     continue;
-  bytes[event.offset + event.bytes - 9] ^= 1;  // of a number: the message is read without a word
+  bytes[event.offset + event.bytes - 9] ^= 1;  // one byte of a number: the message still decodes
   write_bytes(log_.path(), bytes);
   LogIndex index(log_.path());
   index.wait();
-  EXPECT_NE(index.problem().find("1 stretch of messages is not what was written"),
-            std::string::npos)
+  EXPECT_NE(index.problem().find("1 stretch of messages is altered"), std::string::npos)
       << index.problem();
 }
 
-TEST_F(RecordedCrowd, SaysWhatACutLogLacks) {
+TEST_F(RecordedCrowd, ReportsTheMissingEnd) {
   record({.avatars = 10, .pairs = 30});
   const std::vector<uint8_t> sound = bytes_of(log_.path());
   LogReader reader(log_.path());
@@ -348,12 +346,12 @@ TEST_F(RecordedCrowd, SaysWhatACutLogLacks) {
   }
 }
 
-TEST_F(RecordedCrowd, KnowsThePairsOfAPerson) {
+TEST_F(RecordedCrowd, ListsThePairsOfAPerson) {
   const SyntheticRun::Options options{.avatars = 8, .seed = 5, .pairs = 12};
   record(options);
   LogIndex index(log_.path());
   index.wait();
-  // By hand: begins and ends of everybody, frame by frame.
+  // Expected values: begins and ends of all pairs, frame by frame.
   SyntheticRun again(options);
   std::map<PairKey, int64_t> open;
   std::vector<std::array<int64_t, 2>> expected;  // begin, end of person 3's pairs up to frame 150

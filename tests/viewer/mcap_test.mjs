@@ -1,4 +1,4 @@
-// What `throng export` writes, read by the reference reader: node mcap_test.mjs NPM_FOLDER THRONG
+// Reads the output of `throng export` with the reference reader: node mcap_test.mjs NPM_FOLDER THRONG
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync} from 'node:fs';
@@ -12,7 +12,7 @@ const {McapIndexedReader, McapStreamReader} = require('@mcap/core');
 const {decompress} = require('fzstd');
 const decompressHandlers = {zstd: (bytes) => decompress(bytes)};
 
-/** A file in memory, as the reader wants it. */
+/** A file in memory with the interface that the reader expects. */
 class Bytes {
   constructor(bytes) {
     this.bytes = bytes;
@@ -62,14 +62,14 @@ try {
       }
     }
   }
-  assert.ok(entities.size < used.size, 'nobody left');
-  for (const frame of used) assert.ok(known.has(frame), `a place for ${frame}`);
+  assert.ok(entities.size < used.size, 'an entity of a person who left remains');
+  for (const frame of used) assert.ok(known.has(frame), `no transform for ${frame}`);
   assert.deepEqual(kinds, {begin: begins, end: ends}, 'as many contacts as the log has');
-  assert.equal(counts.get('/tf'), 28, 'two poses a second');
+  assert.equal(counts.get('/tf'), 28, 'two poses per second');
   assert.ok(used.size > 60 * 10, 'a mesh for each part');
   assert.equal(reader.statistics.messageCount, BigInt([...counts.values()].reduce((a, b) => a + b)));
 
-  // Record after record, with every checksum.
+  // Reads record after record and checks every checksum.
   const stream = new McapStreamReader({validateCrcs: true, decompressHandlers});
   stream.append(bytes);
   let messages = 0n, last;
@@ -82,8 +82,8 @@ try {
   assert.ok(stream.done());
 
   const events = run('export', 'a.lcmlog', '--csv', 'events').trim().split('\n');
-  assert.equal(events.length, 1 + begins + ends, 'a row an event');
-  assert.match(events[0], /^frame,time_s,kind,a,b,name_a,name_b,part_a,part_b,level$/);
+  assert.equal(events.length, 1 + begins + ends, 'one row per event');
+  assert.match(events[0], /^frame,time_s,kind,body_a,body_b,name_a,name_b,part_a,part_b,level$/);
   const states = run('export', 'a.lcmlog', '--csv', 'THRONG_STATES').trim().split('\n');
   assert.equal(states.length > 60 * 100, true);
   console.log(`${bytes.byteLength} bytes, ${messages} messages, ${begins} begins, ${ends} ends`);

@@ -1,4 +1,4 @@
-// The rasteriser: what is drawn where, what hides what, and that a picture repeats to the byte.
+// Tests the rasteriser: coverage, occlusion, and pictures that are equal to the byte.
 #include "viewer/picture/raster.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kRightAngle = 1.57079632679F;  // field of view: at 1 m, the picture is 2 m high
 
-/// Looks along +x from the origin at a picture of `size` x `size` pixels without ground.
-Image seen(std::span<const RenderItem> items, int size) {
+/// Renders from the origin along +x, `size` x `size` pixels without ground.
+Image rendered(std::span<const RenderItem> items, int size) {
   const Camera camera{{0, 0, 0}, {1, 0, 0}, kRightAngle};
   return render(items, camera,
                 {.width = size, .height = size, .samples = 1, .ground = false, .fog_start_m = 120});
@@ -32,7 +32,7 @@ std::array<int, 3> pixel(const Image& image, int x, int y) {
 bool is_red(const std::array<int, 3>& p) { return p[0] > 2 * p[1] && p[0] > 2 * p[2]; }
 bool is_blue(const std::array<int, 3>& p) { return p[2] > 2 * p[0] && p[2] > 2 * p[1]; }
 
-/// A triangle at distance x that faces the origin; picture right is -y.
+/// Returns a triangle at distance x that faces the origin; right in the picture is -y.
 Mesh triangle_at(float x) {
   return {{{x, x, x}, {x, x, -x}, {x, -x, -x}},
           {{0, 1, 2}}};  // upper left, lower left, lower right
@@ -58,20 +58,20 @@ Mesh sphere(int rings, int segments) {
   return mesh;
 }
 
-TEST(Raster, ATriangleCoversThePixelsBelowItsDiagonal) {
+TEST(Raster, CoversPixelsBelowADiagonal) {
   const Mesh mesh = triangle_at(1);
   RenderItem item;
   item.mesh = &mesh;
   item.rgb = {0.9F, 0.05F, 0.05F};
-  const Image image = seen({&item, 1}, 16);
+  const Image image = rendered({&item, 1}, 16);
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x)
-      if (x != y) {  // the diagonal runs through those
+      if (x != y) {  // the diagonal crosses these pixels
         EXPECT_EQ(is_red(pixel(image, x, y)), x < y) << x << ' ' << y;
       }
 }
 
-TEST(Raster, TheNearerHidesTheFartherInEitherOrder) {
+TEST(Raster, NearerItemsHideFartherOnes) {
   const Mesh near = triangle_at(2);
   const Mesh far = triangle_at(3);
   RenderItem red;
@@ -81,34 +81,34 @@ TEST(Raster, TheNearerHidesTheFartherInEitherOrder) {
   blue.mesh = &far;
   blue.rgb = {0.05F, 0.05F, 0.9F};
   for (const auto& order : {std::array<RenderItem, 2>{red, blue}, {blue, red}}) {
-    const Image image = seen(order, 16);
+    const Image image = rendered(order, 16);
     EXPECT_TRUE(is_red(pixel(image, 3, 12)));
     EXPECT_FALSE(is_blue(pixel(image, 3, 12)));
   }
 }
 
-TEST(Raster, FacesTurnedAwayAndThingsBehindTheEyeAreNotDrawn) {
+TEST(Raster, CullsBackFacesAndItemsBehindTheEye) {
   Mesh away = triangle_at(1);
   std::swap(away.triangles[0][1], away.triangles[0][2]);
   const Mesh behind = triangle_at(-1);
   for (const Mesh* mesh : std::initializer_list<const Mesh*>{&away, &behind}) {
     RenderItem item;
     item.mesh = mesh;
-    const Image image = seen({&item, 1}, 16);
-    EXPECT_EQ(image.rgb, seen({}, 16).rgb);
+    const Image image = rendered({&item, 1}, 16);
+    EXPECT_EQ(image.rgb, rendered({}, 16).rgb);
   }
 }
 
-TEST(Raster, AClosedSphereShowsNoHoles) {
+TEST(Raster, DrawsASphereWithoutHoles) {
   const Mesh mesh = sphere(24, 37);
   RenderItem item;
   item.mesh = &mesh;
   item.rgb = {0.9F, 0.05F, 0.05F};
   item.world_from_mesh.translate(Eigen::Vector3f(3, 0, 0));
   constexpr int kSize = 200;
-  const Image image = seen({&item, 1}, kSize);
-  // Seen from 3 m, a unit sphere covers the disc of radius 1 / sqrt(9 - 1) at 1 m; its 37 segments
-  // fall short of the circle by less than 1 %.
+  const Image image = rendered({&item, 1}, kSize);
+  // From 3 m, a unit sphere covers the disc of radius 1 / sqrt(9 - 1) at 1 m. Its 37 segments
+  // differ from the circle by less than 1 %.
   const double radius = kSize / 2.0 / std::sqrt(8.0);
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
@@ -122,7 +122,7 @@ TEST(Raster, AClosedSphereShowsNoHoles) {
     }
 }
 
-TEST(Raster, AShadowFallsOnTheGroundAwayFromTheSun) {
+TEST(Raster, CastsShadowsAwayFromTheSun) {
   const Mesh mesh = sphere(12, 16);
   RenderItem item;
   item.mesh = &mesh;
@@ -132,13 +132,12 @@ TEST(Raster, AShadowFallsOnTheGroundAwayFromTheSun) {
   const RenderOptions options{.width = 120, .height = 120, .samples = 1};
   const Image bare = render({}, from_above, options);
   const Image image = render({&item, 1}, from_above, options);
-  // The sun stands towards (-0.45, -0.55, 1): the ball's shadow lies at (0.45, 0.55); 10 pixels a
-  // metre.
+  // The sun is at (-0.45, -0.55, 1), the ball's shadow at (0.45, 0.55); 10 pixels per metre.
   EXPECT_LT(pixel(image, 64, 54)[0] + 20, pixel(bare, 64, 54)[0]);
   EXPECT_EQ(pixel(image, 40, 80), pixel(bare, 40, 80));
 }
 
-TEST(Raster, TheSamePictureTwiceIsTheSameFile) {
+TEST(Raster, WritesEqualFilesForEqualPictures) {
   const Mesh mesh = sphere(12, 16);
   RenderItem item;
   item.mesh = &mesh;
@@ -148,29 +147,29 @@ TEST(Raster, TheSamePictureTwiceIsTheSameFile) {
   EXPECT_EQ(once.rgb.size(), 160u * 90u * 3u);
 }
 
-TEST(Raster, WhatIsSeeThroughLetsThroughWhatIsBehindAndNothingElse) {
+TEST(Raster, BlendsTranslucentItems) {
   const Mesh near = triangle_at(1), far = triangle_at(2);
   RenderItem red{&far}, veil{&near};
   red.rgb = {0.8F, 0, 0};
   veil.rgb = {0, 0, 0.8F};
   veil.opacity = 0.5F;
   const std::array both{veil, red};
-  const auto mixed = pixel(seen(both, 64), 20, 40);
-  const auto alone = pixel(seen({&red, 1}, 64), 20, 40);
+  const auto mixed = pixel(rendered(both, 64), 20, 40);
+  const auto alone = pixel(rendered({&red, 1}, 64), 20, 40);
   EXPECT_GT(mixed[2], alone[2]);
   EXPECT_LT(mixed[0], alone[0]);
   EXPECT_GT(mixed[0], mixed[1]);
-  // In front of nothing it is paler than when it is solid; behind what is solid it is not there.
-  EXPECT_FALSE(is_blue(pixel(seen({&veil, 1}, 64), 20, 40)));
+  // Paler in front of the background than a solid item; invisible behind a solid item.
+  EXPECT_FALSE(is_blue(pixel(rendered({&veil, 1}, 64), 20, 40)));
   RenderItem solid{&near};
   solid.rgb = red.rgb;
   RenderItem behind{&far};
   behind.opacity = 0.5F;
   const std::array hidden{behind, solid};
-  EXPECT_EQ(seen(hidden, 64).rgb, seen({&solid, 1}, 64).rgb);
+  EXPECT_EQ(rendered(hidden, 64).rgb, rendered({&solid, 1}, 64).rgb);
 }
 
-TEST(Raster, APngReadsBackAsThePicture) {
+TEST(Raster, WritesReadablePng) {
   const Mesh mesh = sphere(12, 16);
   RenderItem item;
   item.mesh = &mesh;
@@ -187,7 +186,7 @@ TEST(Raster, APngReadsBackAsThePicture) {
   std::filesystem::remove(file);
 }
 
-TEST(Raster, AFullDiskAndAMissingFolderAreTold) {
+TEST(Raster, ReportsWriteErrors) {
   const Image image = render({}, Camera{}, {.width = 64, .height = 64});
   EXPECT_THROW(write_png("/nowhere/picture.png", image), EnvironmentError);
   EXPECT_THROW(write_png("/dev/full", image), EnvironmentError);

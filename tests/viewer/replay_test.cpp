@@ -1,4 +1,4 @@
-// A run small enough to send: inside the tolerances that are stated, and never larger than asked.
+// Tests recordings in one HTML file: tolerances, limits and errors.
 #include "viewer/replay/replay.h"
 
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::string_view kPage = "<!doctype html><!--RECORDING--><script></script>";
 
-TEST(PostureBasis, KeepsEveryNumberWithinItsTolerance) {
+TEST(PostureBasis, KeepsTolerances) {
   for (const int dimensions : {1, 2, 5, 9}) {
-    // Rows on a curved surface of so many dimensions, as gaits are, and some noise.
+    // Rows on a curved surface of this many dimensions, like gaits, plus noise.
     Eigen::MatrixXd rows(400, 9);
     for (Eigen::Index row = 0; row < rows.rows(); ++row)
       for (Eigen::Index column = 0; column < rows.cols(); ++column) {
@@ -38,7 +38,7 @@ TEST(PostureBasis, KeepsEveryNumberWithinItsTolerance) {
   }
 }
 
-TEST(PostureBasis, OfAStillCrowdIsItsMean) {
+TEST(PostureBasis, HasNoComponentsForAStaticCrowd) {
   const Eigen::MatrixXd rows = Eigen::MatrixXd::Constant(10, 3, 0.25);
   const PostureBasis basis = PostureBasis::of(rows, Eigen::VectorXd::Constant(3, 0.01));
   EXPECT_EQ(basis.components(), 0);
@@ -46,7 +46,7 @@ TEST(PostureBasis, OfAStillCrowdIsItsMean) {
   EXPECT_EQ(PostureBasis::of(Eigen::MatrixXd(0, 3), Eigen::VectorXd::Ones(3)).components(), 0);
 }
 
-TEST(Replay, GoesIntoThePageAsItIsPlayedAndFromItsLog) {
+TEST(Replay, RecordsARunAndItsLogEqually) {
   const SyntheticRun::Options options{.avatars = 20, .seed = 6, .comings = true};
   const ScratchFile log, from_log(".html"), direct(".html");
   SyntheticRun run(options), again(options);
@@ -66,7 +66,7 @@ TEST(Replay, GoesIntoThePageAsItIsPlayedAndFromItsLog) {
   EXPECT_TRUE(text.ends_with("<script></script>"));
 }
 
-TEST(Replay, TooLargeIsAnErrorThatSaysWhatWouldFit) {
+TEST(Replay, RejectsALargeFileAndStatesTheFittingTime) {
   const ScratchFile log, html(".html");
   SyntheticRun run({.avatars = 50});
   LogSink sink(log.path());
@@ -82,7 +82,7 @@ TEST(Replay, TooLargeIsAnErrorThatSaysWhatWouldFit) {
   EXPECT_FALSE(std::filesystem::exists(html.path()));
 }
 
-TEST(Replay, OfMoreFramesThanAnybodyWatchesIsAnError) {
+TEST(Replay, RejectsTooManyFrames) {
   const ScratchFile log, html(".html");
   {
     SyntheticRun run({.avatars = 5});
@@ -96,7 +96,7 @@ TEST(Replay, OfMoreFramesThanAnybodyWatchesIsAnError) {
   EXPECT_THROW(write_replay(log.path(), html.path(), kPage, 25), EnvironmentError);
 }
 
-TEST(Replay, OfATornLogTellsWhatIsMissing) {
+TEST(Replay, ReportsMissingPartsOfATornLog) {
   const ScratchFile log, html(".html");
   SyntheticRun run({.avatars = 20});
   LogSink sink(log.path());
@@ -110,20 +110,20 @@ TEST(Replay, OfATornLogTellsWhatIsMissing) {
   }
 }
 
-TEST(Replay, OfNobodyIsAnErrorThatSaysSo) {
+TEST(Replay, RejectsARunWithoutAvatars) {
   const ScratchFile log, html(".html");
   SyntheticRun run({.avatars = 0, .pairs = 0});
   LogSink sink(log.path());
   run.play(sink, 20);
   try {
     write_replay(log.path(), html.path(), kPage, 25);
-    FAIL() << "a page without anybody";
+    FAIL() << "a page without avatars";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("nobody in it"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("without avatars"), std::string::npos) << error.what();
   }
 }
 
-TEST(Replay, OfAFileThatIsNoLogIsAnError) {
+TEST(Replay, RejectsAFileThatIsNoLog) {
   const ScratchFile file, html(".html");
   write_bytes(file.path(), std::vector<uint8_t>(1000, 7));
   EXPECT_THROW(write_replay(file.path(), html.path(), kPage, 25), InputError);

@@ -1,4 +1,4 @@
-// Whose sphere overlaps another one: the grid says what all pairs say.
+// Tests that the grid marks the same overlapping spheres as a test of all pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::vector<uint8_t> by_all_pairs(const std::vector<PlacedSphere>& spheres) {
 
 class Crowding : public testing::TestWithParam<double> {};
 
-TEST_P(Crowding, IsWhatAllPairsSay) {
+TEST_P(Crowding, MatchesAllPairs) {
   const double spread_m = GetParam();
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<PlacedSphere> spheres;
@@ -45,10 +45,10 @@ TEST_P(Crowding, IsWhatAllPairsSay) {
   }
 }
 
-// From all in one cell to a crowd so thin that cells are larger than anybody.
+// From one cell with all spheres to a crowd so sparse that cells are larger than any sphere.
 INSTANTIATE_TEST_SUITE_P(Spreads, Crowding, testing::Values(0.5, 8.0, 60.0, 2e6));
 
-TEST(Crowding, OfNobodyIsNothing) {
+TEST(Crowding, IsEmptyWithoutSpheres) {
   SphereOverlaps crowded;
   EXPECT_EQ(crowded.mark({}, {}), 0u);
   std::vector<uint8_t> flag(1, 7);

@@ -1,4 +1,4 @@
-// What is drawn of a volume: a closed surface that holds every point of the part, with its edges.
+// Tests that a drawn volume is a closed surface around all points of its part, with its edges.
 #include "viewer/picture/volume_outline.h"
 
 #include <gtest/gtest.h>
@@ -14,20 +14,20 @@ namespace {
 
 constexpr uint64_t kSeed = 20268;
 
-/// The farthest that a point lies beyond a face. Corners of a drawn sphere lie on it, so that its
-/// faces cut a little off.
+/// Returns the maximum distance of a point beyond a face. The corners of a drawn sphere lie on it:
+/// its faces cut a little off.
 float beyond_m(const VolumeOutline& outline, const Eigen::Vector3f& point) {
-  float most = -1e30F;
+  float max_m = -1e30F;
   for (const Eigen::Vector3i& t : outline.faces.triangles) {
     const auto at = [&](int i) { return outline.faces.vertices[static_cast<size_t>(t[i])]; };
     const Eigen::Vector3f normal = (at(1) - at(0)).cross(at(2) - at(0));
-    if (normal.norm() < 1e-6F) continue;  // a sliver: its neighbours have the same plane
-    most = std::max(most, normal.normalized().dot(point - at(0)));
+    if (normal.norm() < 1e-6F) continue;  // degenerate: its neighbours have the same plane
+    max_m = std::max(max_m, normal.normalized().dot(point - at(0)));
   }
-  return most;
+  return max_m;
 }
 
-TEST(VolumeOutlines, HoldEveryPointOfThePart) {
+TEST(VolumeOutlines, EnclosePartPoints) {
   bench::Draw draw(kSeed);
   const auto adult = load_model(adult_urdf());
   std::vector<PartShape> shapes;
@@ -50,7 +50,7 @@ TEST(VolumeOutlines, HoldEveryPointOfThePart) {
     }
 }
 
-TEST(VolumeOutlines, OfABoxHaveTwelveEdgesAndAsManyBars) {
+TEST(VolumeOutlines, HaveTwelveEdgesForABox) {
   const VolumeOutline box = box_outline({0, 0, 0}, {1, 2, 3});
   EXPECT_EQ(box.edges.size(), 12u);
   EXPECT_NEAR(signed_volume_m3(box.faces), 6, 1e-5);

@@ -1,4 +1,4 @@
-// What a browser says is understood, what anybody else sends is refused.
+// Tests that browser requests and frames are parsed and all others rejected.
 #include "viewer/server/web_protocol.h"
 
 #include <gtest/gtest.h>
@@ -12,12 +12,12 @@ std::span<const uint8_t> as_bytes(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-TEST(WebProtocol, AcceptsTheKeyOfTheStandard) {
+TEST(WebProtocol, ComputesTheKeyOfTheStandard) {
   // RFC 6455, section 1.3
   EXPECT_EQ(accept_key("dGhlIHNhbXBsZSBub25jZQ=="), "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
 }
 
-TEST(WebProtocol, ReadsARequest) {
+TEST(WebProtocol, ParsesARequest) {
   const auto request = parse_request(
       "GET /ws?x=1 HTTP/1.1\r\nHost: localhost:7\r\nUPGRADE:  WebSocket \r\nSec-WebSocket-Key: "
       "k\r\n\r\n");
@@ -28,7 +28,7 @@ TEST(WebProtocol, ReadsARequest) {
   EXPECT_TRUE(request->is_web_socket_upgrade());
 }
 
-TEST(WebProtocol, RefusesWhatIsNoRequest) {
+TEST(WebProtocol, RejectsMalformedRequests) {
   for (const char* text :
        {"", "GET", "GET /", "GET / SMTP\r\n\r\n", "GET / HTTP/1.1\r\nno colon\r\n\r\n"})
     EXPECT_FALSE(parse_request(text)) << text;
@@ -41,7 +41,7 @@ struct Visit {
   bool is_own;
 };
 
-TEST(WebProtocol, OnlyThePageItselfMayOpenTheSocket) {
+TEST(WebProtocol, AcceptsOnlyTheSameOrigin) {
   for (const Visit& visit : {
            Visit{"127.0.0.1:80", "", true, true},
            {"localhost:80", "http://localhost:80", true, true},
@@ -50,7 +50,7 @@ TEST(WebProtocol, OnlyThePageItselfMayOpenTheSocket) {
            {"127.0.0.1:80", "http://evil.example", true, false},
            {"127.0.0.1:80", "null", true, false},  // a page from disk, a sandboxed frame
            {"127.0.0.1:80", "http://127.0.0.1:81", true, false},
-           {"evil.example:80", "http://evil.example:80", true, false},  // a name bound to 127.0.0.1
+           {"evil.example:80", "http://evil.example:80", true, false},  // resolves to 127.0.0.1
            {"", "", true, false},
            {"crowd.lan:80", "http://crowd.lan:80", false, true},
            {"crowd.lan:80", "http://evil.example", false, false},
@@ -82,19 +82,19 @@ TEST(WebProtocol, UnmasksAFrame) {
         << size << " bytes";
 }
 
-TEST(WebProtocol, RefusesALengthBeforeItsBytesCome) {
+TEST(WebProtocol, RejectsALongFrameByItsHead) {
   const std::string huge = std::string("\x82\xff\x00\x00\x00\x40\x00\x00\x00\x00", 10) + "mask";
   EXPECT_EQ(parse_frame(as_bytes(huge), 4096).status, ClientFrame::Status::kRefused);
   const std::string wraps = std::string("\x82\xff\xff\xff\xff\xff\xff\xff\xff\xff", 10) + "mask";
   EXPECT_EQ(parse_frame(as_bytes(wraps), 4096).status, ClientFrame::Status::kRefused);
 }
 
-TEST(WebProtocol, RefusesWhatBrowsersDoNotSend) {
+TEST(WebProtocol, RejectsFramesThatBrowsersNeverSend) {
   EXPECT_EQ(parse_frame(as_bytes("\x81\x05hello"), 100).status, ClientFrame::Status::kRefused)
       << "not masked";
   EXPECT_EQ(parse_frame(as_bytes(masked("\x01\x85", "hello")), 100).status,
             ClientFrame::Status::kRefused)
-      << "in pieces";
+      << "fragmented";
   EXPECT_EQ(parse_frame(as_bytes(masked("\xc1\x85", "hello")), 100).status,
             ClientFrame::Status::kRefused)
       << "compressed";
@@ -117,7 +117,7 @@ TEST(WebProtocol, SurvivesAnyBytes) {
     ASSERT_LE(frame.bytes, bytes.size());
     ASSERT_LE(frame.payload.size(), 64u);
   }
-  EXPECT_GT(whole, 0) << "the test makes no sound frames any more, seed " << kSeed;
+  EXPECT_GT(whole, 0) << "the test makes no valid frames, seed " << kSeed;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The server: one page, few clients, nobody waits for anybody.
+// Tests the server: one page, a limited number of clients, no caller that waits.
 #include "viewer/server/web_server.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr const char* kAccepted = "HTTP/1.1 101 Switching Protocols";
 
 SharedBytes frame_of(size_t size, uint8_t value) { return std::make_shared<Bytes>(size, value); }
 
-/// Waits, without a guess how long, for what another thread does.
+/// Waits for a condition that another thread fulfils, up to 5 s.
 template <typename Condition>
 bool soon(const Condition& condition) {
   for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(5ms);
@@ -36,7 +36,7 @@ TEST(WebServer, ServesThePage) {
   EXPECT_NE(head.find("X-Frame-Options: DENY"), std::string::npos);
 }
 
-TEST(WebServer, NamesWhatItDoesNotServe) {
+TEST(WebServer, ReturnsErrorStatuses) {
   WebServer server({}, kPage, {});
   const std::pair<const char*, const char*> cases[] = {
       {"GET /etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", "404"},
@@ -53,7 +53,7 @@ TEST(WebServer, NamesWhatItDoesNotServe) {
   }
 }
 
-TEST(WebServer, ClosesOnAHeadWithoutEnd) {
+TEST(WebServer, ClosesOnAnEndlessHead) {
   WebServer server({}, kPage, {});
   TestSocket browser(server.port());
   browser.send("GET / HTTP/1.1\r\nX: " + std::string(3 * WebServer::kMaxRequestBytes, 'x'));
@@ -61,7 +61,7 @@ TEST(WebServer, ClosesOnAHeadWithoutEnd) {
   EXPECT_EQ(server.refused(), 1u);
 }
 
-TEST(WebServer, RefusesAnotherSitesPage) {
+TEST(WebServer, RejectsForeignOrigins) {
   WebServer server({}, kPage, {});
   TestSocket evil(server.port());
   EXPECT_EQ(evil.open("http://evil.example"), "HTTP/1.1 403 Forbidden");
@@ -72,7 +72,7 @@ TEST(WebServer, RefusesAnotherSitesPage) {
   EXPECT_EQ(server.refused(), 2u);
 }
 
-TEST(WebServer, TakesOnlySoManyClients) {
+TEST(WebServer, LimitsTheNumberOfClients) {
   WebServer server({.max_clients = 2}, kPage, {});
   TestSocket first(server.port()), third(server.port());
   {
@@ -81,7 +81,7 @@ TEST(WebServer, TakesOnlySoManyClients) {
     EXPECT_EQ(second.open(), kAccepted);
     EXPECT_EQ(third.open(), "HTTP/1.1 503 Service Unavailable");
   }
-  // A browser keeps the status from its page, which is told by the socket.
+  // A browser hides the status from its page: the socket states the reason.
   {
     const std::string own = "http://127.0.0.1:" + std::to_string(server.port());
     TestSocket second(server.port()), page(server.port());
@@ -95,13 +95,13 @@ TEST(WebServer, TakesOnlySoManyClients) {
     EXPECT_TRUE(page.is_closed());
     EXPECT_EQ(server.client_count(), 2u);
   }
-  // A client that left makes room.
+  // A client that left frees its place.
   ASSERT_TRUE(soon([&] { return server.client_count() == 1; }));
   TestSocket fourth(server.port());
   EXPECT_EQ(fourth.open(), kAccepted);
 }
 
-TEST(WebServer, BringsFramesAndTextInOrder) {
+TEST(WebServer, SendsMessagesInOrder) {
   WebServer server({}, kPage,
                    {[](const std::shared_ptr<WebClient>& client) {
                       client->send_binary(frame_of(70000, 1));
@@ -123,18 +123,18 @@ TEST(WebServer, BringsFramesAndTextInOrder) {
   EXPECT_EQ(message->payload, std::string(200, '\2'));
 }
 
-TEST(WebServer, HearsQuestionsAndAnswersPings) {
-  std::string heard;
+TEST(WebServer, ReceivesTextAndAnswersPings) {
+  std::string received;
   WebServer server({}, kPage, {{}, [&](WebClient& client, std::string_view text) {
-                                 heard += text;
-                                 client.send_text("heard");
+                                 received += text;
+                                 client.send_text("received");
                                }});
   TestSocket browser(server.port());
   ASSERT_EQ(browser.open(), kAccepted);
   browser.send_frame(Opcode::kText, "who is ");
   browser.send_frame(Opcode::kText, "there");
   EXPECT_TRUE(browser.read_message() && browser.read_message());
-  EXPECT_EQ(heard, "who is there");
+  EXPECT_EQ(received, "who is there");
   browser.send_frame(Opcode::kPing, "alive?");
   const auto pong = browser.read_message();
   ASSERT_TRUE(pong);
@@ -142,7 +142,7 @@ TEST(WebServer, HearsQuestionsAndAnswersPings) {
   EXPECT_EQ(pong->payload, "alive?");
 }
 
-TEST(WebServer, LetsGoOfAClientThatSaysTooMuch) {
+TEST(WebServer, DisconnectsClientsWithLongMessages) {
   WebServer server({}, kPage, {});
   TestSocket browser(server.port());
   ASSERT_EQ(browser.open(), kAccepted);
@@ -151,26 +151,26 @@ TEST(WebServer, LetsGoOfAClientThatSaysTooMuch) {
   EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
 }
 
-// Nobody waits for a browser: offering frames returns at once whatever a client does, everything
-// that it did not take is counted, and the client next to it gets every frame.
-TEST(WebServer, AClientThatStopsReadingSlowsNobody) {
+// Offering frames returns at once whatever a client does. Dropped frames are counted, and other
+// clients get every frame.
+TEST(WebServer, ServesOthersDespiteAStalledClient) {
   WebServer server({.send_buffer_bytes = 65536}, kPage, {});
-  TestSocket lazy(server.port(), 4096), eager(server.port());
-  ASSERT_EQ(lazy.open(), kAccepted);
-  ASSERT_EQ(eager.open(), kAccepted);
+  TestSocket stalled(server.port(), 4096), reader(server.port());
+  ASSERT_EQ(stalled.open(), kAccepted);
+  ASSERT_EQ(reader.open(), kAccepted);
   ASSERT_TRUE(soon([&] { return server.client_count() == 2; }));
   constexpr int kFrames = 60;
   for (int i = 0; i < kFrames; ++i) {
     server.offer_frame(frame_of(1 << 19, static_cast<uint8_t>(i)));
-    const auto got = eager.read_message();  // `lazy` never reads
+    const auto got = reader.read_message();  // `stalled` never reads
     ASSERT_TRUE(got) << "frame " << i;
-    ASSERT_EQ(static_cast<uint8_t>(got->payload[0]), i) << "the eager client missed a frame";
+    ASSERT_EQ(static_cast<uint8_t>(got->payload[0]), i) << "the reader missed a frame";
   }
-  // One frame is stuck on its way, one waits as the newest; all others were dropped.
+  // One frame is being sent, one waits as the newest; all others were dropped.
   EXPECT_EQ(server.frames_dropped(), static_cast<uint64_t>(kFrames) - 2);
 }
 
-TEST(WebServer, SaysWhichPortIsTaken) {
+TEST(WebServer, ReportsATakenPort) {
   const WebServer first({}, kPage, {});
   try {
     const WebServer second({.port = first.port()}, kPage, {});

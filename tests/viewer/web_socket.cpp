@@ -11,8 +11,8 @@
 namespace throng {
 namespace {
 
-// A busy machine under a sanitizer takes its time for a run's first message.
-constexpr int kPatienceMs = 60'000;
+// A busy machine under a sanitizer needs time for the first message of a run.
+constexpr int kTimeoutMs = 60'000;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ TestSocket::~TestSocket() { ::close(descriptor_); }
 void TestSocket::send(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (sent <= 0) return;  // the server closed: what it says is what a test looks at
+    if (sent <= 0) return;  // the server closed; the test reads its reply
     bytes.remove_prefix(static_cast<size_t>(sent));
   }
 }
@@ -60,7 +60,7 @@ std::string TestSocket::open(const std::string& origin, const std::string& host)
 
 bool TestSocket::fill() {
   pollfd readable{descriptor_, POLLIN, 0};
-  if (::poll(&readable, 1, kPatienceMs) <= 0) return false;
+  if (::poll(&readable, 1, kTimeoutMs) <= 0) return false;
   char chunk[65536];
   const ssize_t got = ::recv(descriptor_, chunk, sizeof chunk, 0);
   if (got <= 0) return false;
@@ -102,7 +102,7 @@ bool TestSocket::is_closed() {
   buffer_.clear();
   for (;;) {
     pollfd readable{descriptor_, POLLIN, 0};
-    if (::poll(&readable, 1, kPatienceMs) <= 0) return false;
+    if (::poll(&readable, 1, kTimeoutMs) <= 0) return false;
     char chunk[65536];
     if (::recv(descriptor_, chunk, sizeof chunk, 0) <= 0) return true;
   }

@@ -1,4 +1,4 @@
-// A WebSocket client for tests: says what a browser would say, or what it never would.
+// TestSocket is a WebSocket client that sends valid and invalid bytes to a server under test.
 #pragma once
 
 #include <optional>
@@ -11,27 +11,27 @@ namespace throng {
 
 class TestSocket {
  public:
-  /// Connects; a small receive buffer makes a client that soon takes no more.
+  /// Connects. A small receive buffer makes the client stop accepting data early.
   explicit TestSocket(int port, int receive_buffer_bytes = 0);
   ~TestSocket();
   TestSocket(const TestSocket&) = delete;
   TestSocket& operator=(const TestSocket&) = delete;
 
   void send(std::string_view bytes);
-  /// A masked frame of a client.
+  /// Sends a masked client frame.
   void send_frame(Opcode opcode, std::string_view payload);
-  /// Asks for the socket and reads the answer's first line.
+  /// Requests the socket and returns the first line of the reply.
   std::string open(const std::string& origin = "", const std::string& host = "");
-  /// Reads up to an empty line; "" when the other side closed.
+  /// Reads up to an empty line; empty if the peer closed.
   std::string read_head();
 
   struct Message {
     Opcode opcode;
     std::string payload;
   };
-  /// The next message; nothing when the other side closed or two seconds passed.
+  /// Returns the next message; none if the peer closed or kTimeoutMs passed.
   std::optional<Message> read_message();
-  /// True once the other side closed, within two seconds.
+  /// Returns true once the peer has closed; false after kTimeoutMs.
   bool is_closed();
 
  private:

@@ -1,5 +1,5 @@
-// Builds the page: node build.mjs NPM OUT.html, NPM being the folder where `npm ci` ran. Script and
-// style go into the one HTML file, so that it needs no other, served or opened from disk.
+// Builds the page: node build.mjs NPM OUT.html. NPM is the folder in which `npm ci` ran. Script and
+// style are embedded: the one HTML file works served or opened from disk.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {dirname, join} from 'node:path';
@@ -7,7 +7,7 @@ import {fileURLToPath} from 'node:url';
 
 const [npm, out] = process.argv.slice(2);
 if (!out) {
-  console.error('build.mjs: expected the folder of node_modules and the HTML file to write');
+  console.error('build.mjs: expected NPM OUT.html: the folder with node_modules and the file to write');
   process.exit(2);
 }
 const {build} = createRequire(`${npm}/`)('esbuild');
@@ -31,7 +31,7 @@ const script = await build({
 });
 const style = await build({...shared, entryPoints: ['style.css'], target: ['chrome103', 'safari16.4']});
 
-// "</script" inside the script would end it; in a string or a comment the backslash changes nothing.
+// "</script" inside the script would end it; the backslash changes neither strings nor comments.
 const code = script.outputFiles[0].text.replaceAll('</script', '<\\/script');
 const html = readFileSync(join(source, 'index.html'), 'utf8')
   .replace('/*STYLE*/', () => style.outputFiles[0].text)

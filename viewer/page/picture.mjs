@@ -1,5 +1,5 @@
-// A screenshot of the page, and how long its first picture took:
-// node picture.mjs NPM URL OUT.png [WIDTH HEIGHT [light|dark [SCRIPT]]], NPM being the folder where the
+// Takes a screenshot of the page and prints the time to its first picture:
+// node picture.mjs NPM URL OUT.png [WIDTH HEIGHT [light|dark [SCRIPT]]]. NPM is the folder in which the
 // build ran `npm ci`: build/release/viewer/npm. SCRIPT runs in the page before the screenshot.
 import {createRequire} from 'node:module';
 import {resolve} from 'node:path';
@@ -12,18 +12,18 @@ if (!out) {
 const {chromium} = createRequire(`${resolve(npm)}/`)('playwright-core');
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  // No graphics card is needed: the browser draws in software.
+  // Software rendering: works without a graphics card.
   args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
 });
 const page = await browser.newPage({viewport: {width: Number(width), height: Number(height)}, colorScheme});
-// When the first picture with people in it is done, and when that of a later frame: reading a pixel waits
+// Records the times of the first picture with people and of a later frame. Reading a pixel waits
 // until all is drawn.
 await page.addInitScript(() => {
-  const ask = requestAnimationFrame;
+  const request = requestAnimationFrame;
   window.drawnAt = [];
   let seen = -1;
   window.requestAnimationFrame = (callback) =>
-    ask((now) => {
+    request((now) => {
       callback(now);
       const {frame} = window.throng?.state() ?? {frame: -1};
       if (window.drawnAt.length === 2 || frame === seen) return;
@@ -34,10 +34,10 @@ await page.addInitScript(() => {
     });
 });
 await page.goto(url);
-// Polled here: the page's policy lets nobody evaluate text later on, as waitForFunction would.
+// Polled from here: the page's policy forbids evaluating text later, as waitForFunction would.
 while ((await page.evaluate('window.drawnAt.length')) < 2) await page.waitForTimeout(50);
 const [first, second] = await page.evaluate('window.drawnAt');
-console.log(`first picture ${first} ms after the page was asked for, the next ${second} ms`);
+console.log(`first picture ${first} ms after the request of the page, the next ${second} ms`);
 await page.waitForTimeout(3000);
 if (script) await page.evaluate(script);
 await page.waitForTimeout(script ? 4000 : 500);

@@ -11,13 +11,13 @@ const {build} = createRequire(`${npm}/`)('esbuild');
 const tests = resolve(dirname(fileURLToPath(import.meta.url)), '../../tests/viewer/page');
 const suffix = kind === 'units' ? '.test.ts' : '.browser.ts';
 const chromium = process.env.CHROMIUM ?? '/usr/bin/chromium';
-const SKIPPED = 77; // what ctest is told to take for "skipped"
+const SKIPPED = 77; // SKIP_RETURN_CODE of ctest
 if (kind === 'browser' && !existsSync(chromium)) {
-  console.error(`skipped: no browser at ${chromium}: run scripts/setup.sh page, or name one with CHROMIUM`);
+  console.error(`skipped: no browser at ${chromium}; run scripts/setup.sh page, or set CHROMIUM to a browser`);
   process.exit(SKIPPED);
 }
 
-// Live runs come by multicast. Where that has no route, a network of the tests' own has one.
+// Live runs need multicast. A machine without a multicast route runs the tests in a separate network namespace.
 function hasMulticast() {
   return spawnSync('ip', ['route', 'get', '239.255.76.67'], {stdio: 'ignore'}).status === 0;
 }

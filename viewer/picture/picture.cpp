@@ -23,24 +23,24 @@ namespace {
 
 using BodyPart = std::pair<uint32_t, uint32_t>;
 
-/// By level: Okabe and Ito's palette, in linear light, which the colour-blind can tell apart.
+/// By level, in linear light: the palette of Okabe and Ito, safe for colour-blind readers.
 const std::array<Eigen::Vector3f, 4> kTouching = {
     Eigen::Vector3f(0.09F, 0.46F, 0.82F), Eigen::Vector3f(0.00F, 0.34F, 0.17F),
     Eigen::Vector3f(0.90F, 0.36F, 0.00F), Eigen::Vector3f(0.75F, 0.11F, 0.00F)};
 const Eigen::Vector3f kObstacle(0.55F, 0.53F, 0.50F);
-/// Calm clothes: what touches has to stand out.
+/// Muted clothes, because touching parts have to stand out.
 const std::array<Eigen::Vector3f, 6> kClothes = {
     Eigen::Vector3f(0.33F, 0.42F, 0.53F), Eigen::Vector3f(0.46F, 0.52F, 0.50F),
     Eigen::Vector3f(0.60F, 0.62F, 0.64F), Eigen::Vector3f(0.38F, 0.40F, 0.46F),
     Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
 constexpr float kPersonHeight_m = 1.7F;
-constexpr float kBarShare = 0.0012F;  // of the distance to the eye: as wide near and far
+constexpr float kBarShare = 0.0012F;  // fraction of the distance: equally wide near and far
 constexpr const char* kBodySphere = "body-sphere";
 constexpr const char* kBodyBox = "body-box";
 
 using PartLevels = std::map<BodyPart, PairLevel>;
 
-/// The highest level of each part's pairs.
+/// Returns the highest level of each part's pairs.
 PartLevels parts_in_touch(const RunReader::Touching& pairs) {
   PartLevels parts;
   for (const auto& [pair, level] : pairs)
@@ -114,7 +114,6 @@ VolumeOutline body_box(const BodyType& type, std::span<const PartPose> poses, fl
   return box_outline(box.min(), box.max());
 }
 
-/// The volumes of one body, layer by layer.
 void add_volumes(const BodyType& type, const Gait& gait, std::span<const PartPose> poses,
                  const RootPose& root, float scale, const std::vector<std::string>& layers,
                  float thickness_m, VolumeItems& out) {
@@ -171,7 +170,7 @@ void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<R
   }
 }
 
-/// How far back the eye has to be for everybody who is there to be in the picture, feet and head.
+/// Returns the distance to the eye from which all present avatars are in the picture, head to foot.
 float distance_to_all(const CrowdState& crowd, const Eigen::Vector3f& target_m,
                       const Eigen::Vector3f& back, float half_width, float half_height) {
   constexpr float kRimFactor = 1.06F;  // at the rim: arms, shadows
@@ -191,7 +190,7 @@ float distance_to_all(const CrowdState& crowd, const Eigen::Vector3f& target_m,
   return distance_m;
 }
 
-/// The middle of those who are there.
+/// Returns the centre of the bounding box of all present avatars.
 Eigen::Vector3f middle_of(const CrowdState& crowd) {
   Eigen::AlignedBox3d box;
   for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar)
@@ -200,7 +199,7 @@ Eigen::Vector3f middle_of(const CrowdState& crowd) {
   return box.center().cast<float>();
 }
 
-/// Fits the crowd, seen from south-east and above.
+/// Returns a camera to the south-east and above, from which the crowd fills the picture.
 Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
   Camera camera;
   camera.target_m =
@@ -227,7 +226,7 @@ PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& 
 Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
   const PartLevels in_touch = parts_in_touch(frame.touching());
   std::vector<RenderItem> items;
-  std::deque<Mesh> meshes;  // items point into it: a deque does not move what it has
+  std::deque<Mesh> meshes;  // items point into it: a deque does not move its elements
   add_people(frame, in_touch, items);
   add_obstacles(frame, meshes, items);
   const Camera camera = camera_of(frame.crowd(), options);
@@ -264,13 +263,13 @@ struct Animation::Encoder {
 Animation::Animation(int width, int height, float quality) : encoder_(std::make_unique<Encoder>()) {
   WebPAnimEncoderOptions options;
   WebPAnimEncoderOptionsInit(&options);
-  options.anim_params.loop_count = 0;  // for ever
+  options.anim_params.loop_count = 0;  // infinite
   encoder_->width = width;
   encoder_->height = height;
   encoder_->webp = WebPAnimEncoderNew(width, height, &options);
   WebPConfigPreset(&encoder_->config, WEBP_PRESET_DRAWING, quality);
-  encoder_->config.method = 6;        // the smallest file, not the quickest
-  encoder_->config.thread_level = 0;  // the same bytes on any machine
+  encoder_->config.method = 6;        // smallest file, not fastest
+  encoder_->config.thread_level = 0;  // gives the same bytes on any machine
 }
 
 Animation::~Animation() = default;
@@ -291,7 +290,7 @@ void Animation::add(const Image& image, int shown_ms) {
 }
 
 size_t Animation::write(const std::filesystem::path& file) {
-  WebPAnimEncoderAdd(encoder_->webp, nullptr, encoder_->time_ms, nullptr);  // the end
+  WebPAnimEncoderAdd(encoder_->webp, nullptr, encoder_->time_ms, nullptr);  // ends the last frame
   WebPData data;
   WebPDataInit(&data);
   if (WebPAnimEncoderAssemble(encoder_->webp, &data) == 0) encoder_->fail();

@@ -1,5 +1,4 @@
-// Pictures of recorded frames: people and obstacles, what touches in another colour; one after the
-// other in one file where a page shows no video.
+// picture_of() renders recorded frames; Animation writes pictures into one animated WebP.
 #pragma once
 
 #include <filesystem>
@@ -13,42 +12,43 @@
 
 namespace throng {
 
-/// A picture of a recorded frame: people and obstacles, what touches in another colour.
+/// Options of a picture of people and obstacles, in which touching parts are coloured by level.
 struct PictureOptions {
   int width = 1280;
   int height = 720;
-  /// Where to look at; the middle of the crowd if empty.
+  /// Point to look at; empty: the middle of the crowd.
   std::optional<Eigen::Vector3f> target_m;
-  /// Where the eye is; empty: south-east and above, so far that the crowd fills the picture.
+  /// Position of the eye; empty: south-east and above, where the crowd fills the picture.
   std::optional<Eigen::Vector3f> eye_m;
-  /// Drawn around people, those of volume_layers().
+  /// Names from volume_layers(), drawn around people.
   std::vector<std::string> volumes = {};
-  /// Around these alone; empty: around everybody.
+  /// Avatar ids; empty: all.
   std::vector<uint32_t> volumes_of = {};
 };
 
-/// What PictureOptions::volumes may name, stage by stage: "body-sphere" and "body-box" are around
-/// whole bodies; the others, as --part-volume has them, around each part.
+/// Returns the names that PictureOptions::volumes accepts. "body-sphere" and "body-box" enclose
+/// whole bodies; the others are the values of --part-volume and enclose parts.
 std::vector<std::string> volume_layers();
 
+/// Renders the state that `frame` has reached. Touching parts are coloured by level.
 Image picture_of(RecordedFrame& frame, const PictureOptions& options);
 
-/// The options with eye and target filled in where they were empty, as this frame wants them: for
-/// pictures that follow each other.
+/// Returns the options with empty eye and target replaced by those of this frame, for a sequence of
+/// pictures with one camera.
 PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options);
 
-// Pictures one after the other in one file, for pages that show no video.
-// The same pictures give the same bytes.
+// Invariant: the same pictures give the same bytes.
 
-/// An animated WebP that repeats for ever.
+/// Animation encodes an animated WebP that repeats for ever, for pages that show no video.
 class Animation {
  public:
-  /// All pictures have this size. `quality` 0 to 100: what is kept of fine differences.
+  /// All pictures have this size in pixels. `quality`: 0 to 100.
   Animation(int width, int height, float quality);
   ~Animation();
 
+  /// Appends a picture that is shown for `shown_ms`.
   void add(const Image& image, int shown_ms);
-  /// Throws EnvironmentError if it cannot be written; returns how many bytes it has.
+  /// Returns the number of bytes. Throws EnvironmentError if the file cannot be written.
   size_t write(const std::filesystem::path& file);
 
  private:

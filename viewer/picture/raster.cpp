@@ -23,22 +23,22 @@ namespace {
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.45F, -0.55F, 1.0F).normalized();  // towards the sun
 const Eigen::Vector3f kBackground(0.93F, 0.95F, 0.97F);
 const Eigen::Vector3f kGround(0.86F, 0.86F, 0.84F);
-constexpr float kShadow = 0.62F;  // what is left of the ground's light
-constexpr float kNearPlane_m = 0.05F;
+constexpr float kShadow = 0.62F;  // remaining fraction of the ground's light
+constexpr float kClipPlane_m = 0.05F;
 constexpr float kGridLine_m = 0.02F;
-/// Gamma 2: a square root away from linear light, near enough to sRGB for flat colours.
+/// Gamma 2: the square root of linear light, close enough to sRGB for flat colours.
 uint8_t to_byte(float linear) {
-  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and a picture asks often
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and called for every pixel
   return static_cast<uint8_t>(std::sqrt(std::clamp(linear, 0.0F, 1.0F)) * 255.0F + 0.5F);
 }
 
-/// World to camera: x right, y down, z into the picture; then pixels of the sample grid.
+/// View transforms world to camera coordinates (x right, y down, z ahead) and to sample positions.
 struct View {
   View(const Camera& camera, int width, int height) {
     eye = camera.eye_m;
     forward = (camera.target_m - eye).normalized();
     right = forward.cross(Eigen::Vector3f::UnitZ());
-    // Straight up or down: north (y) is up in the picture.
+    // Looking straight up or down: north (y) is up in the picture.
     right = right.norm() < 1e-6F ? Eigen::Vector3f::UnitX() : right.normalized().eval();
     down = forward.cross(right);
     focal = 0.5F * static_cast<float>(height) / std::tan(0.5F * camera.vertical_fov_rad);
@@ -49,12 +49,12 @@ struct View {
     const Eigen::Vector3f d = world - eye;
     return {d.dot(right), d.dot(down), d.dot(forward)};
   }
-  /// Sample-grid position and 1/depth, which is linear in the picture.
+  /// Returns the position in samples and 1/depth, which is linear in the picture.
   Eigen::Vector3f to_screen(const Eigen::Vector3f& p) const {
     const float inverse = 1 / p.z();
     return {centre_x + focal * p.x() * inverse, centre_y + focal * p.y() * inverse, inverse};
   }
-  /// Through the middle of a sample; not normalised, 1 along `forward`.
+  /// Returns the ray through the middle of a sample: not normalised, 1 along `forward`.
   Eigen::Vector3f ray(int x, int y) const {
     return forward + right * ((static_cast<float>(x) + 0.5F - centre_x) / focal) +
            down * ((static_cast<float>(y) + 0.5F - centre_y) / focal);
@@ -63,13 +63,13 @@ struct View {
   float focal, centre_x, centre_y;
 };
 
-/// One sample of the picture; 16 bytes, so that drawing a pixel touches one line of memory.
+/// One sample of the picture: 16 bytes, to touch one line of memory per pixel.
 struct Sample {
   float inverse_depth = 0;  // 0: nothing drawn
   float red = 0, green = 0, blue = 0;
 };
 
-/// What lies before a sample and lets it through: its light, and how much it takes.
+/// Accumulated translucent surfaces before a sample: their light and their opacity.
 struct TranslucentLayer {
   float red = 0, green = 0, blue = 0;
   float cover = 0;
@@ -78,7 +78,7 @@ struct TranslucentLayer {
 struct Canvas {
   int width, height;
   std::vector<Sample> samples;
-  std::vector<TranslucentLayer> layers;  // none where nothing is see-through
+  std::vector<TranslucentLayer> layers;  // empty if no item is translucent
   std::vector<uint8_t> shadow;
 
   /// Calls body(index, a, b, c) for the samples inside a triangle, with barycentric weights.
@@ -104,8 +104,7 @@ struct Canvas {
       const float py = static_cast<float>(y) + 0.5F;
       for (int x = x0; x <= x1; ++x) {
         const float px = static_cast<float>(x) + 0.5F;
-        // Each edge seen from its lower-numbered end would be tidier; samples exactly on a shared
-        // edge are drawn by both triangles, which leaves no hole.
+        // Both triangles draw samples exactly on a shared edge, which leaves no hole.
         const float a =
             ((p[1].x() - px) * (p[2].y() - py) - (p[1].y() - py) * (p[2].x() - px)) * scale;
         const float b =
@@ -120,25 +119,25 @@ struct Canvas {
   static constexpr float kEdge = 1e-5F;  // rounding of the weights: rather twice than never
 };
 
-/// A corner on its way through the near plane.
+/// A corner of a triangle in camera coordinates.
 struct Corner {
   Eigen::Vector3f camera;
   float light;
 };
 
-/// The part of a triangle in front of the near plane: up to 4 corners.
+/// Clips a triangle at the near plane and returns the number of corners, 0 to 4.
 int clip(const std::array<Corner, 3>& in, std::array<Corner, 4>& out) {
   int count = 0;
   for (size_t i = 0; i < 3; ++i) {
     const Corner& a = in[i];
     const Corner& b = in[(i + 1) % 3];
-    const bool a_in = a.camera.z() > kNearPlane_m;
+    const bool a_in = a.camera.z() > kClipPlane_m;
     if (a_in) out[static_cast<size_t>(count++)] = a;
-    if (a_in != (b.camera.z() > kNearPlane_m)) {
-      const float t = (kNearPlane_m - a.camera.z()) / (b.camera.z() - a.camera.z());
+    if (a_in != (b.camera.z() > kClipPlane_m)) {
+      const float t = (kClipPlane_m - a.camera.z()) / (b.camera.z() - a.camera.z());
       Corner cut;
       cut.camera = a.camera + t * (b.camera - a.camera);
-      cut.camera.z() = kNearPlane_m;
+      cut.camera.z() = kClipPlane_m;
       cut.light = a.light + t * (b.light - a.light);
       out[static_cast<size_t>(count++)] = cut;
     }
@@ -162,11 +161,10 @@ void fill_clipped(const Canvas& canvas, const View& view, const std::array<Corne
   }
 }
 
-/// Cosine of the angle between a face and the surface around its corner from which an edge is
-/// sharp.
+/// An edge is sharp from this angle between a face and the smooth surface at its corner (cosine).
 constexpr float kSharpEdge = 0.77F;  // 40 degrees
 
-/// Normals at the vertices, weighted by the area of the triangles around them.
+/// Computes vertex normals, weighted by the area of the adjacent triangles.
 void vertex_normals(const std::vector<Eigen::Vector3f>& points, const Mesh& mesh,
                     std::vector<Eigen::Vector3f>& normals) {
   normals.assign(points.size(), Eigen::Vector3f::Zero());
@@ -179,7 +177,7 @@ void vertex_normals(const std::vector<Eigen::Vector3f>& points, const Mesh& mesh
   }
 }
 
-/// Light on a surface: sky from above, a little from the ground, the sun where it reaches.
+/// Light on a surface: from the sky, a little from the ground, and from the sun.
 float light_on(const Eigen::Vector3f& normal) {
   const float length = normal.norm();
   if (length == 0) return 0.5F;
@@ -217,7 +215,7 @@ class Painter {
       const auto a = static_cast<size_t>(t[0]);
       const auto b = static_cast<size_t>(t[1]);
       const auto c = static_cast<size_t>(t[2]);
-      // A closed surface that hides its own back: faces turned away are not drawn.
+      // Faces turned away are not drawn: a closed surface hides its own back.
       const Eigen::Vector3f normal = (world_[b] - world_[a]).cross(world_[c] - world_[a]);
       if (normal.dot(world_[a] - view_.eye) < 0)
         fill_clipped(canvas_, view_, {lit(a, normal), lit(b, normal), lit(c, normal)},
@@ -234,7 +232,7 @@ class Painter {
     }
   }
 
-  /// Of the middle of its vertices, along the view.
+  /// Depth of the mean of the item's vertices along the view.
   float depth_of(const RenderItem& item) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (const Eigen::Vector3f& v : item.mesh->vertices) sum += v;
@@ -259,7 +257,7 @@ class Painter {
   }
 
  private:
-  /// A corner as its face shows it: at a sharp edge the faces around it do not share their light.
+  /// A corner with its light. At a sharp edge the adjacent faces do not share their light.
   Corner lit(size_t vertex, const Eigen::Vector3f& face) const {
     Corner corner = camera_[vertex];
     const Eigen::Vector3f& smooth = normals_[vertex];
@@ -267,7 +265,7 @@ class Painter {
     return corner;
   }
 
-  /// The nearer ones come later and lie over what is there.
+  /// Blends a surface over the layer. Items come from far to near.
   void cover(size_t at, const RenderItem& item, float light) {
     TranslucentLayer& layer = canvas_.layers[at];
     const float lets = 1 - item.opacity;
@@ -301,7 +299,7 @@ class Painter {
   }
 
   Eigen::Vector3f ground_colour(const Eigen::Vector3f& p, float depth, bool in_shadow) const {
-    // Lines at whole metres, softened to the width of a sample so that they do not flicker far off.
+    // Lines at whole metres, softened to the width of a sample: they do not flicker far away.
     const float sample_m = depth / view_.focal;
     const auto line = [&](float s) {
       const float off = std::abs(s - std::floor(s + 0.5F));

@@ -1,5 +1,5 @@
-// A small software rasteriser: people, obstacles and ground into a picture, without a graphics
-// card. One rule: the same input gives the same bytes, on any machine.
+// render() draws people, obstacles and ground into a picture, without a graphics card.
+// Invariant: the same input gives the same bytes on any machine.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,32 +12,32 @@
 
 namespace throng {
 
-/// Looks from `eye_m` at `target_m`, z upwards. Straight up and straight down are allowed.
+/// Camera looks from `eye_m` at `target_m`, z upwards. Straight up and straight down are allowed.
 struct Camera {
   Eigen::Vector3f eye_m = Eigen::Vector3f(-6, -6, 4);
   Eigen::Vector3f target_m = Eigen::Vector3f::Zero();
   float vertical_fov_rad = 0.7F;
 };
 
-/// One mesh in the picture. A point p of it lies at world_from_mesh * (scale * p).
+/// One mesh in the picture. Its point p lies at world_from_mesh * (scale * p).
 struct RenderItem {
   const Mesh* mesh = nullptr;  ///< a point cloud (no triangles) draws nothing
   Eigen::Isometry3f world_from_mesh = Eigen::Isometry3f::Identity();
   float scale = 1;
   Eigen::Vector3f rgb = Eigen::Vector3f::Constant(0.7F);  ///< 0..1
-  float opacity = 1;  ///< below 1, what is behind shines through: drawn last, the far ones first
+  float opacity = 1;  ///< below 1: translucent, drawn after the opaque items, from far to near
   bool casts_shadow = true;
 };
 
 struct RenderOptions {
   int width = 1280;
   int height = 720;
-  int samples = 2;          ///< a pixel averages samples x samples points; 1..4
-  bool ground = true;       ///< the plane z = 0 with a grid of metres, and shadows on it
-  float fog_start_m = 120;  ///< beyond, the ground fades into the background
+  int samples = 2;          ///< samples per pixel and axis, averaged; 1 to 4
+  bool ground = true;       ///< draws the plane z = 0 with a grid of metres and shadows
+  float fog_start_m = 120;  ///< distance from which the ground fades into the background
 };
 
-/// Rows from the top, 3 bytes (red, green, blue) a pixel.
+/// Rows from the top, 3 bytes (red, green, blue) per pixel.
 struct Image {
   int width = 0;
   int height = 0;
@@ -47,7 +47,7 @@ struct Image {
 Image render(std::span<const RenderItem> items, const Camera& camera,
              const RenderOptions& options = {});
 
-/// Throws EnvironmentError if the file cannot be written.
+/// Writes an 8-bit RGB PNG. Throws EnvironmentError if the file cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image);
 
 }  // namespace throng

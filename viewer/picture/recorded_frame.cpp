@@ -8,8 +8,8 @@ namespace throng {
 
 void require_people(const run_description_t& run, const std::string& where) {
   if (run.avatar_count == 0)
-    throw InputError(where, "a run with people or robots in it to show",
-                     fmt::format("a run of '{}' with nobody in it", printable(run.scene)));
+    throw InputError(where, "a run with people or robots",
+                     fmt::format("scene '{}' without avatars", printable(run.scene)));
 }
 
 RecordedFrame::RecordedFrame(const std::filesystem::path& log, int64_t number)

@@ -1,5 +1,5 @@
-// One frame of a log: where every part is and which of them touch.
-// One rule: nothing but the log is read, so that a log from another machine looks the same.
+// RecordedFrame reads the state of a recorded run at the end of one frame from a log.
+// Invariant: it reads nothing but the log; a log from another machine gives the same state.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,26 @@
 
 namespace throng {
 
-/// Throws InputError if nobody is in a run: there is nothing to show. `where`: the file that has
-/// it, or where it is heard.
+/// Throws InputError if the run has no avatars. `where`: the file or LCM URL of the run.
 void require_people(const run_description_t& run, const std::string& where);
 
-/// The run as it was at the end of a frame. Where states were recorded more rarely, the crowd is
-/// that of the latest frame before.
+/// RecordedFrame holds the run at the end of a frame. Between recorded states the crowd has the
+/// latest state before that frame.
 class RecordedFrame {
  public:
-  /// Reads the log up to the end of frame `number`. Throws InputError if the file is no log, has no
-  /// description, does not reach so far, or has no states until then.
+  /// Reads the log up to the end of frame `number`. Throws InputError if the file is no log or has
+  /// no description, too few frames, or no states up to that frame.
   RecordedFrame(const std::filesystem::path& log, int64_t number);
 
-  /// Goes on to a later frame. Throws InputError if the log does not reach so far.
+  /// Advances to a later frame. Throws InputError if the log ends before it.
   void advance_to(int64_t number);
 
-  /// What of the run the log lacks, in sentences, or "". Reads on to the end: nothing but this may
-  /// be asked afterwards.
+  /// Returns sentences about the missing parts of the run; empty: none. Reads to the end: after it,
+  /// no other member may be called.
   std::string describe_missing();
 
-  /// The next frame after the one advanced to that has states, if the log has one. Reads on:
-  /// nothing but this and describe_missing() may be asked afterwards.
+  /// Returns the next frame with states, if any. Reads on: after it, only this and
+  /// describe_missing() may be called.
   std::optional<int64_t> next_states();
 
   RunReader& run() { return run_; }

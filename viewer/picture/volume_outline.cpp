@@ -19,7 +19,7 @@ namespace {
 constexpr float kOpacity = 0.16F;
 constexpr int kCircle = 48;  // edges of a great circle
 
-/// Linear light; Tol's "bright", darker.
+/// Linear light; a darker version of Tol's "bright".
 constexpr std::array<std::pair<std::string_view, std::array<float, 3>>, 6> kColours = {{
     {"sphere", {0.02F, 0.18F, 0.55F}},
     {"aabb", {0.60F, 0.20F, 0.02F}},
@@ -36,7 +36,7 @@ void add_face(VolumeOutline& out, std::span<const Eigen::Vector3f> corners) {
     out.faces.triangles.emplace_back(first, first + i - 1, first + i);
   for (size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3f &p = corners[i], &q = corners[(i + 1) % corners.size()];
-    // Each edge is shared by two faces that go round it in opposite directions.
+    // Two faces share each edge, in opposite directions.
     const auto is_first = [&] {
       for (int axis = 0; axis < 3; ++axis)
         if (p[axis] != q[axis]) return p[axis] < q[axis];
@@ -46,7 +46,7 @@ void add_face(VolumeOutline& out, std::span<const Eigen::Vector3f> corners) {
   }
 }
 
-/// `axes`: columns, unit length.
+/// `axes`: unit columns.
 VolumeOutline box(const Eigen::Vector3f& centre, const Eigen::Vector3f& half,
                   const Eigen::Matrix3f& axes) {
   VolumeOutline out;

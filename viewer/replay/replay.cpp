@@ -18,10 +18,10 @@
 namespace throng {
 namespace {
 
-/// A whole step moves a column by at most this share of its tolerance, so that rounding many
-/// coefficients stays inside it together with what the left-out directions miss.
+/// A whole step moves a column by at most this fraction of its tolerance. The rounding of many
+/// coefficients and the omitted directions together stay within the tolerance.
 constexpr double kStepShare = 0.7;
-/// What the left-out directions may miss, as a share of the tolerance.
+/// Maximum error from omitted directions, as a fraction of the tolerance.
 constexpr double kMissShare = 0.6;
 
 }  // namespace
@@ -42,7 +42,7 @@ PostureBasis PostureBasis::of(const Eigen::MatrixXd& rows, const Eigen::VectorXd
   }
   basis.mean = rows.colwise().mean();
   const Eigen::VectorXd weight = tolerance.cwiseInverse();
-  // In units of the tolerance every column counts alike.
+  // In units of the tolerance all columns have equal weight.
   const Eigen::MatrixXd scaled = (rows.rowwise() - basis.mean.transpose()) * weight.asDiagonal();
   const Eigen::MatrixXd covariance = scaled.transpose() * scaled;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
@@ -63,21 +63,21 @@ namespace {
 
 using nlohmann::json;
 
-// Of a stretch, as the page reads them.
+// Flags of a contact interval, also read by the page.
 constexpr uint8_t kBeganBefore = 1;  // its begin was not recorded
 constexpr uint8_t kEndLost = 2;      // its end was not recorded
 
 constexpr size_t kMaxStoredBytes = size_t{2} << 30;
-constexpr int64_t kMaxFrames = 10'000'000;  // two days; a damaged number must not ask for memory
+constexpr int64_t kMaxFrames = 10'000'000;  // two days; a damaged number must not allocate memory
 
-/// Seven bits a byte, low ones first; signs folded into the lowest bit.
+/// Writes seven bits per byte, low ones first, with the sign in the lowest bit.
 void put_varint(Bytes& out, int64_t value) {
   auto folded = static_cast<uint64_t>(value) << 1 ^ static_cast<uint64_t>(value >> 63);
   for (; folded >= 128; folded >>= 7) out.push_back(static_cast<uint8_t>(folded | 128));
   out.push_back(static_cast<uint8_t>(folded));
 }
 
-/// A number over time as what a straight line through the last two does not foretell.
+/// Curve writes a number over time as its deviation from a straight line through the last two.
 class Curve {
  public:
   explicit Curve(Bytes& out) : out_(out) {}
@@ -114,7 +114,7 @@ double ReplayRecorder::seconds() const {
   return run_.run() == nullptr ? 0 : static_cast<double>(last_frame_ + 1) * run_.run()->step_s;
 }
 
-/// Contacts as the page shows them: one whose begin was not heard is there from where it was seen.
+/// Stores contacts for the page: one without a recorded begin starts when it is first seen.
 void ReplayRecorder::store_changes() {
   for (const PairBegins::Change& change : begins_.changes()) {
     std::vector<ContactInterval>& intervals = pairs_[change.pair];
@@ -145,14 +145,15 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
       bytes_per_key_ = crowd.roots.size() * (sizeof(RootPose) + 5) + crowd.postures.size() * 4;
       if (stored_bytes() + bytes_per_key_ > kMaxStoredBytes)
         throw EnvironmentError(fmt::format(
-            "--html keeps at most {} MB in memory; that is {:.1f} s of {} people: fewer, please",
+            "--html keeps at most {} MB in memory, reached after {:.1f} s of {} people; choose a "
+            "shorter time or fewer people",
             kMaxStoredBytes >> 20, seconds(), avatars()));
       keys_.push_back({crowd.frame, crowd});
       break;
     }
     case RunReader::Update::kFrameStats:
       if (run_.frame_stats()->frame >= kMaxFrames)
-        throw EnvironmentError(fmt::format("--html shows at most {} frames; found number {}",
+        throw EnvironmentError(fmt::format("--html stores at most {} frames, found frame {}",
                                            kMaxFrames, run_.frame_stats()->frame));
       last_frame_ = std::max(last_frame_, run_.frame_stats()->frame);
       frame_ms_.resize(static_cast<size_t>(last_frame_) + 1);
@@ -179,7 +180,7 @@ void ReplayRecorder::put_people(Bytes& out) const {
   for (int c = 0; c < 4; ++c) {
     for (size_t i = 0; i < avatars; ++i) {
       Curve curve(out);
-      // q and -q are one rotation: the one nearer to the last key makes no jump.
+      // q and -q are the same rotation: take the one nearer to the last key.
       Eigen::Vector4f last = keys_.front().crowd.roots[i].world_from_root.coeffs();
       for (const Key& key : keys_) {
         Eigen::Vector4f q = key.crowd.roots[i].world_from_root.coeffs();
@@ -192,7 +193,7 @@ void ReplayRecorder::put_people(Bytes& out) const {
 }
 
 void ReplayRecorder::put_pairs(Bytes& out) const {
-  // Column by column: like numbers next to each other compress best.
+  // Column by column: similar numbers next to each other compress best.
   const auto column = [&](const auto& put_one) {
     PairKey last(0, 0, 0, 0);
     for (const auto& [pair, intervals] : pairs_) {
@@ -225,7 +226,6 @@ void ReplayRecorder::put_pairs(Bytes& out) const {
   });
 }
 
-/// The rows of a model's members, key by key within a member.
 Eigen::MatrixXd ReplayRecorder::rows_of(std::span<const size_t> members,
                                         Eigen::Index joints) const {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(members.size() * keys_.size()), joints);
@@ -259,7 +259,7 @@ PostureBasis ReplayRecorder::put_postures(size_t model_index, Bytes& out) {
 
 Bytes ReplayRecorder::finish(const std::string& problem) {
   const RunGeometry geometry(run_);
-  // The last frame is a key too: people walk on to the end.
+  // The last frame is a key, too: people move until the end.
   if (keys_.back().frame < run_.state().frame) keys_.push_back({run_.state().frame, run_.state()});
   Bytes columns;
   put_people(columns);
@@ -324,7 +324,7 @@ std::string base64(const Bytes& bytes) {
 ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path& html,
                           std::string_view page, double limit_mb, const std::string& problem) {
   if (!recorder.has_keys())
-    throw InputError(html.string(), "a run with people in it to record", "no frame");
+    throw InputError(html.string(), "a run with people or robots", "no frame");
   const size_t marker = page.find(kMarker);
   const std::string recording = base64(deflated(recorder.finish(problem)));
   std::string text(page.substr(0, marker));
@@ -357,8 +357,7 @@ ReplayReport write_replay(const std::filesystem::path& log, const std::filesyste
     throw InputError(log.string(), "a run's description", gaps.found_no_description());
   require_people(*run, log.string());
   if (!recorder.has_keys())
-    throw InputError(log.string(), "a log with states to show",
-                     "none; " + gaps.describe(run->step_s));
+    throw InputError(log.string(), "a log with states", "none; " + gaps.describe(run->step_s));
   return write_replay(recorder, html, page, limit_mb, gaps.describe(run->step_s));
 }
 
@@ -367,8 +366,8 @@ ReplaySink::ReplaySink(const std::filesystem::path& html, std::string_view page,
 
 void ReplaySink::begin(const RunInfo& run) {
   if (run.avatar_count() == 0)
-    throw InputError(html_.string(), "a run with people or robots in it to show",
-                     fmt::format("nobody in '{}'", run.scene->name));
+    throw InputError(html_.string(), "a run with people or robots",
+                     fmt::format("scene '{}' without avatars", run.scene->name));
   const double every = std::max(1.0, std::round(kReplayKeyPeriod_s / run.step_s));
   encoder_.emplace(EncoderOptions{.state_every = every}, static_cast<MessageTarget&>(*this));
   encoder_->begin(run);
@@ -383,7 +382,7 @@ void ReplaySink::end(const RunInfo& run, const RunEnd& end) {
   try {
     report_ = write_replay(recorder_, html_, page_, limit_mb_);
   } catch (const InputError& error) {
-    // The run was fine; only this file of it cannot be had.
+    // The run itself succeeded: only this file is missing.
     throw EnvironmentError(error.what());
   }
 }

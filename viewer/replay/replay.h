@@ -1,4 +1,4 @@
-// A recorded run made small enough to send, in one HTML file with the page.
+// ReplayRecorder compresses a run, and write_replay() writes it with the page into one HTML file.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,51 +18,50 @@
 
 namespace throng {
 
-/// Joint rows of many moments as a mean and a few directions: walking people fill a small part of
-/// the space that their joints span (principal components, Pearson 1901).
-/// As many components as keep every number of every row within its tolerance.
+/// PostureBasis represents posture rows as a mean and a few directions (principal components,
+/// Pearson 1901): walking people use a small part of their joint space.
+/// Invariant: every number of every row stays within its tolerance.
 struct PostureBasis {
-  Eigen::VectorXd mean;        ///< a column each
-  Eigen::MatrixXd directions;  ///< columns x components; a coefficient's unit is one whole step
+  Eigen::VectorXd mean;        ///< one number per column
+  Eigen::MatrixXd directions;  ///< columns x components; one whole step per unit of a coefficient
   int components() const { return static_cast<int>(directions.cols()); }
 
-  /// Whole steps along each direction: rows x components.
+  /// Returns whole steps along each direction: rows x components.
   Eigen::MatrixXi coefficients(const Eigen::MatrixXd& rows) const;
 
-  /// `rows`: one a line. `tolerance`: one a column, above 0.
+  /// `rows`: one posture per row. `tolerance`: one per column, above 0.
   static PostureBasis of(const Eigen::MatrixXd& rows, const Eigen::VectorXd& tolerance);
 
  private:
   Eigen::MatrixXd coefficient_of_;  // components x columns
 };
 
-// A recorded run made small enough to send: keys ten times a second, joint rows as a few numbers.
-// What the page rebuilds is off by less than the tolerances stated here, whatever moves
-// the people.
+// Keys are stored ten times per second, joint rows as a few numbers.
+// Invariant: the page rebuilds every key within these tolerances.
 
 inline constexpr double kReplayKeyPeriod_s = 0.1;
 inline constexpr double kReplayPosition_m = 0.005;  ///< step of root positions
 inline constexpr double kReplayQuaternion = 1e-3;   ///< step of each component
-inline constexpr double kReplayAngle_rad = 0.02;    ///< error of a joint that turns, at a key
-inline constexpr double kReplayTravel_m = 0.002;    ///< error of a joint that slides, at a key
+inline constexpr double kReplayAngle_rad = 0.02;    ///< error of a revolute joint at a key
+inline constexpr double kReplayTravel_m = 0.002;    ///< error of a prismatic joint at a key
 
-/// Takes the messages of one run, in order.
+/// ReplayRecorder takes the messages of one run, in order.
 class ReplayRecorder {
  public:
   void take(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// Whether there is anything to show.
+  /// Returns whether the run has any state to show.
   bool has_keys() const { return !keys_.empty(); }
   /// Null until the description is complete.
   const run_description_t* run() const { return run_.run(); }
   int avatars() const { return run_.run() == nullptr ? 0 : run_.run()->avatar_count; }
   double seconds() const;
 
-  /// What has been kept so far, in memory.
+  /// Returns the size of the stored states in memory.
   size_t stored_bytes() const { return keys_.size() * bytes_per_key_; }
 
-  /// u32 bytes | run message | u32 bytes of JSON | JSON | columns: see the definition. Not yet
-  /// compressed. Needs keys. `problem`: what of the run is missing, for the page to say.
+  /// Returns u32 bytes | run message | u32 bytes of JSON | JSON | columns (see the definition), not
+  /// yet compressed. Needs keys. `problem`: missing parts of the run, which the page reports.
   Bytes finish(const std::string& problem);
 
  private:
@@ -91,36 +90,35 @@ class ReplayRecorder {
   std::vector<float> frame_ms_;
 };
 
-// One HTML file with the page and a recorded run in it, to open from disk or to send.
-// No larger than the reader was allowed; what does not fit is an error that says what
-// would.
+// The HTML file opens from disk.
+// Invariant: it stays below the limit; a larger file is an error that states the possible length.
 
-inline constexpr double kReplayLimitMb = 25;  ///< what most e-mail servers take
+inline constexpr double kReplayLimitMb = 25;  ///< limit of most e-mail servers
 
 struct ReplayReport {
   uint64_t bytes = 0;
   int avatars = 0;
   double seconds = 0;
-  std::string problem{};  ///< what of the run is missing, also in the page; "" if nothing is
+  std::string problem{};  ///< missing parts of the run, also in the page; empty: none
 };
 
-/// Throws InputError if it would be larger than `limit_mb`, EnvironmentError if it cannot be
-/// written. `problem`: what of the run is missing.
+/// Writes the file. Throws InputError if it would be larger than `limit_mb`, EnvironmentError if it
+/// cannot be written. `problem`: missing parts of the run.
 ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path& html,
                           std::string_view page, double limit_mb, const std::string& problem = "");
 
-/// The same from a log, as far as that is sound. Throws InputError if it is none, or of nobody.
+/// Converts the sound part of a log. Throws InputError if it is no log or has no avatars.
 ReplayReport write_replay(const std::filesystem::path& log, const std::filesystem::path& html,
                           std::string_view page, double limit_mb);
 
-/// Records a run while it goes on, and writes the file at its end.
+/// ReplaySink records a run and writes the file at its end.
 class ReplaySink final : public Sink, private MessageTarget {
  public:
-  /// Creates the file. Throws EnvironmentError if it cannot. `page` must outlive it.
+  /// Creates the file. Throws EnvironmentError if it cannot. `page` must outlive the sink.
   ReplaySink(const std::filesystem::path& html, std::string_view page, double limit_mb);
 
   SinkNeeds needs() const override { return {.postures = true}; }
-  /// Throws InputError if nobody is in the run.
+  /// Throws InputError if the run has no avatars.
   void begin(const RunInfo& run) override;
   void frame(const RunInfo& run, const Frame& frame) override;
   void end(const RunInfo& run, const RunEnd& end) override;

@@ -17,7 +17,7 @@ bool overlap(const PlacedSphere& a, const PlacedSphere& b) {
 
 }  // namespace
 
-/// Cells no smaller than the widest sphere, so that neighbours hold all partners.
+/// Cells are no smaller than the largest diameter: the neighbour cells hold all partners.
 struct SphereOverlaps::Grid {
   explicit Grid(std::span<const PlacedSphere> spheres) {
     float widest = 0;
@@ -28,7 +28,7 @@ struct SphereOverlaps::Grid {
       widest = std::max(widest, s.radius);
     }
     if (high_x < low_x) return;
-    // A crowd spread thin over kilometres gets larger cells rather than millions of them.
+    // A sparse crowd over kilometres gets larger cells instead of millions of them.
     const float side = std::sqrt((high_x - low_x) * (high_y - low_y) / kMaxCells);
     const float long_side = std::max(high_x - low_x, high_y - low_y) / kMaxCells;
     edge = std::max({2 * widest, side, long_side, 1e-3F});
@@ -76,7 +76,7 @@ size_t SphereOverlaps::mark(std::span<const PlacedSphere> spheres, std::span<uin
     for (int column = 0; column < grid.columns; ++column) {
       const size_t cell = grid.cell(column, row);
       for (uint32_t at = start_[cell]; at < start_[cell + 1]; ++at) {
-        // The rest of this cell and the cell to its right lie one after the other; so do the three
+        // The rest of this cell and the next cell of the row are contiguous; so are the three cells
         // of the next row.
         const uint32_t end = start_[grid.cell(std::min(column + 1, grid.columns - 1), row) + 1];
         for (uint32_t other = at + 1; other < end; ++other) meet(order_[at], order_[other]);
@@ -95,7 +95,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr size_t kBatch = 512;  // people whose poses are in the cache at a time
+constexpr size_t kBatch = 512;  // avatars whose poses fit into the cache
 constexpr float kUnit = 32767;
 
 struct AvatarRecord {
@@ -119,7 +119,7 @@ struct PairRecord {
 };
 static_assert(sizeof(PairRecord) == 16);
 
-/// A damaged number is as large as can be told.
+/// Saturates damaged numbers.
 int32_t to_int32(BeginFrame began) {
   return static_cast<int32_t>(std::clamp<int64_t>(began, INT32_MIN, INT32_MAX));
 }
@@ -128,7 +128,7 @@ int16_t to_int16(float value) {
   return static_cast<int16_t>(std::lrintf(std::clamp(value, -kUnit, kUnit)));
 }
 
-/// Shepperd 1978, written for matrices that are rotations up to rounding.
+/// Converts a rotation matrix to a quaternion (Shepperd 1978).
 void to_quaternion(const PartPose& pose, int16_t (&xyzw)[4]) {
   const auto& m = pose.rows;
   const float x = m[0][0], y = m[1][1], z = m[2][2];

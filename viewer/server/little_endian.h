@@ -1,5 +1,5 @@
-// Puts numbers into a message for the page, little-endian as typed arrays read them.
-// One rule: what a typed array will read begins at a multiple of its element's size.
+// put() appends numbers to a message for the page, little-endian as typed arrays read them.
+// Invariant: the data of a typed array starts at a multiple of its element size.
 #pragma once
 
 #include <bit>
@@ -28,7 +28,7 @@ void put_all(Bytes& out, std::span<const Number> values) {
   if (!values.empty()) std::memcpy(out.data() + at, values.data(), values.size_bytes());
 }
 
-/// Zeros up to a multiple of `size`.
+/// Appends zeros up to a multiple of `size`.
 inline void align(Bytes& out, size_t size) { out.resize((out.size() + size - 1) / size * size); }
 
 }  // namespace throng

@@ -44,8 +44,8 @@ LiveView::~LiveView() {
   thread_.join();
 }
 
-/// Needs the lock.
-std::string LiveView::waiting() const {
+/// Returns the text of the waiting page. The caller holds the lock.
+std::string LiveView::waiting_message() const {
   std::string start = "throng run plaza --pace 1";
   if (lcm_url_ != kDefaultLcmUrl) start += fmt::format(" --lcm '{}'", lcm_url_);
   return text_of({{"waiting", problem_}, {"lcm", lcm_url_}, {"start", start}});
@@ -53,17 +53,16 @@ std::string LiveView::waiting() const {
 
 void LiveView::opened(const std::shared_ptr<WebClient>& client) {
   const std::lock_guard lock(mutex_);
-  if (run_message_ == nullptr) return client->send_text(waiting());
+  if (run_message_ == nullptr) return client->send_text(waiting_message());
   client->send_binary(run_message_);
   if (has_ended_) client->send_text(kEnded);
   has_new_client_ = true;
 }
 
 void LiveView::on_text(WebClient& client, std::string_view text) {
-  const ViewQuery question = parse_view_query(text);
-  if (question.person)
-    client.send_text(
-        history_.of(*question.person, question.frame.value_or(INT64_MAX), kHistoryPairs));
+  const ViewQuery query = parse_view_query(text);
+  if (query.person)
+    client.send_text(history_.of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));
 }
 
 void LiveView::begin_run() {
@@ -85,7 +84,7 @@ void LiveView::begin_run() {
     run_message_ = message;
     problem_ = trouble;
     has_ended_ = false;
-    if (message == nullptr) server_.send_text(waiting());
+    if (message == nullptr) server_.send_text(waiting_message());
   }
   if (message != nullptr) server_.send_binary(message);
 }
@@ -125,14 +124,14 @@ int64_t LiveView::missing() const {
 void LiveView::send_status() {
   const Inbox& inbox = receiver_->inbox();
   server_.send_text(text_of({{"status",
-                              {{"heard", received_.load()},
+                              {{"received", received_.load()},
                                {"dropped", server_.frames_dropped()},
                                {"lost", missing()},
                                {"refused", inbox.refused()},
                                {"pages", server_.client_count()}}}}));
 }
 
-/// Keeps the pairs that ended behind the newest frame, as they were in it.
+/// Keeps the pairs that ended after the newest frame, with their level in it.
 void LiveView::note_ends() {
   for (const PairEvent& event : receiver_->inbox().run().new_events())
     if (event.kind == EventKind::kEnd) last_touching_.emplace(event.pair, event.level);
@@ -150,7 +149,6 @@ void LiveView::end_run() {
   server_.send_text(kEnded);
 }
 
-/// The newest state, for the pages that are open.
 void LiveView::offer_frame() {
   const RunReader& run = receiver_->inbox().run();
   if (messages_ == nullptr || server_.client_count() == 0 || run.run() == nullptr ||
@@ -167,7 +165,7 @@ void LiveView::listen() {
   auto next_status = Clock::now();
   while (!stopping_) {
     receiver_->receive(kWait, [this](const ReceivedMessage& message) { take(message); });
-    // One frame for all that came: whoever is behind gets the newest.
+    // One frame for all received messages: a slow page gets the newest.
     const bool is_due = std::exchange(is_fresh_, false);
     if (has_new_client_.exchange(false) || is_due) offer_frame();
     if (Clock::now() < next_status) continue;

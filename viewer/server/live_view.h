@@ -1,6 +1,5 @@
-// Runs that are heard over LCM, behind the page.
-// One rule: it only listens; what it hears is judged before it is believed, and whoever watches
-// gets the newest frame.
+// LiveView receives runs over LCM and serves them to open pages.
+// Invariant: it only listens, validates messages before use, and offers each page the newest frame.
 #pragma once
 
 #include <atomic>
@@ -35,7 +34,7 @@ class LiveView {
   void note_ends();
   void end_run();
   void offer_frame();
-  std::string waiting() const;
+  std::string waiting_message() const;
   int64_t missing() const;
   void send_status();
   void opened(const std::shared_ptr<WebClient>& client);
@@ -43,12 +42,12 @@ class LiveView {
 
   std::string lcm_url_;
   std::unique_ptr<Receiver> receiver_;
-  // Of the listening thread.
+  // Used by the listening thread only.
   std::unique_ptr<RunGeometry> geometry_;
   std::unique_ptr<FrameMessages> messages_;
   PairBegins begins_;
   bool is_fresh_ = false;
-  // A run ends all its pairs behind its last frame, which is shown as it was.
+  // A run ends all its pairs after its last frame, which keeps them.
   RunReader::Touching last_touching_;
   PairBegins::Begins last_begins_;
 
@@ -56,12 +55,12 @@ class LiveView {
   PairHistory history_;
   std::mutex mutex_;
   SharedBytes run_message_;
-  std::string problem_;  ///< why the run that is heard cannot be shown
+  std::string problem_;  ///< reason why the received run cannot be shown
   bool has_ended_ = false;
-  std::atomic<bool> has_new_client_{false};  ///< a page that has no frame yet
+  std::atomic<bool> has_new_client_{false};  ///< a new page has no frame yet
   std::atomic<bool> stopping_{false};
   WebServer server_;
-  std::thread thread_;  // last: uses the rest
+  std::thread thread_;  // last: uses all members above
 };
 
 }  // namespace throng

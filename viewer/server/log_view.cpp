@@ -11,7 +11,7 @@
 namespace throng {
 namespace {
 
-/// The newest mark at or before `frame`.
+/// Returns the newest mark at or before `frame`.
 std::optional<LogIndex::Mark> newest(const std::vector<LogIndex::Mark>& marks, int64_t frame) {
   const auto after =
       std::upper_bound(marks.begin(), marks.end(), frame,
@@ -31,7 +31,7 @@ LogIndex::LogIndex(const std::filesystem::path& log) : log_(log), reader_(log) {
   }
   if (run_.run() == nullptr)
     throw InputError(log.string(), "a run's description", gaps_.found_no_description());
-  touching_.push_back({0, reader_.offset()});  // before the first event nothing touches
+  touching_.push_back({0, reader_.offset()});  // nothing touches before the first event
   thread_ = std::thread([this] { read_on(); });
 }
 
@@ -97,7 +97,7 @@ std::string LogIndex::to_json(size_t max_samples) const {
   std::vector<int32_t> pairs((frames + every - 1) / every);
   std::vector<float> frame_ms(pairs.size());
   for (const Sample& sample : samples_) {
-    // A peak must not fall between two samples.
+    // A maximum, because a peak must not fall between two samples.
     const size_t i = static_cast<size_t>(sample.frame) / every;
     pairs[i] = std::max(pairs[i], sample.pairs);
     frame_ms[i] = std::max(frame_ms[i], sample.frame_ms);
@@ -122,7 +122,7 @@ LogPlayer::LogPlayer(const LogIndex& index, const RunGeometry& geometry)
 void LogPlayer::jump(const LogIndex::Start& start) {
   run_.rewind();
   if (start.states.offset < start.touching.offset) {
-    // The states are older than the list: they come alone.
+    // The states are older than the list of touching pairs: read them first.
     reader_.seek(start.states.offset);
     LogEvent event;
     while (run_.state().frame < start.states.frame &&
@@ -147,27 +147,27 @@ void LogPlayer::read_to(int64_t frame, const LogIndex::Start& start) {
       if (!skip_damage(reader_, status).continues) return;
       continue;
     }
-    // States that newer ones replace before anybody sees them are not decoded.
+    // States that newer ones replace are not decoded.
     if (event.channel == name_of(Channel::kStates) && event.offset < start.states.offset) continue;
-    // The counters are the last message of a frame.
+    // frame_stats_t is the last message of a frame.
     if (take(event) == RunReader::Update::kFrameStats) frame_ = run_.frame_stats()->frame;
   }
 }
 
 std::shared_ptr<const Bytes> LogPlayer::frame(int64_t number) {
-  const int64_t wanted = std::clamp(number, int64_t{0}, std::max(int64_t{0}, index_.last_frame()));
-  const std::optional<LogIndex::Start> start = index_.start_of(wanted);
+  const int64_t target = std::clamp(number, int64_t{0}, std::max(int64_t{0}, index_.last_frame()));
+  const std::optional<LogIndex::Start> start = index_.start_of(target);
   if (!start) return nullptr;
-  // Forward within a stretch is cheaper to read on than to jump, and so is a short way.
-  const bool jumps = wanted < frame_ || reader_.offset() < start->touching.offset || frame_ < 0;
+  // Reading on is cheaper than a jump if no list of touching pairs lies in between.
+  const bool jumps = target < frame_ || reader_.offset() < start->touching.offset || frame_ < 0;
   if (jumps) {
     jump(*start);
     frame_ = -1;
   }
-  read_to(wanted, *start);
-  // What was skipped is known to the index, which is ahead of every player.
-  if (jumps) begins_.set(index_.history().begins_at(wanted, run_.touching()), run_);
-  return messages_.build(++built_, wanted, run_.touching(), begins_.all());
+  read_to(target, *start);
+  // The index knows the skipped begins: it is ahead of every player.
+  if (jumps) begins_.set(index_.history().begins_at(target, run_.touching()), run_);
+  return messages_.build(++built_, target, run_.touching(), begins_.all());
 }
 
 namespace {
@@ -184,7 +184,7 @@ RunReader described(const LogIndex& index) {
 
 }  // namespace
 
-/// Behind WebClient::state; used by the client's own thread only.
+/// Stored in WebClient::state and used by the client's own thread only.
 struct LogView::Player {
   Player(const LogIndex& index, const RunGeometry& geometry) : player(index, geometry) {}
   LogPlayer player;
@@ -208,13 +208,13 @@ void LogView::opened(const std::shared_ptr<WebClient>& client) {
 
 void LogView::on_text(WebClient& client, std::string_view text) {
   auto& player = *static_cast<Player*>(client.state.get());
-  const ViewQuery question = parse_view_query(text);
-  if (question.index) client.send_text(index_.to_json(kIndexSamples));
-  if (question.person) {
+  const ViewQuery query = parse_view_query(text);
+  if (query.index) client.send_text(index_.to_json(kIndexSamples));
+  if (query.person) {
     client.send_text(
-        index_.history().of(*question.person, question.frame.value_or(INT64_MAX), kHistoryPairs));
-  } else if (question.frame) {
-    if (SharedBytes frame = player.player.frame(*question.frame)) client.offer_frame(frame);
+        index_.history().of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));
+  } else if (query.frame) {
+    if (SharedBytes frame = player.player.frame(*query.frame)) client.offer_frame(frame);
   }
 }
 

@@ -1,4 +1,4 @@
-// A log behind the page: where its frames lie, and a player for each client.
+// LogIndex locates the frames of a log; LogView serves the log, with a LogPlayer per client.
 #pragma once
 
 #include <atomic>
@@ -17,46 +17,44 @@
 
 namespace throng {
 
-/// Where in a log each frame's messages lie, found while the page is already open.
-/// Heads are read, states are not decoded; a question is answered with what is known so
-/// far.
+/// LogIndex finds the messages of each frame while the page is already open. It decodes no states.
+/// Answers cover the part of the log that has been read so far. Thread-safe.
 class LogIndex {
  public:
-  /// Reads until the run's description is complete; the rest is read by a thread of its own. Throws
-  /// InputError if the file is no log or has no description.
+  /// Reads the run's description; a separate thread reads the rest. Throws InputError if the file
+  /// is no log or has no description.
   explicit LogIndex(const std::filesystem::path& log);
   ~LogIndex();
 
-  /// A place in the log: the first message of a frame's states, or of a full list of what touches.
+  /// Offset of the first message of a frame's states, or of a full list of touching pairs.
   struct Mark {
     int64_t frame;
     uint64_t offset;
   };
-  /// Where to begin to read in order to know frame `frame`.
+  /// Where to start reading to reconstruct a frame.
   struct Start {
-    Mark states;    ///< the newest states at or before the frame
-    Mark touching;  ///< the newest list at or before the frame
+    Mark states;    ///< newest states at or before the frame
+    Mark touching;  ///< newest list at or before the frame
   };
   std::optional<Start> start_of(int64_t frame) const;
 
-  /// The last frame known so far; -1 if none is.
+  /// The last frame known so far; -1: none.
   int64_t last_frame() const { return last_frame_; }
   bool is_complete() const { return complete_; }
-  /// What of the run is missing; "" as long as nothing is known to be.
+  /// Returns the missing parts of the run; empty: none known.
   std::string problem() const;
-  /// {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
-  /// "frame_ms": [...]}}: the run in at most `most` samples, and the first frame that has states.
+  /// Returns {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
+  /// "frame_ms": [...]}} with at most `max_samples` samples and the first frame that has states.
   std::string to_json(size_t max_samples) const;
 
   const PairHistory& history() const { return history_; }
-  /// The messages of the description, one after the other.
   const std::vector<std::vector<uint8_t>>& description() const { return description_; }
   const std::filesystem::path& log() const { return log_; }
 
-  void wait() const;  ///< until the whole log was read
+  void wait() const;  ///< blocks until the whole log has been read
 
  private:
-  /// Of a frame that the log has: a damaged number may leave out any number of frames before it.
+  /// One per frame in the log. A damaged number may skip any number of frames.
   struct Sample {
     int64_t frame;
     int32_t pairs;
@@ -69,27 +67,27 @@ class LogIndex {
   LogReader reader_;
   LogGaps gaps_;
   std::vector<std::vector<uint8_t>> description_;
-  RunReader run_;  // of the pairs alone: states are not decoded
+  RunReader run_;  // for the pairs only: states are not decoded
   PairBegins begins_;
   PairHistory history_;
   mutable std::mutex mutex_;
   std::vector<Mark> states_, touching_;
-  std::vector<Sample> samples_;  // in the order of frames
+  std::vector<Sample> samples_;  // in frame order
   std::string problem_;
   std::atomic<int64_t> last_frame_{-1};
   std::atomic<bool> complete_{false}, stopping_{false};
   std::thread thread_;
 };
 
-/// The run of a log as it was at the end of any frame, for one client that jumps about.
-/// Jumping and playing give the same frame.
+/// LogPlayer reconstructs any frame of a log for one client.
+/// Invariant: jumping and playing give the same frame.
 class LogPlayer {
  public:
   /// Keeps references.
   LogPlayer(const LogIndex& index, const RunGeometry& geometry);
 
-  /// The frame, or the last one known before it; null while none is known. Where states were
-  /// recorded more rarely, people stand where they last were.
+  /// Returns the frame or the last known one before it; null if none is known. Between recorded
+  /// states people keep their last state.
   std::shared_ptr<const Bytes> frame(int64_t number);
 
   RunReader& run() { return run_; }
@@ -108,12 +106,12 @@ class LogPlayer {
   double built_ = 0;
 };
 
-/// A log behind the page: each client plays, steps and scrubs on its own.
-/// The client asks for a frame and gets it; no clock runs here.
+/// LogView serves a log: each client plays, steps and scrubs independently. The client requests
+/// every frame; the server has no clock.
 class LogView {
  public:
-  /// Throws InputError if the log cannot be shown, EnvironmentError if the port is taken. Keeps no
-  /// reference to `page` but its bytes, which must outlive it.
+  /// Throws InputError if the log cannot be shown, EnvironmentError if the port is taken. The bytes
+  /// of `page` must outlive the view.
   LogView(const std::filesystem::path& log, const WebOptions& options, std::string_view page);
 
   WebServer& server() { return server_; }
@@ -128,7 +126,7 @@ class LogView {
   RunReader description_;
   RunGeometry geometry_;
   SharedBytes run_message_;
-  WebServer server_;  // last: its threads use the rest
+  WebServer server_;  // last: its threads use all members above
 };
 
 }  // namespace throng

@@ -1,7 +1,7 @@
 #include "viewer/server/page.h"
 
-// The assembler takes the file as it is: a C++ array of its size costs seconds of compilation. Its
-// names are global, because optimisation at link time may put what uses them into another object.
+// The assembler embeds the file: a C++ array of its size costs seconds of compilation. The symbols
+// are global, because link-time optimisation may move their users into another object.
 asm(R"(
   .globl throng_page_begin, throng_page_end
   .hidden throng_page_begin, throng_page_end

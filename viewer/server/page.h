@@ -1,5 +1,5 @@
-// The page of `throng view`: one HTML file with its script and style inside, built from
-// viewer/page. One rule: it names no address but the server it came from.
+// page_html() returns the page of `throng view`: one HTML file, built from viewer/page.
+// Invariant: the page names no address but the server it came from.
 #pragma once
 
 #include <string_view>

@@ -17,7 +17,7 @@ void PairBegins::begin(PairKey pair, int64_t frame, BeginFrame began) {
   changes_.push_back({pair, ChangeKind::kBegan, frame, began});
 }
 
-/// Events are missing before `frame`: what touched before it may have ended and begun anew.
+/// Marks a loss before `frame`: pairs that touched may have ended and begun again.
 void PairBegins::mark_lost(int64_t frame) {
   for (const auto& [pair, began] : begins_) {
     if (began == frame) continue;
@@ -26,7 +26,7 @@ void PairBegins::mark_lost(int64_t frame) {
   }
 }
 
-/// A full list heals what was missed. Both are sorted by pair.
+/// Corrects the begins by a full list. Both are sorted by pair.
 void PairBegins::match(const RunReader::Touching& touching, int64_t frame) {
   auto listed = touching.begin();
   for (auto known = begins_.begin(); known != begins_.end();) {
@@ -74,7 +74,7 @@ bool PairBegins::take(const RunReader& run, RunReader::Update update) {
 namespace {
 
 using Kind = PairBegins::ChangeKind;
-constexpr int64_t kLostEnd = -2;  // an end that was lost
+constexpr int64_t kLostEnd = -2;
 
 }  // namespace
 
@@ -85,7 +85,7 @@ void PairHistory::add(std::span<const PairBegins::Change> changes) {
     if (entries_.size() == capacity_) {
       known_from_ = std::max(known_from_, entries_.front().frame + 1);
       entries_.pop_front();
-      ++forgotten_;
+      ++discarded_;
     }
     entries_.push_back(change);
   }
@@ -94,13 +94,13 @@ void PairHistory::add(std::span<const PairBegins::Change> changes) {
 void PairHistory::clear() {
   const std::lock_guard lock(mutex_);
   entries_.clear();
-  forgotten_ = 0;
+  discarded_ = 0;
   known_from_ = 0;
 }
 
 std::string PairHistory::of(uint32_t body, int64_t frame, size_t max) const {
   nlohmann::json pairs = nlohmann::json::array();
-  std::map<PairKey, int64_t> ends;  // seen on the way back, their begins not yet
+  std::map<PairKey, int64_t> ends;  // ends whose begin lies further back
   const std::lock_guard lock(mutex_);
   for (auto entry = entries_.rbegin(); entry != entries_.rend() && pairs.size() < max; ++entry) {
     const PairKey& pair = entry->pair;
@@ -111,13 +111,13 @@ std::string PairHistory::of(uint32_t body, int64_t frame, size_t max) const {
     }
     const auto found = ends.find(pair);
     const int64_t end = found == ends.end() ? -1 : found->second;
-    // How long a contact took whose end was lost, nobody knows: it is not told.
+    // The duration of a contact without a recorded end is unknown.
     if (end != kLostEnd)
       pairs.push_back({entry->began, end, pair.a(), pair.b(), pair.part_a(), pair.part_b()});
     if (found != ends.end()) ends.erase(found);
   }
   return nlohmann::json{
-      {"history", body}, {"frame", frame}, {"pairs", pairs}, {"forgotten", forgotten_}}
+      {"history", body}, {"frame", frame}, {"pairs", pairs}, {"discarded", discarded_}}
       .dump();
 }
 
@@ -128,7 +128,7 @@ PairBegins::Begins PairHistory::begins_at(int64_t frame,
   for (auto entry = entries_.rbegin(); entry != entries_.rend() && begins.size() < touching.size();
        ++entry) {
     if (entry->frame > frame || !touching.contains(entry->pair)) continue;
-    // A pair whose newest change is no begin touches by a list that came later.
+    // A pair whose newest change is no begin touches according to a later list.
     begins.try_emplace(entry->pair,
                        entry->kind == Kind::kBegan ? entry->began : began_before(frame + 1));
   }

@@ -1,4 +1,4 @@
-// What touched whom and when: since when each pair touches, and what a feed has seen before.
+// PairBegins tracks since when each pair touches; PairHistory stores past contacts.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,9 @@
 
 namespace throng {
 
-// PairBegins follows since when each pair touches, as far as the messages of its run say.
-// Invariant: a begin that was not heard has no frame, only one before which it lies.
+// Invariant of PairBegins: a begin that was not received has no frame, only an upper bound.
 
-/// The frame of a begin; where it was not heard, ~F: the pair began before frame F.
+/// The frame of a begin; if the begin was not received, ~F: the pair began before frame F.
 using BeginFrame = int64_t;
 constexpr BeginFrame began_before(int64_t frame) { return ~(frame > 0 ? frame : 0); }
 
@@ -25,25 +24,24 @@ class PairBegins {
   enum class ChangeKind : uint8_t {
     kBegan,
     kEnded,
-    kLost  ///< messages are missing: whether and when the contact ended was not heard
+    kLost  ///< messages are missing: it is unknown whether and when the contact ended
   };
   struct Change {
     PairKey pair;
     ChangeKind kind;
-    int64_t frame;  ///< from which on it holds
+    int64_t frame;  ///< first frame in which it holds
     BeginFrame began;
   };
   using Begins = std::map<PairKey, BeginFrame>;
 
-  /// After run.take() returned `update`. Returns whether another run began: then all was forgotten.
+  /// Call after run.take() returned `update`. Returns whether a new run began, which clears all.
   bool take(const RunReader& run, RunReader::Update update);
 
-  /// What the last take() changed.
   std::span<const Change> changes() const { return changes_; }
-  /// By pair that touches, in the order of RunReader::touching().
+  /// Begin frames of the touching pairs, in the order of RunReader::touching().
   const Begins& all() const { return begins_; }
 
-  /// Continues from what is known from elsewhere: a player of `run` has jumped.
+  /// Replaces the begins, after a player of `run` has jumped.
   void set(Begins begins, const RunReader& run);
 
  private:
@@ -58,30 +56,30 @@ class PairBegins {
   bool has_run_ = false;
 };
 
-/// PairHistory keeps what touched whom and when: the begins and ends that a feed has seen, for
-/// asking about a person. It is bounded: the oldest go first, and how many went is reported.
+/// PairHistory stores the begins and ends of contacts for queries about a person. Its size is
+/// bounded: the oldest entries are discarded and counted.
 class PairHistory {
  public:
   explicit PairHistory(size_t capacity = size_t{2} << 20) : capacity_(capacity) {}
 
-  /// From one thread; asked from any.
+  /// Call from one thread; of() and begins_at() are thread-safe.
   void add(std::span<const PairBegins::Change> changes);
   void clear();
 
-  /// The newest `max` pairs of a body that began at or before `frame`, newest first, as JSON:
-  /// {"history": id, "frame": frame, "forgotten": n,
+  /// Returns the newest `max` pairs of a body that began at or before `frame`, newest first:
+  /// {"history": id, "frame": frame, "discarded": n,
   ///  "pairs": [[BeginFrame, end or -1, a, b, part_a, part_b], ...]}.
   std::string of(uint32_t body, int64_t frame, size_t max) const;
 
-  /// Since when each of these pairs touches at `frame`.
+  /// Returns the begin frames of pairs that touch at `frame`.
   PairBegins::Begins begins_at(int64_t frame, const RunReader::Touching& touching) const;
 
  private:
   size_t capacity_;
   mutable std::mutex mutex_;
   std::deque<PairBegins::Change> entries_;
-  uint64_t forgotten_ = 0;
-  int64_t known_from_ = 0;  ///< of frames from here on nothing was forgotten
+  uint64_t discarded_ = 0;
+  int64_t known_from_ = 0;  ///< nothing was discarded from this frame on
 };
 
 }  // namespace throng

@@ -20,13 +20,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxInt16 = 32767;     // of an int16
-constexpr int64_t kMaxParts = 4 << 20;  // 64 MB a frame
+constexpr double kMaxInt16 = 32767;
+constexpr int64_t kMaxParts = 4 << 20;  // 64 MB per frame
 constexpr float kMaxVertex_m = 1e5F;
 
 class MeshSection {
  public:
-  /// The place of vertices and indices in the section, as the page finds them.
+  /// Appends a mesh and returns where the page finds it in the section.
   json add(std::span<const Eigen::Vector3f> vertices, std::span<const uint32_t> indices) {
     double reach = 1e-6;
     for (const Eigen::Vector3f& v : vertices)
@@ -64,17 +64,17 @@ std::vector<uint32_t> indices_of(const mesh_t& mesh) {
   return indices;
 }
 
-/// Of volumes by part: those of the rest.
+/// Returns k of the run's or-DOPs; 26 for other volumes.
 int directions_of(const std::string& part_volume) {
   for (const int k : {14, 18})
     if (part_volume.ends_with(fmt::format("ordop{}", k))) return k;
   return 26;
 }
 
-/// The edges of the or-DOP: corners once each, two indices a line.
+/// Adds the edges of the or-DOP: unique corners, two indices per line.
 json add_hull(MeshSection& section, std::span<const Eigen::Vector3f> points, int k) {
   const Polytope solid = polytope_of(Slabs::around(points), k);
-  // Faces meet in corners that differ by rounding: a tenth of a millimetre makes them one.
+  // Corners of adjacent faces differ by rounding: a tolerance of 0.1 mm merges them.
   std::map<std::array<long, 3>, uint32_t> known;
   std::vector<Eigen::Vector3f> corners;
   std::vector<uint32_t> numbers;
@@ -162,13 +162,13 @@ const char* name_of(ViewMode mode) {
   return "file";
 }
 
-/// A description may come from anybody: what would take gigabytes or overflow is refused.
+/// Rejects descriptions that would take gigabytes or overflow; any sender may have made them.
 void require_viewable(const run_description_t& run) {
   int64_t parts = 0;
   for (const int16_t model : run.model_of_avatar)
     parts += run.models[static_cast<size_t>(model)].part_count;
   if (parts > kMaxParts)
-    throw InputError(run.scene, fmt::format("at most {} body parts to show", kMaxParts),
+    throw InputError(run.scene, fmt::format("at most {} body parts", kMaxParts),
                      fmt::format("{}", parts));
   const auto require = [&](const std::string& name, const mesh_t& mesh) {
     for (const float x : mesh.coordinates_m)

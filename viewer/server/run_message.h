@@ -1,6 +1,5 @@
-// What the page has to know of a run before it can draw a frame of it.
-// One rule: made from the described run alone, so that a live run, a log and a file to send show
-// the same page.
+// run_message() describes a run to the page before its first frame.
+// Invariant: it depends on the run's description only; live runs, logs and files look the same.
 #pragma once
 
 #include <string>
@@ -14,30 +13,29 @@ namespace throng {
 inline constexpr uint32_t kRunMessage = 0x31525454;    // "TTR1"
 inline constexpr uint32_t kFrameMessage = 0x31465454;  // "TTF1"
 
-/// A sphere of the root frame around every posture of a model's gait, metres at scale 1.
+/// A sphere in the root frame that encloses all postures of a model's gait, metres at scale 1.
 struct AvatarSphere {
   float centre_z_m = 0;
   float radius_m = 0;
 };
 
-/// What is derived from the description once: gaits are tabulated for it.
+/// RunGeometry is computed once from the description; it tabulates the gaits.
 struct RunGeometry {
-  std::vector<AvatarSphere> spheres;  ///< one a model
-  /// One a model: what a step of a part's position (int16) in a frame message is, metres.
+  std::vector<AvatarSphere> spheres;  ///< one per model
+  /// Step of part positions (int16) in a frame message, in metres; one per model.
   std::vector<float> part_step_m;
-  std::vector<uint32_t> first_part;  ///< avatar_count + 1 entries: parts of avatars before
+  std::vector<uint32_t> first_part;  ///< avatar_count + 1 entries: first part of each avatar
 
-  /// `run` has a description. Throws InputError where kinematics refuse a model, and where a run is
-  /// larger than any page could show.
+  /// `run` must have a description. Throws InputError if the kinematics reject a model or the run
+  /// is too large for a page.
   explicit RunGeometry(RunReader& run);
 };
 
-/// Where the frames come from: "live", "log" or "file".
 enum class ViewMode { kLive, kLog, kFile };
 
 /// u32 kRunMessage | u32 bytes of JSON | JSON, blanks to a multiple of 4 | binary section.
-/// Positions of vertices are int16 in steps of `vertex_step_m`, triangles u32, lines of the or-DOPs
-/// too; offsets count bytes from the beginning of the binary section.
+/// Vertices are int16 in steps of `vertex_step_m`; triangles and lines of the or-DOPs are u32.
+/// Offsets count bytes from the start of the binary section.
 Bytes run_message(RunReader& run, const RunGeometry& geometry, ViewMode mode);
 
 }  // namespace throng

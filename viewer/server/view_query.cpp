@@ -6,8 +6,8 @@ namespace throng {
 
 ViewQuery parse_view_query(std::string_view text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  ViewQuery question;
-  if (!json.is_object()) return question;
+  ViewQuery query;
+  if (!json.is_object()) return query;
   const auto number = [&](const char* key, int64_t max) -> std::optional<int64_t> {
     const auto found = json.find(key);
     if (found == json.end() || !found->is_number_integer()) return std::nullopt;
@@ -15,11 +15,11 @@ ViewQuery parse_view_query(std::string_view text) {
     if (value < 0 || value > max) return std::nullopt;
     return value;
   };
-  question.frame = number("frame", int64_t{1} << 40);
+  query.frame = number("frame", int64_t{1} << 40);
   if (const auto person = number("history", UINT32_MAX))
-    question.person = static_cast<uint32_t>(*person);
-  question.index = json.contains("index");
-  return question;
+    query.person = static_cast<uint32_t>(*person);
+  query.index = json.contains("index");
+  return query;
 }
 
 }  // namespace throng

@@ -1,4 +1,4 @@
-// What a page may ask for. One rule: anything else is nothing.
+// parse_view_query() reads a request of the page. Invariant: any other text is an empty query.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@ namespace throng {
 
 struct ViewQuery {
   std::optional<int64_t> frame;    ///< {"frame": n}
-  std::optional<uint32_t> person;  ///< {"history": id, "frame": n}: as it was known at frame n
+  std::optional<uint32_t> person;  ///< {"history": id, "frame": n}: contacts known at frame n
   bool index = false;              ///< {"index": true}
 };
 
-/// So many pairs of one person are shown.
+/// Maximum number of pairs in an answer about one person.
 inline constexpr size_t kHistoryPairs = 40;
 
-/// An empty question if the text is none of these.
+/// Returns an empty query if the text is none of these.
 ViewQuery parse_view_query(std::string_view text);
 
 }  // namespace throng

@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-/// "localhost" of "localhost:8080", "[::1]" of "[::1]:8080".
+/// Returns "localhost" for "localhost:8080" and "[::1]" for "[::1]:8080".
 std::string_view name_in(std::string_view host) {
   const size_t bracket = host.find(']');
   const size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);

@@ -1,6 +1,5 @@
-// HTTP requests and WebSocket frames (RFC 6455) as far as a page on this machine needs them.
-// One rule: pure functions over bytes that anybody may have sent; every length is checked before
-// it is believed.
+// HTTP requests and WebSocket frames (RFC 6455), limited to the needs of a page on this machine.
+// Invariant: pure functions over untrusted bytes; every length is checked before use.
 #pragma once
 
 #include <cstdint>
@@ -23,37 +22,35 @@ struct HttpRequest {
   bool is_web_socket_upgrade() const;
 };
 
-/// The request of a head that ends in an empty line; nothing if it is none.
+/// Parses a request head that ends in an empty line; empty if it is none.
 std::optional<HttpRequest> parse_request(std::string_view head);
 
-/// Whether the page may be served and the socket opened: a browser that another site's page drives
-/// sends that site as Origin, or its name as Host. `loopback`: only names of this machine are
-/// believed. Programs that send no Origin are no browsers.
+/// Returns whether a request may get the page or the socket. Browsers that another site's page
+/// controls send that site as Origin or Host. `loopback`: accept only names of this machine.
+/// Requests without Origin do not come from browsers.
 bool is_same_origin(const HttpRequest& request, bool loopback);
 
-/// Sec-WebSocket-Accept for a client's Sec-WebSocket-Key.
 std::string accept_key(std::string_view key);
 
 enum class Opcode : uint8_t { kText = 1, kBinary = 2, kClose = 8, kPing = 9, kPong = 10 };
 
-/// The head of a server's frame of `size` bytes.
 std::string frame_head(Opcode opcode, size_t size);
 
-/// Of a close frame: why, to try again later (IANA's registry of WebSocket close codes).
+/// Close code: try again later (IANA's registry of WebSocket close codes).
 inline constexpr uint16_t kTryAgainLater = 1013;
-/// The payload of a close frame. `reason`: at most 123 bytes.
+/// Returns the payload of a close frame. `reason`: at most 123 bytes.
 std::string close_payload(uint16_t code, std::string_view reason);
 
-/// A client's frame at the start of `bytes`.
+/// A client frame at the start of a buffer.
 struct ClientFrame {
   enum class Status { kComplete, kIncomplete, kRefused };
   Status status = Status::kIncomplete;
   Opcode opcode = Opcode::kText;
   std::string payload;  ///< unmasked
-  size_t bytes = 0;     ///< of the whole frame
+  size_t bytes = 0;     ///< size of the whole frame
 };
 
-/// Refused: longer than `most` bytes, unmasked, in pieces, or of no kind that we know.
+/// Refuses frames that are longer than `max_bytes`, unmasked, fragmented or of an unknown kind.
 ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t max_bytes);
 
 }  // namespace throng

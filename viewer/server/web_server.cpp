@@ -24,9 +24,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kPollMs = 200;
 constexpr std::chrono::seconds kRequestTime{5};
-constexpr size_t kConnectionsBesides = 24;  // requests on their way, besides open sockets
+constexpr size_t kExtraConnections = 24;  // pending requests, in addition to open sockets
 
-/// No address but our own is ever asked, and nobody may frame the page.
+/// The browser contacts no other address and never embeds the page in another one.
 constexpr std::string_view kSafety =
     "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n"
     "Referrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n";
@@ -47,7 +47,7 @@ bool write_all(int descriptor, std::string_view bytes, const std::atomic<bool>& 
   return bytes.empty();
 }
 
-/// Appends what has come; false when the other side is gone. Waits kPollMs at most.
+/// Appends received bytes; returns false when the peer is gone. Waits at most kPollMs.
 bool read_some(int descriptor, Bytes& buffer) {
   pollfd readable{descriptor, POLLIN, 0};
   if (::poll(&readable, 1, kPollMs) <= 0) return true;
@@ -64,7 +64,7 @@ std::string socket_hello(const HttpRequest& request) {
       accept_key(request.header("sec-websocket-key")));
 }
 
-/// Bytes of the head, the empty line included; 0 if it is not whole.
+/// Returns the size of the head including the empty line; 0 if incomplete.
 size_t head_bytes(const Bytes& buffer) {
   const std::string_view text(reinterpret_cast<const char*>(buffer.data()), buffer.size());
   const size_t end = text.find("\r\n\r\n");
@@ -167,7 +167,7 @@ void WebServer::accept_loop() {
     ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     if (options_.send_buffer_bytes > 0)
       ::setsockopt(descriptor, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes, sizeof(int));
-    if (connections_.size() >= static_cast<size_t>(options_.max_clients) + kConnectionsBesides) {
+    if (connections_.size() >= static_cast<size_t>(options_.max_clients) + kExtraConnections) {
       ++refused_;
       ::close(descriptor);
       continue;
@@ -219,8 +219,8 @@ void WebServer::serve(Connection& connection) {
   reply(descriptor, "404 Not Found", "text/plain; charset=utf-8", "404 Not Found\n");
 }
 
-/// A browser keeps the status of a refused socket from its page: the page gets a socket that is
-/// closed at once, with the reason. A program, which states no origin, gets the status.
+/// A browser hides the status of a refused socket from its page. The page gets a socket that closes
+/// at once, with the reason; a program without Origin gets the status.
 void WebServer::refuse_socket(int descriptor, const HttpRequest& request) {
   ++refused_;
   const std::string reason = counted(options_.max_clients, "page is", "pages are") + " open";
@@ -272,7 +272,7 @@ void WebServer::read_messages(Connection& connection, WebClient& client, Bytes b
 
 namespace {
 
-constexpr int kWriterPollMs = 200;  // how soon a writer sees that the server stops
+constexpr int kWriterPollMs = 200;  // time until a writer notices that the server stops
 
 }  // namespace
 
@@ -287,7 +287,7 @@ WebClient::~WebClient() {
 
 void WebClient::finish() {
   {
-    // Between the writer's look at finished_ and its falling asleep nobody else may wake it.
+    // The lock: no wake-up may be lost between the writer's check of finished_ and its wait.
     const std::lock_guard lock(mutex_);
     finished_ = true;
   }

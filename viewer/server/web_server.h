@@ -1,6 +1,6 @@
-// Serves one page and pushes messages to whoever has it open, over HTTP and WebSocket.
-// One rule: nobody waits for a browser. A frame that a client did not take yet is replaced by the
-// next one and counted; what a client sends and how many there are is bounded.
+// WebServer serves one page and pushes messages to its clients over HTTP and WebSocket.
+// Invariant: no caller waits for a browser. A newer frame replaces one that a client has not taken.
+// The sizes of client messages and the number of clients are bounded.
 #pragma once
 
 #include <atomic>
@@ -20,26 +20,26 @@ namespace throng {
 
 using SharedBytes = std::shared_ptr<const Bytes>;
 
-/// A page that is open somewhere.
+/// WebClient is one open page. All functions are thread-safe.
 class WebClient {
  public:
-  /// `descriptor` stays the server's, which closes it after finish().
+  /// The server owns `descriptor` and closes it after finish().
   explicit WebClient(int descriptor);
   ~WebClient();
 
-  /// Messages that must arrive, in order. A client that lets kMaxWaiting of them pile up is let
-  /// go.
+  /// Queues messages that must arrive, in order. A client with kMaxWaiting queued messages is
+  /// disconnected.
   void send_text(std::string text);
   void send_binary(SharedBytes bytes);
-  /// The newest frame: replaces one that is still waiting. Never blocks.
+  /// Offers the newest frame, which replaces a waiting one. Never blocks.
   void offer_frame(SharedBytes frame);
 
   uint64_t frames_sent() const { return frames_sent_; }
   uint64_t frames_dropped() const { return frames_dropped_; }
-  /// Ends the connection; the writer stops within a moment whatever the browser does.
+  /// Ends the connection; the writer stops promptly whether or not the browser reads.
   void finish();
 
-  /// For whoever answers the client's questions.
+  /// Owned by the handler of the client's messages.
   std::shared_ptr<void> state;
 
  private:
@@ -68,7 +68,7 @@ class WebClient {
   std::thread writer_;
 };
 
-/// Called from the thread of the client that it is about.
+/// Called in the thread of the client concerned.
 struct WebHandlers {
   std::function<void(const std::shared_ptr<WebClient>&)> opened;
   std::function<void(WebClient&, std::string_view text)> on_text;
@@ -76,18 +76,19 @@ struct WebHandlers {
 
 struct WebOptions {
   std::string address = "127.0.0.1";
-  int port = 0;  ///< 0: any that is free
+  int port = 0;  ///< 0: any free port
   int max_clients = 8;
-  int send_buffer_bytes = 0;  ///< 0: what the system gives; tests want a small one
+  int send_buffer_bytes = 0;  ///< 0: the system's default; tests use a small one
 };
 
+/// WebServer owns the listening socket, a thread per connection and a writer per client.
 class WebServer {
  public:
   static constexpr size_t kMaxRequestBytes = 8192;
   static constexpr size_t kMaxClientMessageBytes = 4096;
 
-  /// Listens; serves `page` under "/" and the socket under "/ws". Throws EnvironmentError if the
-  /// port is taken.
+  /// Listens and serves `page` at "/" and the socket at "/ws". Throws EnvironmentError if the port
+  /// is taken.
   WebServer(const WebOptions& options, std::string_view page, WebHandlers handlers);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -96,14 +97,14 @@ class WebServer {
   int port() const { return port_; }
   std::string url() const;
 
-  /// To every client; the frame is shared, not copied.
+  /// These send to every client; frames are shared, not copied.
   void offer_frame(const SharedBytes& frame);
   void send_text(const std::string& text);
   void send_binary(const SharedBytes& bytes);
   size_t client_count() const;
-  /// Frames that were dropped for clients that are open or were.
+  /// Returns the number of frames dropped for present and former clients.
   uint64_t frames_dropped() const;
-  /// Requests that were turned away: another site's page, too many clients, no HTTP.
+  /// Returns the number of refused requests: foreign origin, too many clients, malformed HTTP.
   uint64_t refused() const { return refused_; }
 
  private:

@@ -1,4 +1,4 @@
-// How people move and stand: accelerations, queues, audiences, crowds that stand close.
+// Tests of motion and standing: accelerations, queues, audiences, dense crowds, groups, contacts.
 #include "analysis/validation/behaviour.h"
 
 #include <fmt/format.h>
@@ -46,7 +46,7 @@ Outcome queues(const Conditions& conditions) {
 }
 
 Outcome audience(const Conditions& conditions) {
-  constexpr double kConcert_s = 10;  // then the last song is over
+  constexpr double kConcert_s = 10;  // end of the last song
   Outcome outcome;
   const std::vector<double> shares =
       facing_shares(bundled_plan("concert", conditions), kConcert_s, outcome);
@@ -66,36 +66,35 @@ Outcome standing(const Conditions& conditions) {
 std::vector<Test> behaviour_tests() {
   return {
       {{"accelerations"},
-       {"Accelerations over a tenth of a second"},
-       "The bundled scenes plaza, corridor, crossing and rush_hour for 20 s, the fullest run of "
-       "each set-up of speed against density for 60 s; second differences of places 0.1 s apart.",
-       "below 5 m/s2 in 99.9 % in each of them (source: ours)",
+       {"Accelerations over 0.1 s"},
+       "The bundled scenes plaza, corridor, crossing and rush_hour for 20 s, the densest run of "
+       "each setup of speed against density for 60 s; second differences of positions 0.1 s apart.",
+       "below 5 m/s2 in 99.9 % in each of them (source: Throng)",
        accelerations},
       {{"queues"},
-       {"People in a queue hardly turn"},
+       {"People in a queue do not turn round"},
        "The bundled scene bottleneck, and 180 people before a door of 0.9 m, for 60 s; people "
-       "slower than 0.2 m/s before the door.",
-       "at most one turn a person and minute net: there and back is nothing (source: ours; people "
-       "in a queue face its way)",
+       "slower than 0.2 m/s in front of the door.",
+       "at most one net turn per person and minute (source: Throng; people "
+       "in a queue face along it)",
        queues},
       {{"audience"},
        {"An audience faces the stage"},
-       "The bundled scene concert until its last song is over, 10 s; ten times a second.",
-       "at every moment 95 % face the stage within 20 degrees (source: ours)",
+       "The bundled scene concert until its last song is over, 10 s; 10 times per second.",
+       "at every moment 95 % face the stage within 20 degrees (source: Throng)",
        audience},
       {{"standing_density"},
-       {"People stand as close as asked"},
+       {"People stand as densely as requested"},
        "A crowd of `density_per_m2` 0.5, 2, 4 and 6 on 6 m x 6 m in the middle of a hall.",
-       "as many as asked, to within 1 %, bodies seen from above less than 1 cm in each other "
-       "(source: ours; 6 per m2 is where bodies begin to press into each other)",
+       "density within 1 %, bodies seen from above overlap by less than 1 cm "
+       "(source: Throng; from 6 per m2 on bodies press against each other)",
        standing}};
 }
 
 namespace {
 
 constexpr double kWalkedWithin_s = 300;
-/// Fifteen parties are few: one crowd's share at the door differs from another's by two in a
-/// hundred.
+/// Fifteen groups are few: shares at the door differ between crowds by 2 %.
 constexpr uint64_t kDoorCrowds = 3;
 
 GroupCohesion keep_together_at_a_door(const Conditions& conditions, Outcome& outcome) {
@@ -110,7 +109,7 @@ GroupCohesion keep_together_at_a_door(const Conditions& conditions, Outcome& out
   return all;
 }
 
-Outcome companions(const Conditions& conditions) {
+Outcome social_groups(const Conditions& conditions) {
   const SteeringKind model = conditions.model;
   const uint64_t seed = conditions.seed;
   Outcome outcome;
@@ -125,36 +124,37 @@ Outcome companions(const Conditions& conditions) {
 }  // namespace
 
 std::vector<Test> social_group_tests() {
-  return {{{"companions"},
-           {"Companions stay together"},
-           "Parties of two, three and four, every person in one: 54 in two streams that cross at "
-           "right angles, 15 through a door of 1 m and 20 m on in three crowds, 60 out of a hall "
+  return {{{"social_groups"},
+           {"Members of social groups stay together"},
+           "Social groups of two, three and four people: 54 groups in two streams that cross at "
+           "right angles, 15 through a door of 1 m and 20 m beyond (three crowds), 60 out of a "
+           "hall "
            "of 30 m x 20 m "
-           "with two exits of 1 m, all in the half with one of them.",
-           "within 3 m of a companion 95 % of the time, 95 % of the parties leave by one exit, and "
-           "everybody leaves (source: ours; who walks together keeps 0.75 to 0.8 m apart: Moussaid "
+           "with two exits of 1 m, all starting in the half with one of them.",
+           "within 3 m of a member 95 % of the time, 95 % of the groups leave by one exit, and all "
+           "people leave (source: Throng; members keep 0.75 to 0.8 m apart: Moussaid "
            "et al. 2010, Zanlungo et al. 2014)",
-           companions}};
+           social_groups}};
 }
 
 namespace {
 
 constexpr uint64_t kEncounters = 1000;
-/// All bundled scenes of people who walk, but for the one with 100 000.
+/// All bundled scenes with walking people, except the one with 100 000.
 constexpr std::array kScenes = {"bottleneck",   "corridor",        "crossing", "evacuation",
                                 "metro",        "plaza",           "ring",     "rush_hour",
                                 "stadium_exit", "station_platform"};
 constexpr double kScene_s = 20;
-/// One crowd's contacts differ from another's by a tenth. So many crowds spend half an hour at the
-/// densest level in two scenes.
+/// Contacts differ between crowds by a tenth. This number of crowds gives half an hour at the
+/// densest level of two scenes.
 constexpr uint64_t kSceneCrowds = 4;
-/// Through the corridor and the door people are within a minute and a half. So many crowds spend
-/// half an hour at all levels but the lowest.
+/// People cross the corridor and the door within 90 s. This number of crowds gives half an hour at
+/// all levels except the lowest.
 constexpr double kWalkedAgain_s = 90;
 constexpr uint64_t kContactCrowds = 6;
-/// Recorded contacts are those of our bodies on other people's tracks, which the bodies do not fit:
-/// below this density people need not touch as often, except on the recordings' own ground, where
-/// steering has to bring them together as those people came together.
+/// Recorded contacts are those of retargeted bodies, which do not fit the tracks. Below this
+/// density the rates may be lower, except on the recordings' own ground, where steering must bring
+/// people together as recorded.
 constexpr double kTwoSidedFrom_per_m2 = 2;
 
 Outcome encounters(const Conditions& conditions) {
@@ -171,8 +171,8 @@ Outcome contacts(const Conditions& conditions) {
   return judged({}, judge_contacts(scenes, kTwoSidedFrom_per_m2));
 }
 
-/// Density alone does not tell how often people touch: here it is the recordings' own geometry and
-/// inflow.
+/// Compares contacts on the geometry and with the inflow of the recordings, because density alone
+/// does not determine their rate.
 Outcome contacts_walked_again(const Conditions& conditions) {
   Outcome outcome;
   std::vector<PlaceContacts> sites;
@@ -193,34 +193,34 @@ Outcome contacts_walked_again(const Conditions& conditions) {
 std::vector<Test> contact_tests() {
   return {
       {{"encounters"},
-       {"Two who meet do not touch"},
-       "1000 random encounters of two adults on empty ground, a third head-on, crossing and the "
-       "same way each, at 0.6 to 1.8 m/s, whose middles would pass at 0 to 0.6 m; steered, with "
-       "bodies that give way, for 9 s; contacts by triangles.",
-       "nobody touches (source: ours; two people with room around them do not)",
+       {"Two people who meet do not touch"},
+       "1000 random encounters of two adults on empty ground, one third each head-on, crossing "
+       "and same "
+       "way, at 0.6 to 1.8 m/s, with centres that would pass at 0 to 0.6 m; steered, with "
+       "body avoidance, for 9 s; contacts by triangles.",
+       "no contacts (source: Throng; two people on free ground avoid each other)",
        encounters},
       {{"contacts"},
-       {"How often people touch, by density"},
+       {"Contact rate by density"},
        fmt::format("The bundled scenes {} for 20 s, four crowds each; contacts of two people by "
-                   "triangles, by the people within 2 m. Whoever came in within the last "
-                   "{} s does not count.",
+                   "triangles, density of people within 2 m. People who entered within the last "
+                   "{} s do not count.",
                    fmt::join(kScenes, ", "), kExpected_s),
        fmt::format(
-           "contacts by person-minutes of all scenes together, at each level with 30 "
-           "person-minutes: at most 1 a person and minute below 0.43 per m2, elsewhere at most "
+           "contacts per person-minute of all scenes together, at each level with 30 "
+           "person-minutes: at most 1 per person and minute below 0.43 per m2, elsewhere at most "
            "1.5 times the recorded or 0.5 more; from {:g} per m2 on also at least 0.5 times the "
-           "recorded; not falling from level to level by more than chance (95 %); three levels at "
-           "least, one of them from {:g} per m2 on; source: {}",
+           "recorded; no fall from level to level beyond chance (95 %); at least three "
+           "levels, one of them from {:g} per m2 on; source: {}",
            kTwoSidedFrom_per_m2, kTwoSidedFrom_per_m2, kRecordedContactsSource),
        contacts},
       {{"contacts_walked_again"},
-       {"How often people touch where recorded people did"},
-       "The set-ups of the three recordings, with their own inflow, for 90 s, six crowds each; "
-       "contacts as for contacts, all set-ups taken together, as the recordings are.",
-       fmt::format(
-           "as for contacts, and at every level from 0.43 per m2 on also at least 0.5 times "
-           "the recorded or 0.5 less; source: {}",
-           kRecordedContactsSource),
+       {"Contact rate on the recordings' ground"},
+       "The setups of the three recordings, with their own inflow, for 90 s, six crowds each; "
+       "measured as in contacts, all setups together, like the recordings.",
+       fmt::format("as in contacts, and at every level from 0.43 per m2 on also at least 0.5 times "
+                   "the recorded or 0.5 less; source: {}",
+                   kRecordedContactsSource),
        contacts_walked_again}};
 }
 

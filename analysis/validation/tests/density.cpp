@@ -15,16 +15,16 @@
 namespace throng::validation {
 namespace {
 
-// The middle of a long corridor is a periodic one for a minute: people who left it are replaced by
-// others who began behind. 104 m behind the probes, nobody but the fastest gets there in 60 s; 44 m
-// before them, the emptiness that grows backwards from the front (0.7 m/s at most) does not.
+// For 60 s the middle of a long corridor equals a periodic one: people who leave it are replaced.
+// Only the fastest people cover the 104 m behind the probes in that time. The gap that grows
+// backwards from the front, at 0.7 m/s at most, does not reach back 44 m.
 constexpr double kLength_m = 170;
 constexpr double kFirst_m = 104;
 constexpr double kLast_m = 126;
 constexpr double kBegin_s = 10;
 constexpr double kEnd_s = 60;
 
-/// As many rows as leave most room between neighbours.
+/// Number of rows that maximises the distance between neighbours.
 int best_rows(double per_metre) {
   const double width_m = 2 - 2 * disc_radius_m(1.70);
   int best = 1;
@@ -104,7 +104,7 @@ std::vector<Figure> diagrams(const std::vector<UnidirectionalSpeed>& points) {
         "plot $recorded using 1:{1}:{2} with filledcurves linecolor rgb '#dddddd' title "
         "'recorded, one way', $weidmann using 1:{0} with lines linewidth 2 linecolor rgb '#999999' "
         "title 'Weidmann 1993', $crowd using 1:{0} with points pointtype 7 pointsize 0.8 linecolor "
-        "rgb '{3}' title 'the crowd'\n",
+        "rgb '{3}' title 'simulated'\n",
         column, low, low + 1, kFigureColours[0]);
   };
   return {{"rimea_4_speed", "RiMEA 4: speed against density", "",
@@ -131,9 +131,9 @@ std::vector<Test> density_tests() {
   return {
       {{"rimea_4"},
        {"RiMEA 4: fundamental diagram"},
-       "22 m in the middle of a corridor 2 m wide and 200 m long, which for 60 s is what a "
-       "periodic one is; 0.5 to 5 people per m2 (6 discs of 0.22 m find no room), the first 10 "
-       "s ignored; density and speed as means over probes of 2 m x 2 m.",
+       "22 m in the middle of a corridor 2 m wide and 200 m long, which for 60 s equals a "
+       "periodic one; 0.5 to 5 people per m2 (6 discs of 0.22 m do not fit), without the first 10 "
+       "s; density and speed as means over probes of 2 m x 2 m.",
        "from 0.5 to 3 per m2 between the slowest and the fastest tenth of those recorded at that "
        "density in corridors and round a corner, one way (`ug`, `uo`, `eo` of the Pedestrian "
        "Dynamics Data Archive); speeds within 10 % of a bound are named",

@@ -1,4 +1,4 @@
-// Tests of doors: flow through one, a large room with four and with two, a neck between two rooms.
+// Tests of doors: flow through one, a large room with four and two exits, a neck between two rooms.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace throng::validation {
 namespace {
 
-/// "time count" as people pass.
+/// Lines "time count" of passages.
 std::string cumulative(const std::vector<double>& times_s) {
   std::string text = "0 0\n";
   for (size_t i = 0; i < times_s.size(); ++i) text += fmt::format("{:.2f} {}\n", times_s[i], i + 1);
@@ -45,7 +45,7 @@ Outcome exit_flow(const Conditions& conditions) {
       "{:.2f}",
       times_s.size(), flow, recorded_per_s);
   outcome.figures.push_back(
-      {"imo_4", "IMO 4: people who have left by the door of 1 m", "",
+      {"imo_4", "IMO 4: people through the door of 1 m", "",
        "$crowd << EOD\n" + cumulative(times_s) +
            fmt::format(
                "EOD\nset grid\nset key bottom right\nset xrange [0:*]\nset yrange [0:110]\nset "
@@ -53,14 +53,14 @@ Outcome exit_flow(const Conditions& conditions) {
                "with lines dashtype 2 linecolor rgb '#999999' title '{0} people/(m s), allowed', "
                "{2:.2f} * (x - {1:.2f}) with lines dashtype 3 linecolor rgb '#999999' title "
                "'{2:.2f}, "
-               "recorded', $crowd with steps linewidth 2 linecolor rgb '{3}' title 'the crowd'\n",
+               "recorded', $crowd with steps linewidth 2 linecolor rgb '{3}' title 'simulated'\n",
                kAllowed_per_m_and_s, times_s.empty() ? 0.0 : times_s.front(), recorded_per_s,
                kFigureColours[0])});
   return outcome;
 }
 
 std::vector<double> leave_a_hall(const Conditions& conditions, int doors, Outcome& outcome) {
-  // Doors in the long sides, at a quarter and three quarters.
+  // Doors in the long sides, at one and three quarters of their length.
   Plan plan("hall", {{0, -2}, {30, 22}}, {conditions.model}, conditions.seed);
   const std::vector<double> middles = {7.5, 22.5};
   plan.wall_along_x(0, 30, -0.1, middles, 1);
@@ -91,8 +91,8 @@ Outcome large_hall(const Conditions& conditions) {
   const double ratio = all_left ? two.back() / four.back() : 0;
   outcome.passed = all_left && ratio >= 1.6 && ratio <= 2.4;
   outcome.measured = fmt::format(
-      "{} people in {:.0f} s by four exits, {} in {:.0f} s by two: {:.2f} times as long",
-      four.size(), four.empty() ? 0 : four.back(), two.size(), two.empty() ? 0 : two.back(), ratio);
+      "{} people in {:.0f} s by four exits, {} in {:.0f} s by two: ratio {:.2f}", four.size(),
+      four.empty() ? 0 : four.back(), two.size(), two.empty() ? 0 : two.back(), ratio);
   outcome.figures.push_back(
       {"rimea_9", "RiMEA 9: people who have left the hall", "",
        "$four << EOD\n" + cumulative(four) + "EOD\n$two << EOD\n" + cumulative(two) +
@@ -107,15 +107,15 @@ Outcome large_hall(const Conditions& conditions) {
 
 constexpr double kWindow_s = 10;
 constexpr int kPeople = 150;
-constexpr double kExit_m = 1;  ///< of the second room
+constexpr double kExit_m = 1;  ///< exit of the second room
 
 /// Two rooms of 10 m x 10 m and a neck of 5 m between them.
 struct NeckResult {
-  std::vector<double> neck_s;  ///< into the neck
-  std::vector<double> exit_s;  ///< out of the second room
+  std::vector<double> neck_s;  ///< times of entering the neck
+  std::vector<double> exit_s;  ///< times of leaving the second room
   Crowding before_neck;
   Crowding before_exit;
-  std::string densities;  ///< time, before the neck, before the exit
+  std::string densities;  ///< lines of time, density before the neck, density before the exit
 };
 
 NeckResult measure_neck_flow(SteeringKind model, double width_m, uint64_t seed, Outcome& outcome) {
@@ -173,11 +173,11 @@ void add(const Crowding& more, double share, Crowding& mean) {
 Outcome neck_flow(const Conditions& conditions) {
   Outcome outcome;
   std::vector<NeckPassage> necks;
-  std::string densities;  // with a neck as wide as the exit
+  std::string densities;  // for the neck as wide as the exit
   std::string script, plots;
   constexpr uint64_t kSeeds = 3;
   for (const double width_m : {0.8, kExit_m, 1.2}) {
-    NeckPassage neck{width_m, 0, true, {}, {}};  // means of the seeds
+    NeckPassage neck{width_m, 0, true, {}, {}};  // means over the seeds
     for (uint64_t run = 0; run < kSeeds; ++run) {
       const NeckResult each = measure_neck_flow(conditions.model, width_m,
                                                 conditions.seed_of_run(run, kSeeds), outcome);
@@ -194,7 +194,7 @@ Outcome neck_flow(const Conditions& conditions) {
                          width_m);
     necks.push_back(neck);
   }
-  // A neck of 1.2 m may fill the exit, which is narrower.
+  // A neck of 1.2 m may crowd the exit, because the exit is narrower.
   outcome = judged(std::move(outcome), judge_necks(necks, kExit_m));
   outcome.figures.push_back(
       {"rimea_12_flow", "RiMEA 12: people into the neck, by its width", "",
@@ -203,10 +203,11 @@ Outcome neck_flow(const Conditions& conditions) {
            "'time, s'\nset ylabel 'people'\n" +
            plots + "\n"});
   outcome.figures.push_back(
-      {"rimea_12_density", "RiMEA 12: where the jam is, neck of 1 m", "",
+      {"rimea_12_density", "RiMEA 12: density before neck and exit, neck of 1 m", "",
        "$data << EOD\n" + densities +
            fmt::format("EOD\nset grid\nset yrange [0:*]\nset xlabel 'time, s'\nset ylabel 'people "
-                       "per m^2, means of 10 s'\nplot $data using 1:2 with linespoints linewidth 2 "
+                       "per m^2, means over 10 s'\nplot $data using 1:2 with linespoints "
+                       "linewidth 2 "
                        "pointtype 7 pointsize 0.4 linecolor rgb '{}' title '2 m x 2 m before the "
                        "neck', $data using 1:3 with linespoints linewidth 2 pointtype 7 pointsize "
                        "0.4 linecolor rgb '{}' title 'before the exit of the second room'\n",
@@ -221,22 +222,22 @@ std::vector<Test> door_tests() {
       {{"imo_4", "iso_11"},
        {"IMO 4: exit flow rate", "ISO 20414 11: maximum flow rate"},
        "100 people in a room of 8 m x 5 m with an exit of 1 m in the middle of a short side.",
-       "everybody leaves; at most 1.33 people/(m s) on average are allowed, below every "
-       "experiment: "
-       "more is no failure, but differs",
+       "all people leave; at most 1.33 people/(m s) on average are allowed, which every "
+       "experiment exceeds: "
+       "a higher flow differs, but does not fail",
        exit_flow},
       {{"rimea_9", "imo_9"},
        {"RiMEA 9: a crowd leaves a large room", "IMO 9: crowd dissipation from a large room"},
-       "1000 people in 30 m x 20 m, four exits of 1 m in the long sides; then two, those of one "
+       "1000 people in 30 m x 20 m, four exits of 1 m in the long sides; then only the two of one "
        "side.",
-       "everybody leaves, with two exits in 1.6 to 2.4 times the time",
+       "all people leave; two exits take 1.6 to 2.4 times as long as four",
        large_hall},
       {{"rimea_12"},
        {"RiMEA 12: effect of bottlenecks"},
        "150 people in the first of two rooms of 10 m x 10 m, a neck of 5 m between them 0.8, 1.0 "
        "and 1.2 m wide, an exit of 1 m out of the second.",
        fmt::format(
-           "the flow grows with the width; with 1 m people jam before the neck (more than {:g} "
+           "the flow grows with the width; with 1 m there is a jam before the neck (more than {:g} "
            "per m2 over {:g} s for more than {:g} % of the time: IMO MSC.1/Circ.1533, annex 3, 3.1 "
            "and 3.2), and before the exit of the second room, which is as wide, there is no "
            "congestion: a jam there fails, a queue (more than {:g} per m2 over {:g} s, where "

@@ -1,4 +1,4 @@
-// People who pass each other: overtaking, two ways in one corridor.
+// Tests of people who pass each other: overtaking, two-way flow in one corridor.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ constexpr int kStarts = 200;
 constexpr Oval kTwoWay = {15, 3, 3};
 constexpr double kTwoWay_per_m2 = 2;
 constexpr int kTwoWayMinutes = 10;
-/// One crowd's flow differs from another's by some hundredths.
+/// Flows differ between crowds by some hundredths.
 constexpr uint64_t kTwoWayCrowds = 3;
 
 Outcome overtaking(const Conditions& conditions) {
@@ -66,7 +66,7 @@ Plan overtaking_plan(int lanes, SteeringKind model, uint64_t seed) {
     for (const bool fast : {true, false}) {
       const RandomKey key{seed, static_cast<uint64_t>(2 * lane + fast), 0, Purpose::kSpawnPosition};
       const Eigen::Vector2d at(fast ? 0.7 : 5.0, kPitch_m * lane + random_uniform(key, 0.4, 2.6));
-      // One goal for all, so that one set of ways serves them.
+      // One goal for all, to share one flow field.
       plan.people(1, {at - slack, at + slack}, goals).speed_mps =
           fixed(fast ? kFast_mps : kSlow_mps);
     }
@@ -86,7 +86,7 @@ std::vector<Overtaking> measure_overtaking(int lanes, SteeringKind model, uint64
   const auto time_of = [](const Gate& gate, size_t id) {
     for (const Gate::Passage& passage : gate.passages())
       if (passage.id == id) return passage.time_s;
-    return 1e9;  // never
+    return 1e9;  // never passed
   };
   std::vector<Overtaking> out;
   for (size_t fast = 0; fast + 1 < trial.size(); fast += 2) {
@@ -116,32 +116,32 @@ std::vector<double> measure_counterflow(int minutes, SteeringKind model, uint64_
       const Eigen::Vector2d& before = trial.previous_m(id);
       const Eigen::Vector2d& now = trial.position_m(id);
       if ((before.x() < 0) == (now.x() < 0)) continue;
-      // Half of the people, as populate() sends them, go counter-clockwise: to the left at the top.
+      // Half of the people walk counter-clockwise, see populate(): leftwards in the upper straight.
       const bool counter_clockwise = (now.y() > 0) == (now.x() < 0);
       flows[minute] += counter_clockwise == (id % 2 == 0) ? 1 : -1;
     }
     outcome.wall_crossings += kTwoWay.strays(trial);
   }
   note(outcome, trial);
-  for (double& flow : flows) flow /= 60 * 2 * kTwoWay.width_m;  // by two lines across
+  for (double& flow : flows) flow /= 60 * 2 * kTwoWay.width_m;  // two lines are counted
   return flows;
 }
 
 std::vector<Test> passing_tests() {
   return {
       {{"overtaking"},
-       {"Somebody fast overtakes"},
-       "A corridor 3 m wide, somebody with 1.5 m/s 4.3 m behind somebody with 0.6 m/s, each "
-       "anywhere across; from 2 to 32 m; 200 starts.",
-       "95 % are past by then, losing at most 10 % of the time that the way takes alone "
-       "(source: ours; people pass in corridors wider than two bodies)",
+       {"A fast person overtakes"},
+       "A corridor 3 m wide, a person of 1.5 m/s 4.3 m behind a person of 0.6 m/s, both "
+       "at random lateral positions; from 2 to 32 m; 200 starts.",
+       "95 % overtake within this distance and lose at most 10 % of their time without the other "
+       "(source: Throng; people pass in corridors wider than two bodies)",
        overtaking},
       {{"two_way"},
-       {"Two ways in one corridor for ten minutes"},
-       "A corridor 3 m wide closes in an oval with straights of 15 m, 58 m round in its middle; "
-       "2 adults per m2, every second goes the other way; net passages of two lines across; three "
+       {"Two-way flow in one corridor for ten minutes"},
+       "A corridor 3 m wide closes in an oval with straights of 15 m, centre line of 58 m; "
+       "2 adults per m2, every second in the other direction; net passages of two lines; three "
        "crowds.",
-       "at least 1.0 people/(m s) both ways together on average, a tenth of it in every minute of "
+       "at least 1.0 people/(m s) in both directions on average, a tenth of it in every minute of "
        "each crowd; source: "
        "`bot` of the Pedestrian Dynamics Data Archive (0.63 m/s at 2 per m2, 1.26 people/(m s))",
        two_way}};
@@ -153,7 +153,7 @@ constexpr int kAgainst[] = {0, 10, 50, 100};
 constexpr double kPassedWithin_s = 600;
 
 struct Crossing {
-  double last_s = 0;  ///< when the last of the hundred entered the other room
+  double last_s = 0;  ///< time at which the last of the hundred entered the other room
   size_t arrived = 0;
   size_t arrived_against = 0;
 };
@@ -188,7 +188,7 @@ Crossing cross(SteeringKind model, int against, uint64_t seed, Outcome& outcome)
 Outcome counterflow(const Conditions& conditions) {
   constexpr uint64_t kSeeds = 3;
   Outcome outcome;
-  bool everybody = true, grows = true;
+  bool all_arrive = true, grows = true;
   double before_s = 0;
   std::string list, data;
   for (const int against : kAgainst) {
@@ -197,8 +197,8 @@ Outcome counterflow(const Conditions& conditions) {
     for (uint64_t run = 0; run < kSeeds; ++run) {
       const uint64_t seed = conditions.seed_of_run(run, kSeeds);
       const Crossing crossing = cross(conditions.model, against, seed, outcome);
-      everybody = everybody && crossing.arrived == 100 &&
-                  crossing.arrived_against == static_cast<size_t>(against);
+      all_arrive = all_arrive && crossing.arrived == 100 &&
+                   crossing.arrived_against == static_cast<size_t>(against);
       sum_s += crossing.last_s;
       runs += fmt::format(" {:.2f}", crossing.last_s);
     }
@@ -208,18 +208,18 @@ Outcome counterflow(const Conditions& conditions) {
     list += fmt::format("{}{:.0f} s against {}", list.empty() ? "" : ", ", mean_s, against);
     data += fmt::format("{} {:.2f}{}\n", against, mean_s, runs);
   }
-  outcome.passed = everybody && grows;
+  outcome.passed = all_arrive && grows;
   outcome.measured =
       fmt::format("{} (means of {} seeds); {}", list, kSeeds,
-                  everybody ? "everybody arrives" : "not everybody arrived within 600 s");
+                  all_arrive ? "all people arrive" : "some people did not arrive within 600 s");
   outcome.figures.push_back(
-      {"imo_8", "IMO 8: how long a hundred take against others", "",
+      {"imo_8", "IMO 8: time of a hundred people against others", "",
        "$data << EOD\n" + data +
            fmt::format(
                "EOD\nset grid\nset key top left\nset xrange [-5:105]\nset yrange "
-               "[0:*]\nset xlabel 'people who come the other way'\nset ylabel 'last of the "
+               "[0:*]\nset xlabel 'people in the other direction'\nset ylabel 'last of the "
                "hundred in the other room, s'\nplot for [i=3:5] $data using 1:i with points "
-               "pointtype 6 linecolor rgb '#999999' title (i == 3 ? 'a seed each' : ''), "
+               "pointtype 6 linecolor rgb '#999999' title (i == 3 ? 'single seeds' : ''), "
                "$data using 1:2 with linespoints linewidth 2 pointtype 7 linecolor rgb "
                "'{}' title 'mean'\n",
                kFigureColours[0])});
@@ -233,7 +233,7 @@ std::vector<Test> counterflow_tests() {
            {"IMO 8: counterflow", "ISO 20414 6: counterflow"},
            "Two rooms of 10 m x 10 m, a corridor of 10 m x 2 m between them; 100 people from the "
            "first to the second, 0, 10, 50 or 100 the other way; 3 seeds.",
-           "everybody arrives, and the hundred take the longer the more come against them",
+           "all people arrive, and the hundred take longer against more people",
            counterflow}};
 }
 

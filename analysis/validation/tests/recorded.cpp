@@ -1,4 +1,4 @@
-// Speed against density in the set-ups in which people were recorded.
+// Comparisons with recordings: speed against density, doors, spacing, counterflow.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,17 +26,19 @@ Figure figure_of(const RecordedCurve& curve, const std::vector<Reading>& reading
   const size_t every = std::max<size_t>(1, samples.size() / 400);
   for (size_t i = 0; i < samples.size(); i += every)
     cloud += fmt::format("{:.3f} {:.3f}\n", samples[i].density, samples[i].speed_mps);
-  // A block without a line is an error to gnuplot.
+  // gnuplot rejects an empty data block.
   if (simulated.empty()) simulated = "-1 -1\n";
   if (cloud.empty()) cloud = "-1 -1\n";
   return {curve.id, title, "Bars: 10 to 90 % of the recording. " + curve.source + ".",
-          "$band << EOD\n" + band + "EOD\n$ours << EOD\n" + simulated + "EOD\n$cloud << EOD\n" +
+          "$band << EOD\n" + band + "EOD\n$simulated << EOD\n" + simulated +
+              "EOD\n$cloud << "
+              "EOD\n" +
               cloud +
               fmt::format(
                   "EOD\nset grid\nset xrange [0:*]\nset yrange [0:*]\nset key top right\nset "
                   "xlabel 'people {}'\nset ylabel 'speed, m/s'\nplot $cloud with dots linecolor "
                   "rgb '#999999' notitle, $band using 1:2:3:4 with yerrorbars linewidth 2 "
-                  "pointtype 7 pointsize 0.6 linecolor rgb '{}' title 'recorded', $ours with "
+                  "pointtype 7 pointsize 0.6 linecolor rgb '{}' title 'recorded', $simulated with "
                   "linespoints linewidth 2 pointtype 5 pointsize 0.6 linecolor rgb '{}' title "
                   "'simulated'\n",
                   curve.unit == "per m2" ? "per m^2" : curve.unit, kFigureColours[0],
@@ -64,8 +66,8 @@ struct Described {
   const char* setup;
 };
 constexpr Described kSetUps[] = {
-    {"ug", "Speed against density: corridor, people go round",
-     "A corridor 1.8 m wide closes in an oval, 26 m round in its middle, straights of 6.4 m; 5 to "
+    {"ug", "Speed against density: corridor, closed loop",
+     "A corridor 1.8 m wide closes in an oval, centre line of 26 m, straights of 6.4 m; 5 to "
      "160 people, seconds 60 to 180; 1.8 m in the middle of both straights."},
     {"uo", "Speed against density: open corridor, one way",
      "A corridor of 8 m x 3 m behind a room of 4 m; 200 people through an entrance of 0.8 to 3.0 "
@@ -80,8 +82,9 @@ constexpr Described kSetUps[] = {
      "A corridor of 8 m x 3.6 m, at both ends a room of 4 m; 200 people each way through entrances "
      "of 0.5 to 2.5 m, six times each; 3.6 m in its middle."},
     {"single_file", "Speed against density: single file",
-     "A corridor 0.8 m wide closes in an oval, 26 m round in its middle; 8 to 70 people, three "
-     "times each, seconds 60 to 180; 3 m in the middle of both straights, density along the way."}};
+     "A corridor 0.8 m wide closes in an oval, centre line of 26 m; 8 to 70 people, three "
+     "times each, seconds 60 to 180; 3 m in the middle of both straights, density along the "
+     "centre line."}};
 
 }  // namespace
 
@@ -92,9 +95,10 @@ std::vector<Test> recorded_speed_tests() {
     out.push_back(
         {{each.id},
          {each.title},
-         fmt::format("{} Free speeds {:g} m/s, standard deviation {:.2f}.", each.setup,
+         fmt::format("{} Desired speeds {:g} m/s, standard deviation {:.2f}.", each.setup,
                      curve.desired_speed_mps, curve.desired_std_dev_mps()),
-         fmt::format("means of bins of 0.25 {} with 20 samples on average at most 15 % of the free "
+         fmt::format("means of bins of 0.25 {} with 20 samples on average at most 15 % of the "
+                     "desired "
                      "speed off, 70 % of them between 10 and 90 % of the recording, half of its "
                      "bins reached; source: {}",
                      curve.unit, curve.source),
@@ -109,7 +113,7 @@ std::vector<Test> recorded_speed_tests() {
 namespace {
 
 constexpr int kRecorded = 180;
-/// One crowd's flow differs from another's by some hundredths.
+/// Flows differ between crowds by some hundredths.
 constexpr uint64_t kCrowds = 3;
 constexpr double kEmptiedWithin_s = 600;
 constexpr double kHallLength_m = 16;
@@ -124,20 +128,21 @@ Figure figure_of(const std::vector<DoorFlow>& flows) {
     for (const double flow : door.flows_per_s)
       recorded += fmt::format("{} {} {}\n", door.width_m, flow, door.mean_per_s());
   return {"doors", "Flow through a door, by its width",
-          std::string("Points: an experiment each. ") + kRecordedDoorsSource + ".",
-          "$ours << EOD\n" + simulated + "EOD\n$theirs << EOD\n" + recorded +
+          std::string("One point per experiment. ") + kRecordedDoorsSource + ".",
+          "$simulated << EOD\n" + simulated + "EOD\n$recorded << EOD\n" + recorded +
               fmt::format(
                   "EOD\nset grid\nset key top left\nset xrange [0:2.7]\nset yrange [0:*]\nset "
-                  "xlabel 'clear width, m'\nset ylabel 'people per s'\nplot $theirs using "
-                  "1:(0.85 * $3) with lines dashtype 2 linecolor rgb '#999999' title '15 % off "
-                  "their mean', $theirs using 1:(1.15 * $3) with lines dashtype 2 linecolor rgb "
-                  "'#999999' notitle, $theirs with points pointtype 6 linecolor rgb '{}' title "
-                  "'recorded', $ours with linespoints linewidth 2 pointtype 7 linecolor rgb '{}' "
+                  "xlabel 'clear width, m'\nset ylabel 'people per s'\nplot $recorded using "
+                  "1:(0.85 * $3) with lines dashtype 2 linecolor rgb '#999999' title '15 % from "
+                  "the mean', $recorded using 1:(1.15 * $3) with lines dashtype 2 linecolor rgb "
+                  "'#999999' notitle, $recorded with points pointtype 6 linecolor rgb '{}' title "
+                  "'recorded', $simulated with linespoints linewidth 2 pointtype 7 linecolor rgb "
+                  "'{}' "
                   "title 'simulated'\n",
                   kFigureColours[0], kFigureColours[1])};
 }
 
-/// The mean of several crowds, as the experiments' is.
+/// Mean of several crowds, as for the experiments.
 DoorFlow mean_flow(double width_m, const Conditions& conditions, Outcome& outcome) {
   DoorFlow mean = {width_m, 0, 0, 0};
   for (uint64_t run = 0; run < kCrowds; ++run) {
@@ -183,7 +188,7 @@ DoorFlow measure_door_flow(double width_m, int people, SteeringKind model, uint6
     out.watch(trial);
   }
   note(outcome, trial);
-  // While there is a crowd before it: neither the first ninth nor the last sixth of the people.
+  // Only while a crowd waits: without the first ninth and the last sixth of the people.
   std::vector<double> times = gate.times_s();
   const auto skipped = static_cast<size_t>(people / 9);
   const auto last = static_cast<size_t>(people - people / 6);
@@ -199,23 +204,23 @@ std::vector<Test> recorded_door_tests() {
        {"Doors of 0.5 to 2.5 m"},
        "180 people in a room of 16 m x 6 m, a neck of 2.8 m in the middle of a short side, 0.5 "
        "to 2.5 m wide; flow into the neck from the 21st to the 150th, the mean of three crowds; "
-       "free speeds and bodies of adults.",
-       std::string("within 15 % of the experiments' mean at each width, not falling from a "
-                   "width to the next, everybody through within 600 s; source: ") +
+       "desired speeds and bodies of adults.",
+       std::string("within 15 % of the experiments' mean at each width, no fall from a "
+                   "width to the next, all people through within 600 s; source: ") +
            kRecordedDoorsSource,
        doors}};
 }
 
 namespace {
 
-/// What is walked again with the recording's inflow.
+/// Maximum duration of runs with the recorded inflow.
 constexpr double kThroughWithin_s = 300;
-/// One crowd's distances differ from another's by one or two hundredths of a metre.
+/// Distances differ between crowds by 1 or 2 cm.
 constexpr uint64_t kSpacingCrowds = 3;
 
 using Spacings = std::vector<SpeedAndSpacing::Spacing>;
 
-/// What several crowds kept on average, those with more pairs counting more.
+/// Mean over crowds, weighted by number of pairs.
 Spacings mean_of(const std::vector<Spacings>& crowds) {
   Spacings mean = crowds.front();
   for (size_t cell = 0; cell < mean.size(); ++cell) {
@@ -259,13 +264,13 @@ std::vector<Test> spacing_tests() {
       {{"spacing_corridor"},
        {"Spacing in a corridor with an exit of 1.2 m"},
        "A corridor of 8 m x 1.8 m with an exit of 1.2 m behind a room; 170 people enter when and "
-       "where those of the recording did. Places of heads, ten times a "
+       "where the recorded ones did. Positions of heads, 10 times per "
        "second.",
        fmt::format(fmt::runtime(kCriterion), "uo-180-180-120 (Hermes project)"),
        [](const Conditions& conditions) { return spacing("spacing_corridor", conditions); }},
       {{"spacing_door"},
        {"Spacing before a door of 0.5 m"},
-       "A door of 0.5 m in a barrier; 75 people who begin in the rectangle in which those of the "
+       "A door of 0.5 m in a barrier; 75 people who start in the rectangle where those of the "
        "recording did.",
        fmt::format(fmt::runtime(kCriterion), "040_c_56_h- (Wuppertal 2018)"),
        [](const Conditions& conditions) { return spacing("spacing_door", conditions); }}};
@@ -275,10 +280,9 @@ namespace {
 
 constexpr double kWidth_m = 4;
 Rectangle middle() { return {{-3, 0}, {2.2, kWidth_m}}; }
-/// Where lanes form differs from crowd to crowd.
+/// Walking lanes form at different places in different crowds.
 constexpr uint64_t kCorridorCrowds = 3;
 
-/// Measures a crowd moment by moment.
 class WidthMeter {
  public:
   static constexpr double kSample_s = AreaSpeeds::kSample_s;
@@ -349,17 +353,16 @@ Outcome two_way_corridor(const Conditions& conditions) {
 }  // namespace
 
 std::vector<Test> counterflow_corridor_tests() {
-  return {
-      {{"two_way_corridor"},
-       {"Two streams that meet use the width of a corridor"},
-       "A corridor of 9.2 m x 4 m; 480 people enter where and when those of the recording did, "
-       "but 5 m before, three crowds; places in its middle 5.2 m, twice a second.",
-       "within 0.4 m of a wall at most twice the recorded share of the time; in the central "
-       "metre at least three quarters of it; lane order (the squared difference of the shares "
-       "that go one's own way and against one of those within 0.5 m to either side, on average) "
-       "at most 0.9; speed within 10 % of the recording in bins of 0.25 per m2 with 20 samples "
-       "of both; source: bi_corr_400_b_03 of the Pedestrian Dynamics Data Archive",
-       two_way_corridor}};
+  return {{{"two_way_corridor"},
+           {"Two streams use the width of a corridor"},
+           "A corridor of 9.2 m x 4 m; 480 people enter where and when the recorded ones did, "
+           "but 5 m before; three crowds; positions in its middle 5.2 m, twice per second.",
+           "within 0.4 m of a wall at most twice the recorded share of the time; in the central "
+           "metre at least three quarters of it; lane order (squared difference of the shares "
+           "of same and opposite direction within 0.5 m to either side, on average) "
+           "at most 0.9; speed within 10 % of the recording in bins of 0.25 per m2 with 20 samples "
+           "of both; source: bi_corr_400_b_03 of the Pedestrian Dynamics Data Archive",
+           two_way_corridor}};
 }
 
 }  // namespace throng::validation

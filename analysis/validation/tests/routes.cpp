@@ -1,4 +1,4 @@
-// Tests of the way that people take: exits that are assigned, and a large crowd round a corner.
+// Tests of routes: assigned exits, a crowd round a corner, use of the width, choice of exits.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,9 +14,9 @@
 namespace throng::validation {
 namespace {
 
-// A corridor 1 m wide along x with six cabins on either side. The main exit lies at the end of a
-// way between the second and the third cabin of the upper side, the secondary one at the end of
-// the corridor.
+// A corridor 1 m wide along x with six cabins on either side. The main exit is at the end of a
+// branch between the second and third cabin of the upper side, the secondary one at the corridor's
+// end.
 constexpr double kCorridor_y = 5;
 constexpr double kCabin_m = 5;
 constexpr double kCorridor_m = 18;
@@ -28,7 +28,7 @@ struct Cabin {
   double from_x, to_x;
   int people;
   bool is_above;
-  bool by_main;  ///< assigned to the main exit
+  bool by_main;  ///< true: assigned to the main exit
 };
 constexpr Cabin kCabins[] = {
     {0, 3, 2, true, true},   {3, 6, 2, true, true},     {7.2, 9, 1, true, true},
@@ -80,7 +80,7 @@ Outcome assigned_exits(const Conditions& conditions) {
       ++(kCabins[trial.group(passage.id)].by_main == is_main ? right : wrong);
   outcome.passed = right == static_cast<int>(trial.size()) && wrong == 0 && trial.size() == 23;
   outcome.measured = fmt::format(
-      "{} of {} by the exit that they are assigned to, {} by the other one; {} by the main exit, "
+      "{} of {} by their assigned exit, {} by the other one; {} by the main exit, "
       "{} "
       "by the secondary one, the last after {:.0f} s",
       right, trial.size(), wrong, main.passages().size(), secondary.passages().size(),
@@ -88,13 +88,13 @@ Outcome assigned_exits(const Conditions& conditions) {
   return outcome;
 }
 
-// A way 20 m wide: straight on, or round a corner whose outer side is cut off.
+// A corridor 20 m wide: straight, or round a corner with a cut outer side.
 constexpr double kCorridorWidth_m = 20;
 constexpr double kCrowdDepth_m = 10;
 constexpr int kRows = 20, kColumns = 25;
 constexpr int kEvacuees = kRows * kColumns;
 
-/// In the last metres below `top_y`.
+/// Adds the crowd in the last metres below `top_y`.
 void crowd(Plan& plan, double top_y, const Rectangle& exit) {
   plan.people_in_rows(kRows, kColumns, {{0, top_y - kCrowdDepth_m}, {kCorridorWidth_m, top_y}},
                       {exit});
@@ -107,7 +107,7 @@ Plan straight(double length_m, const Conditions& conditions) {
   return plan;
 }
 
-/// Down along y, then to the right and out at x = 30.
+/// Down along y, then right, with the exit at x = 30.
 Plan round_a_corner(const Conditions& conditions) {
   constexpr double kTop_m = 60, kOut_m = 30, kCut_m = 10, kThick_m = 3;
   Plan plan =
@@ -125,7 +125,7 @@ Plan round_a_corner(const Conditions& conditions) {
   return plan;
 }
 
-/// When everybody has passed the line; nothing if somebody has not.
+/// Passage times of all people; empty unless all have passed.
 std::vector<double> leave(const Plan& plan, Gate gate, Outcome& outcome) {
   Trial trial(plan);
   while (trial.step(600)) gate.watch(trial);
@@ -141,12 +141,12 @@ Outcome wide_corner(const Conditions& conditions) {
       leave(straight(kShort_m, conditions), down, outcome),
       leave(round_a_corner(conditions), Gate(Gate::Along::kX, 30, 0, kCorridorWidth_m), outcome),
       leave(straight(kLong_m, conditions), down, outcome)};
-  bool everybody = true;
+  bool all_left = true;
   double last_s[3] = {}, mean_s[3] = {};
   std::string data, plots;
   const char* const names[] = {"50 m straight on", "round the corner", "81 m straight on"};
   for (size_t i = 0; i < 3; ++i) {
-    everybody = everybody && times[i].size() == kEvacuees;
+    all_left = all_left && times[i].size() == kEvacuees;
     data += fmt::format("$way{} << EOD\n0 0\n", i);
     for (size_t n = 0; n < times[i].size(); ++n) {
       mean_s[i] += times[i][n] / static_cast<double>(times[i].size());
@@ -157,15 +157,15 @@ Outcome wide_corner(const Conditions& conditions) {
     plots += fmt::format("{}$way{} with steps linewidth 2 linecolor rgb '{}' title '{}'",
                          i == 0 ? "plot " : ", ", i, kFigureColours[i], names[i]);
   }
-  outcome.passed = everybody && last_s[0] <= last_s[1] && last_s[1] <= last_s[2] &&
+  outcome.passed = all_left && last_s[0] <= last_s[1] && last_s[1] <= last_s[2] &&
                    mean_s[0] <= mean_s[1] && mean_s[1] <= mean_s[2];
   outcome.measured = fmt::format(
       "{}last out after {:.0f} s by 50 m straight on, {:.0f} s round the corner, {:.0f} s by 81 m "
       "straight on; on average {:.0f}, {:.0f} and {:.0f} s",
-      everybody ? "" : "not everybody left; ", last_s[0], last_s[1], last_s[2], mean_s[0],
+      all_left ? "" : "some people did not leave; ", last_s[0], last_s[1], last_s[2], mean_s[0],
       mean_s[1], mean_s[2]);
   outcome.figures.push_back(
-      {"rimea_15", "RiMEA 15: people who have left, round a corner and straight on", "",
+      {"rimea_15", "RiMEA 15: people who have left, round a corner and straight", "",
        data +
            "set grid\nset key bottom right\nset xrange [0:*]\nset yrange [0:550]\nset xlabel "
            "'time, s'\nset ylabel 'people'\n" +
@@ -183,14 +183,15 @@ std::vector<Test> route_tests() {
        "cabins "
        "are assigned to the main exit between two cabins, eight in the last four to the secondary "
        "one at the end of the corridor.",
-       "everybody leaves by the exit assigned",
+       "all people leave by their assigned exit",
        assigned_exits},
       {{"rimea_15"},
        {"RiMEA 15: a large crowd round a corner"},
-       "500 people in the first 10 m of a way 20 m wide: 50 m straight on, 81 m straight on, and "
-       "round a corner (40 m to its inner edge and 10 m on) whose outer side is cut off.",
-       "round the corner people take longer than by the short way and less long than by the long "
-       "one: the last of them, and on average",
+       "500 people in the first 10 m of a corridor 20 m wide: 50 m straight on, 81 m straight on, "
+       "and "
+       "round a corner (40 m to its inner edge and 10 m on) with a cut outer side.",
+       "round the corner people take longer than on the short and less than on the long straight "
+       "path: for the last person, and on average",
        wide_corner}};
 }
 
@@ -199,7 +200,7 @@ namespace {
 constexpr double kStrip_m = 0.5;
 constexpr Oval kRing = {0, 7, 3};
 constexpr int kRingPeople = 80;
-/// One ring's fullest lane holds some hundredths more or less than another's.
+/// Shares of the fullest lane differ between crowds by some hundredths.
 constexpr uint64_t kRings = 3;
 constexpr double kRingBegin_s = 30;
 constexpr double kRingEnd_s = 210;
@@ -258,7 +259,7 @@ Outcome corner(const Conditions& conditions) {
   while (trial.step(300))
     for (size_t id = 0; id < trial.size(); ++id) {
       const Eigen::Vector2d from_inside = trial.position_m(id) - Eigen::Vector2d(kLeg_m, kCorner_m);
-      // In the square of the corner: to the right of the inner corner, and below it.
+      // Only in the square of the corner: right of the inner corner and below it.
       if (!trial.is_present(id) || from_inside.x() < 0 || from_inside.y() > 0) continue;
       add(lanes, from_inside.norm(), trial.step_s());
     }
@@ -314,23 +315,24 @@ std::vector<Test> spreading_tests() {
   return {
       {{"ring"},
        {"A ring of 3 m: people use its width"},
-       "A ring 3 m wide around a circle of 7 m, 80 adults go round (0.5 per m2), seconds 30 to "
+       "A ring 3 m wide around a circle of 7 m, 80 adults walk round (0.5 per m2), seconds 30 to "
        "210, three times; lanes of 0.5 m.",
-       "no lane holds more than 35 % of the person-seconds (source: ours; spread evenly, the "
+       "no lane holds more than 35 % of the person-seconds (source: Throng; with an even spread "
+       "the "
        "fullest holds 20 %)",
        ring},
       {{"corner"},
        {"A corner of 4 m: people use its width"},
        "A corridor 4 m wide turns by 90 degrees after 30 m, 200 adults; lanes of 0.5 m by the "
        "distance from the inner corner, of people in the square of the corner.",
-       "at least five lanes hold 5 % of the person-seconds each (source: ours)",
+       "at least five lanes hold 5 % of the person-seconds each (source: Throng)",
        corner},
       {{"rimea_11"},
        {"RiMEA 11: choice of exits"},
        "A hall of 30 m x 20 m with two exits of 1 m in a long side, 15 m apart; 600 adults in the "
        "half of the hall with one of them.",
        "RiMEA 4.1.0: most take the near exit, some the other; here at least a third takes the far "
-       "one, and everybody leaves",
+       "one, and all people leave",
        two_exits}};
 }
 

@@ -1,4 +1,4 @@
-// Tests of people who walk alone or nearly so: speed, starting times, corners.
+// Tests of people who walk alone or nearly alone: speed, starting times, corners.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace throng::validation {
 namespace {
 
-/// Time from x = 0 to x = 40 m of one person in a corridor of 2 m.
+/// Time of one person from x = 0 to x = 40 m in a corridor of 2 m.
 Outcome walk_a_corridor(const Conditions& conditions, double speed_mps,
                         const std::function<bool(double)>& passes, const char* format) {
   Plan plan("corridor", {{-2, 0}, {44, 2}}, {conditions.model}, conditions.seed);
@@ -38,7 +38,7 @@ Outcome walk_a_corridor(const Conditions& conditions, double speed_mps,
 }
 
 Outcome start_on_time(const Conditions& conditions) {
-  // Room 8 x 5 m, door of 1 m in the middle of the short wall; outside 4 m more.
+  // A room of 8 m x 5 m with a door of 1 m in the short wall, and 4 m of ground outside.
   Plan plan("delays", {{0, 0}, {12, 5}}, {conditions.model}, conditions.seed);
   plan.wall_along_y(0, 5, 8.1, {2.5}, 1);
   constexpr int kDelayed = 10;
@@ -73,13 +73,13 @@ Outcome start_on_time(const Conditions& conditions) {
   outcome.passed = trial.size() == kDelayed && earliest >= 0 && latest <= 1 &&
                    door.passages().size() == kDelayed;
   outcome.measured =
-      fmt::format("{} of 10 left the room; they set out {:.2f} to {:.2f} s after their time",
+      fmt::format("{} of 10 left the room; they start {:.2f} to {:.2f} s after their time",
                   door.passages().size(), earliest, latest);
   outcome.figures.push_back(
-      {"rimea_5", "RiMEA 5: when people set out", "",
+      {"rimea_5", "RiMEA 5: starting times", "",
        "$data << EOD\n" + data +
-           fmt::format("EOD\nset grid\nset key top left\nset xlabel 'delay asked for, s'\nset "
-                       "ylabel 'set out after, s'\nplot x with lines linecolor rgb '#bbbbbb' title "
+           fmt::format("EOD\nset grid\nset key top left\nset xlabel 'pre-movement time, s'\nset "
+                       "ylabel 'start, s'\nplot x with lines linecolor rgb '#bbbbbb' title "
                        "'on time', $data with points pointtype 7 linecolor rgb '{}' title "
                        "'people'\n",
                        kFigureColours[0])});
@@ -87,7 +87,7 @@ Outcome start_on_time(const Conditions& conditions) {
 }
 
 Outcome turn_a_corner(const Conditions& conditions) {
-  // The corridor is the ground less one block.
+  // The corridor is the ground without one block.
   Plan plan("corner", {{0, 0}, {12, 12}}, {conditions.model}, conditions.seed);
   plan.wall(0, 2, 10, 12);
   plan.people(20, {{0.2, 0.2}, {6, 1.8}}, {{{10, 11.3}, {12, 12}}});
@@ -117,7 +117,7 @@ Outcome turn_a_corner(const Conditions& conditions) {
       "from the inner corner's walls",
       exit.passages().size(), trial.now_s(), trial.wall_crossings(), nearest_m);
   outcome.figures.push_back(
-      {"rimea_6", "RiMEA 6: twenty ways round the corner", "",
+      {"rimea_6", "RiMEA 6: twenty paths round the corner", "",
        "$data << EOD\n" + paths +
            fmt::format("EOD\nset size ratio -1\nset xrange [-0.2:12.2]\nset yrange "
                        "[-0.2:12.2]\nunset key\nset xlabel 'x, m'\nset ylabel 'y, m'\nset object 1 "
@@ -128,7 +128,7 @@ Outcome turn_a_corner(const Conditions& conditions) {
   return outcome;
 }
 
-/// What the test asks of people of one of our ages.
+/// Speed range of the test for one of Throng's ages.
 struct AgeRange {  // NOLINT(clang-analyzer-optin.performance.Padding): by meaning
   const char* name;
   Age age;
@@ -142,15 +142,15 @@ constexpr AgeRange kAges[] = {{"under 30", Age::kYoung, 0.58, 1.61, 15},
                               {"impaired", Age::kImpaired, 0.46, 0.76, 6}};
 constexpr double kWalkway_m = 4;
 
-/// Speeds of people who walk side by side, 4 m apart, over 20 m; 0 for who did not. Of a walker
-/// only ages and speed count.
+/// Speeds of people who walk 4 m apart over 20 m; 0 for those who did not finish. `walkers`: only
+/// ages and speeds are used.
 std::vector<double> speeds_of(SteeringKind model, const std::vector<Group>& walkers, uint64_t seed,
                               Outcome& outcome) {
   const double width_m = kWalkway_m * static_cast<double>(walkers.size());
   Plan plan("lanes", {{0, 0}, {40, width_m}}, {model}, seed);
   for (size_t i = 0; i < walkers.size(); ++i) {
     const double y = kWalkway_m * (static_cast<double>(i) + 0.5);
-    // One goal for all, so that one set of ways serves them.
+    // One goal for all, to share one flow field.
     Group& one = plan.people(1, {{1, y - 0.1}, {1.2, y + 0.1}}, {{{36, 0}, {38, width_m}}});
     one.ages = walkers[i].ages;
     one.speed_mps = walkers[i].speed_mps;
@@ -186,7 +186,7 @@ Outcome speeds_by_age(const Conditions& conditions) {
     ranges += fmt::format("{} {} {} {} '{}'\n", g, 0.5 * (kAges[g].min_mps + kAges[g].max_mps),
                           kAges[g].min_mps, kAges[g].max_mps, kAges[g].name);
     for (int i = 0; i < kAges[g].count; ++i, ++id) {
-      // A millimetre a second for the arithmetic of crossing times.
+      // 1 mm/s of tolerance for the rounding of crossing times.
       inside += speeds[id] > kAges[g].min_mps - 1e-3 && speeds[id] < kAges[g].max_mps + 1e-3;
       data += fmt::format("{:.3f} {:.4f}\n",
                           static_cast<double>(g) - 0.25 + 0.5 * i / kAges[g].count, speeds[id]);
@@ -233,7 +233,7 @@ Outcome speed_distribution(const Conditions& conditions) {
     data += fmt::format("{:.2f} {}\n", 0.25 + 0.1 * static_cast<double>(i), bars[i]);
   outcome.figures.push_back(
       {"iso_5", "ISO 20414 5: walking speeds of 500 people",
-       "Line: the normal distribution asked for.",
+       "Line: the required normal distribution.",
        "$data << EOD\n" + data +
            fmt::format(
                "EOD\nset grid ytics\nset xlabel 'measured speed, m/s'\nset ylabel 'people'\n"
@@ -251,7 +251,7 @@ std::vector<Test> walking_tests() {
   return {
       {{"rimea_1"},
        {"RiMEA 1: keeping the set speed in a corridor"},
-       "Corridor 40 m x 2 m, one person with a free speed of 1.33 m/s.",
+       "Corridor 40 m x 2 m, one person with a desired speed of 1.33 m/s.",
        "26 to 34 s for the 40 m",
        [](const Conditions& conditions) {
          return walk_a_corridor(
@@ -260,32 +260,34 @@ std::vector<Test> walking_tests() {
        }},
       {{"imo_1", "iso_2"},
        {"IMO 1: keeping the set speed in a corridor", "ISO 20414 2: speed in a corridor"},
-       "Corridor 40 m x 2 m, one person with a free speed of 1.0 m/s.",
-       "1.0 m/s, give or take 0.05",
+       "Corridor 40 m x 2 m, one person with a desired speed of 1.0 m/s.",
+       "1.0 m/s within 0.05 m/s",
        [](const Conditions& conditions) {
          return walk_a_corridor(
              conditions, 1.0, [](double time_s) { return std::abs(40 / time_s - 1) <= 0.05; },
              "{:.2f} s, {:.3f} m/s");
        }},
       {{"rimea_5", "imo_5"},
-       {"RiMEA 5: setting out after a delay", "IMO 5: response duration"},
-       "Room 8 m x 5 m with an exit of 1 m, 10 people with delays of 10, 20, ..., 100 s.",
-       "everybody sets out at the given time: not before it, and at most 1 s after it",
+       {"RiMEA 5: pre-movement time", "IMO 5: response duration"},
+       "Room 8 m x 5 m with an exit of 1 m, 10 people with pre-movement times of 10, 20, ..., 100 "
+       "s.",
+       "all people start at the given time: not before it, and at most 1 s after it",
        start_on_time},
       {{"rimea_6", "imo_6", "iso_4"},
        {"RiMEA 6: round a corner", "IMO 6: rounding corners", "ISO 20414 4: round a corner"},
        "A corridor of 2 m turns left after 12 m; 20 people begin in its first 6 m.",
-       "everybody comes round the corner, nobody through a wall",
+       "all people pass the corner, none passes a wall",
        turn_a_corner},
       {{"rimea_7"},
-       {"RiMEA 7: free speeds by age"},
+       {"RiMEA 7: desired speeds by age"},
        "50 adults (15 `young`, 15 `middle_aged`, 14 `elderly`, 6 `impaired`), each 4 m from the "
        "next, over 20 m.",
-       "everybody's speed inside the range of the age group (Weidmann 1993)",
+       "all speeds inside the range of the age group (Weidmann 1993)",
        speeds_by_age},
       {{"iso_5"},
        {"ISO 20414 5: assigned walking speeds"},
-       "5 runs of 100 people with free speeds N(1.2, 0.2) m/s, each 4 m from the next, over 20 m.",
+       "5 runs of 100 people with desired speeds N(1.2, 0.2) m/s, each 4 m from the next, over 20 "
+       "m.",
        "mean and standard deviation of all within 0.05 m/s",
        speed_distribution}};
 }

@@ -1,5 +1,5 @@
-// Contacts and their depth: what counts as one contact, against the statistics of a run, and how
-// deep bodies are whose place is known.
+// Contacts and depths: the definition of a contact, agreement with the statistics of a run, and
+// depths of bodies at known positions.
 #include "analysis/measures/contact_measures.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ uint32_t part(const std::string& name) {
   throw std::runtime_error("the adult has no " + name);
 }
 
-/// Three people on an empty ground; a step is a tenth of a second.
+/// Three people on empty ground; a step is 0.1 s.
 struct ThreePeople {
   ThreePeople() {
     scene.ground = {{-10, -10}, {10, 10}};
@@ -56,7 +56,7 @@ struct ThreePeople {
   std::vector<size_t> offsets;
 };
 
-/// What two hands do, a letter a frame: '#' they touch, '.' they do not.
+/// Contacts of two hands by frame: '#' touching, '.' apart.
 uint64_t contacts_of(const std::string& frames, double gap_s) {
   const ThreePeople people;
   ContactMeasures measures(people.run, gap_s);
@@ -72,23 +72,23 @@ uint64_t contacts_of(const std::string& frames, double gap_s) {
   }
   measures.end();
   const double per_min = measures.contact_table().value("hand and hand", "", "contacts");
-  if (measures.contacts() > 0) {  // by part as by person: there is one part
+  if (measures.contacts() > 0) {  // both counts agree for a single pair of parts
     EXPECT_NEAR(per_min * measures.person_s() / 120, static_cast<double>(measures.contacts()), 1e-9)
         << frames;
   }
   return measures.contacts();
 }
 
-TEST(ContactMeasures, ThoseWhoPartForLessThanHalfASecondHaveNotParted) {
+TEST(ContactMeasures, ContinueContactsAcrossShortGaps) {
   EXPECT_EQ(contacts_of("..##....##..", 0.5), 1u) << "0.4 s";
   EXPECT_EQ(contacts_of("..##.....##..", 0.5), 2u) << "0.5 s";
-  EXPECT_EQ(contacts_of("..##....##....#..", 0.5), 1u) << "each gap by itself";
+  EXPECT_EQ(contacts_of("..##....##....#..", 0.5), 1u) << "gaps do not add up";
   EXPECT_EQ(contacts_of("#.#.#", 0), 3u);
-  EXPECT_EQ(contacts_of("#......", 0.5), 1u) << "from the first frame on";
+  EXPECT_EQ(contacts_of("#......", 0.5), 1u) << "contact in the first frame";
   EXPECT_EQ(contacts_of(".......", 0.5), 0u);
 }
 
-/// Somebody comes in beside the others in the second frame of 0.1 s, and hands touch from a frame
+/// A person enters next to the others in the second frame of 0.1 s; hands touch from `from_frame`
 /// on.
 ContactMeasures newcomer_touches(size_t from_frame, double settles_s) {
   const ThreePeople people;
@@ -106,15 +106,15 @@ ContactMeasures newcomer_touches(size_t from_frame, double settles_s) {
   return measures;
 }
 
-TEST(ContactMeasures, WhoeverHasJustComeInDoesNotCountBeforeTheyHaveSettled) {
+TEST(ContactMeasures, IgnorePeopleUntilTheyHaveSettled) {
   EXPECT_EQ(newcomer_touches(1, 0).contacts(), 1u);
-  EXPECT_EQ(newcomer_touches(5, 0.5).contacts(), 0u) << "0.4 s after they came in";
+  EXPECT_EQ(newcomer_touches(5, 0.5).contacts(), 0u) << "0.4 s after entering";
   EXPECT_EQ(newcomer_touches(6, 0.5).contacts(), 1u) << "0.5 s after";
   EXPECT_NEAR(newcomer_touches(1, 0).person_s(), 3.5, 1e-9);
   EXPECT_NEAR(newcomer_touches(1, 0.5).person_s(), 2 * 0.7 + 0.6, 1e-9);
 }
 
-TEST(ContactMeasures, PartsThatTakeTurnsAreOneContactOfPeopleAndOneOfEachPair) {
+TEST(ContactMeasures, CountAlternatingPartsAsOneContactOfPeople) {
   const ThreePeople people;
   ContactMeasures measures(people.run);
   const PairKey hands(0, 1, part("leftHand"), part("RightHand"));
@@ -138,7 +138,7 @@ TEST(ContactMeasures, PartsThatTakeTurnsAreOneContactOfPeopleAndOneOfEachPair) {
   EXPECT_NEAR(measures.person_s(), 3 * 4 * 0.1, 1e-9);
 }
 
-TEST(ContactMeasures, AreTheStatisticsOfTheRunWhereNoGapIsBridged) {
+TEST(ContactMeasures, EqualTheStatisticsOfTheRunWithoutAGap) {
   class Both final : public Sink {
    public:
     void begin(const RunInfo& run) override {
@@ -162,7 +162,7 @@ TEST(ContactMeasures, AreTheStatisticsOfTheRunWhereNoGapIsBridged) {
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     Scene scene = load_scene("corridor");
     scene.exact = true;
-    scene.body_avoidance = false;  // many contacts to count
+    scene.body_avoidance = false;  // for many contacts
     scene.duration_s = 20;
     scene.seed = seed;
     Simulation simulation(std::move(scene), {.threads = 2});
@@ -173,13 +173,13 @@ TEST(ContactMeasures, AreTheStatisticsOfTheRunWhereNoGapIsBridged) {
     EXPECT_EQ(both.measures->contacts(), both.statistics->totals().contacts) << "seed " << seed;
     EXPECT_NEAR(both.measures->person_s(), both.statistics->totals().person_s, 1e-6);
     EXPECT_LT(both.bridged->contacts(), both.measures->contacts()) << "seed " << seed;
-    // The lowest level is the same for both.
+    // The lowest level is equal in both.
     EXPECT_NEAR(both.measures->contact_table().value("0 to 0.43", "", "contacts"),
                 both.statistics->densities()[0].per_person_min(), 1e-9);
   }
 }
 
-TEST(ContactDepths, OfTrunksSideBySideAreAtMostWhatTheyOverlapBy) {
+TEST(ContactDepths, AreAtMostTheOverlapOfTrunksSideBySide) {
   ThreePeople people;
   ContactDepths depths(people.run);
   const uint32_t torso = part("torso");
@@ -199,13 +199,13 @@ TEST(ContactDepths, OfTrunksSideBySideAreAtMostWhatTheyOverlapBy) {
     });
     EXPECT_LE(found_m, std::max(0.0, width_m - apart_m) + 1e-3) << apart_m;
     EXPECT_GE(found_m, 0) << apart_m;
-    EXPECT_LT(found_m, last_m + 1e-3) << "farther apart, not deeper: " << apart_m;
+    EXPECT_LT(found_m, last_m + 1e-3) << "the depth falls with the distance: " << apart_m;
     EXPECT_EQ(found_m > 0, apart_m < width_m) << apart_m;
     last_m = found_m;
   }
 }
 
-TEST(ContactDepths, AreSummedUpByPartAndForEachContact) {
+TEST(ContactDepths, AreCollectedByPartAndByContact) {
   ThreePeople people;
   people.roots[1].position_m = {0, 1, 0};
   ContactMeasures measures(people.run);
@@ -219,15 +219,15 @@ TEST(ContactDepths, AreSummedUpByPartAndForEachContact) {
   measures.add_depth(hands, 0.006);
   measures.end();
   const MeasureTable table = measures.depth_table();
-  EXPECT_NEAR(table.value("trunk and trunk", "", "most"), 0.071, 1e-9);
+  EXPECT_NEAR(table.value("trunk and trunk", "", "max"), 0.071, 1e-9);
   EXPECT_NEAR(table.value("trunk and trunk", "", "> 2 cm"), 200 / 3.0, 1e-6);
   EXPECT_NEAR(table.value("trunk and trunk", "", "> 5 cm"), 100 / 3.0, 1e-6);
   EXPECT_NEAR(table.value("hand and hand", "", "50 %"), 0.006, 1e-9);
   EXPECT_NEAR(table.value("all", "", "> 2 cm"), 50, 1e-6);
-  EXPECT_NEAR(table.value("deepest of a contact", "", "50 %"), 0.071, 1e-9);
+  EXPECT_NEAR(table.value("maximum per contact", "", "50 %"), 0.071, 1e-9);
 }
 
-TEST(PartGroups, FollowFromTheNamesOfParts) {
+TEST(PartGroups, FollowFromNamesOfParts) {
   EXPECT_EQ(part_group("lowerLeftArm"), PartGroup::kArm);
   EXPECT_EQ(part_group("RightHand"), PartGroup::kHand);
   EXPECT_EQ(part_group("left_forearm_link"), PartGroup::kArm);

@@ -1,5 +1,5 @@
-// All measures of whole runs: heads where the bodies have them, the same for any number of threads,
-// the same speeds as the validation finds, and two runs side by side.
+// All measures of whole runs: positions of heads, independence of threads, agreement with the
+// validation, and comparisons of two runs.
 #include "analysis/measures/crowd_measures.h"
 
 #include <fmt/format.h>
@@ -33,7 +33,7 @@ Scene short_scene(const std::string& name, double seconds) {
   return scene;
 }
 
-TEST(Heads, AreTheMiddleOfTheHeadPartAsItIsPosed) {
+TEST(Heads, AreTheCentresOfPosedHeadParts) {
   Simulation simulation(short_scene("plaza", 1), {.threads = 1, .culling = false});
   Heads heads(simulation.info());
   const RunInfo& info = simulation.info();
@@ -66,7 +66,7 @@ TEST(Heads, AreTheMiddleOfTheHeadPartAsItIsPosed) {
   EXPECT_LT(farthest_off_m, 0.4);
 }
 
-TEST(CrowdMeasures, AreTheSameForAnyNumberOfThreads) {
+TEST(CrowdMeasures, AreEqualForAnyNumberOfThreads) {
   const MeasuredRun one = measured(short_scene("corridor", 6), 1);
   const MeasuredRun two = measured(short_scene("corridor", 6), 2);
   ASSERT_EQ(one.tables.size(), two.tables.size());
@@ -81,27 +81,27 @@ TEST(CrowdMeasures, AreTheSameForAnyNumberOfThreads) {
   EXPECT_NEAR(one.facts.sample_s, 0.1, 1e-9);
 }
 
-// People in rows in a corridor, as the validation's fundamental diagram has them: there speed and
-// density are means over an area, here each person has one's own.
-TEST(CrowdMeasures, FindTheSpeedAtADensityThatTheValidationFinds) {
+// People in rows in a corridor, as in the fundamental diagram of the validation. The validation
+// averages density and speed over an area, the measure assigns a cell to each person.
+TEST(CrowdMeasures, AgreeWithTheValidationOnSpeedAtADensity) {
   for (const auto& [rows, columns] : {std::pair(2, 35), {3, 45}, {4, 55}}) {
     validation::Plan plan("corridor", {{0, 0}, {60, 2}}, {SteeringKind::kOrca, true}, 1);
     plan.people_in_rows(rows, columns, {{0, 0}, {40, 2}}, {{{55, 0}, {60, 2}}});
     constexpr double kFirst_m = 18, kLast_m = 26, kEnd_s = 10;
     validation::Trial trial(plan);
-    double seen = 0, speeds = 0;
+    double samples_of_people = 0, speeds = 0;
     int samples = 0;
     while (trial.step(kEnd_s)) {
       ++samples;
       for (size_t id = 0; id < trial.size(); ++id) {
         const double x = trial.position_m(id).x();
         if (!trial.is_present(id) || x < kFirst_m || x >= kLast_m) continue;
-        seen += 1;
+        samples_of_people += 1;
         speeds += trial.velocity_mps(id).norm();
       }
     }
-    const double density = seen / samples / (2 * (kLast_m - kFirst_m));
-    const double speed = speeds / seen;
+    const double density = samples_of_people / samples / (2 * (kLast_m - kFirst_m));
+    const double speed = speeds / samples_of_people;
 
     Scene scene = plan.scene;
     scene.duration_s = kEnd_s;
@@ -114,7 +114,7 @@ TEST(CrowdMeasures, FindTheSpeedAtADensityThatTheValidationFinds) {
   }
 }
 
-TEST(Comparison, ShowsEveryRowOfEitherInOrder) {
+TEST(Comparison, ShowsAllRowsOfBothRunsInOrder) {
   MeasureTable a{"speed_density", "Speed", "density", "people per m2", "", {}, {}};
   MeasureTable b = a;
   a.rows = {ranged_row(0, 1, "", "mean", "m/s", 1.5),
@@ -138,7 +138,7 @@ TEST(Comparison, ShowsEveryRowOfEitherInOrder) {
   EXPECT_NE(text.find("-0.25"), std::string::npos) << text;
 }
 
-TEST(Comparison, OfARunWithItselfIsNoDifference) {
+TEST(Comparison, ShowsNoDifferenceOfARunFromItself) {
   const MeasuredRun run = measured(short_scene("corridor", 6), 2);
   for (const MeasureTable& table : run.tables)
     for (const ComparedRow& row : compared_rows(table, table))
@@ -153,7 +153,7 @@ TEST(Comparison, OfARunWithItselfIsNoDifference) {
     EXPECT_TRUE(ids.contains(id)) << id;
 }
 
-TEST(Comparison, OfACrowdWithNothingIsDrawn) {
+TEST(Comparison, DrawsARunWithoutPeople) {
   if (!has_gnuplot()) GTEST_SKIP() << "no gnuplot";
   const MeasuredRun run = measured(short_scene("corridor", 6), 2);
   MeasuredRun cleared = run;

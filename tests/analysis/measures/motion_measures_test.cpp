@@ -1,4 +1,4 @@
-// Measures of how people move, on tracks of which everything is known.
+// Measures of motion, on synthetic tracks with known results.
 #include "analysis/measures/motion_measures.h"
 
 #include <fmt/format.h>
@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kSample_s = 0.1;
 
-/// Where somebody is at a time; nothing: not there.
+/// Position of a person at a time; nothing: absent.
 using Track = std::function<std::optional<Eigen::Vector2d>(double time_s)>;
 
-/// Calls look(crowd) after every instant.
+/// Calls visit(crowd) after every instant.
 void watch(const std::vector<Track>& tracks, double seconds,
            const std::function<void(const RecentCrowd&)>& look) {
   RecentCrowd crowd(tracks.size(), 21);
@@ -61,11 +61,11 @@ std::vector<Track> walkers(uint64_t seed, int count, double half_m) {
   return tracks;
 }
 
-TEST(Velocities, AreThoseOfASecondAroundTheMoment) {
+TEST(Velocities, CoverOneSecondAroundTheMoment) {
   const std::vector<Track> tracks = {
       straight({0, 0}, {1.2, -0.5}),
       [](double t) { return t < 0.95 ? std::nullopt : std::optional(Eigen::Vector2d(t, 0.0)); },
-      // Put somewhere else after two seconds.
+      // Moved elsewhere after 2 s.
       [](double t) { return Eigen::Vector2d(t < 2.05 ? 0.0 : 30.0, t); }};
   int known[3] = {};
   watch(tracks, 4, [&](const RecentCrowd& crowd) {
@@ -78,12 +78,12 @@ TEST(Velocities, AreThoseOfASecondAroundTheMoment) {
       EXPECT_LT((velocities.of_mps[i] - expected[i]).norm(), 1e-9) << "person " << i;
     }
   });
-  EXPECT_EQ(known[0], 31) << "41 instants less 5 at either end";
-  EXPECT_EQ(known[1], 21) << "31 instants less 5 at either end";
-  EXPECT_EQ(known[2], 11 + 10) << "21 and 20 instants less 5 at either end";
+  EXPECT_EQ(known[0], 31) << "41 instants minus 5 at both ends";
+  EXPECT_EQ(known[1], 21) << "31 instants minus 5 at both ends";
+  EXPECT_EQ(known[2], 11 + 10) << "21 and 20 instants minus 5 at both ends";
 }
 
-/// Everybody against everybody, everything kept.
+/// Distances between all pairs, without a spatial index.
 struct SpacingByAllPairs {
   std::map<std::string, std::vector<double>> distances;
 
@@ -101,21 +101,21 @@ struct SpacingByAllPairs {
                           : density < 5 ? "3 to 5"
                                         : "above 5";
       for (size_t j = 0; j < moment.present.size(); ++j) {
-        const Eigen::Vector2d way = moment.heads_m[j] - moment.heads_m[i];
-        if (j == i || way.norm() > 1.2) continue;
+        const Eigen::Vector2d offset_m = moment.heads_m[j] - moment.heads_m[i];
+        if (j == i || offset_m.norm() > 1.2) continue;
         const double angle =
             std::acos(
-                std::clamp(way.normalized().dot(velocities.of_mps[i].normalized()), -1., 1.)) *
+                std::clamp(offset_m.normalized().dot(velocities.of_mps[i].normalized()), -1., 1.)) *
             180 / std::numbers::pi;
-        if (angle <= 30) distances[std::string(level) + " ahead"].push_back(way.norm());
+        if (angle <= 30) distances[std::string(level) + " ahead"].push_back(offset_m.norm());
         if (angle >= 60 && angle <= 120)
-          distances[std::string(level) + " beside"].push_back(way.norm());
+          distances[std::string(level) + " beside"].push_back(offset_m.norm());
       }
     }
   }
 };
 
-TEST(SpeedAndSpacing, SpacingIsThatOfAllPairs) {
+TEST(SpeedAndSpacing, MatchesTheSpacingOfAllPairs) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     const double half_m = 1 + static_cast<double>(seed);
     SpeedAndSpacing measure(ground(20));
@@ -151,8 +151,8 @@ TEST(SpeedAndSpacing, SpacingIsThatOfAllPairs) {
   }
 }
 
-// A square grid of people who walk together: everybody has one square.
-TEST(SpeedAndSpacing, SpeedStandsAtTheDensityOfTheGrid) {
+// A square grid of people who walk together; each cell is one square.
+TEST(SpeedAndSpacing, AssignsSpeedToTheDensityOfTheGrid) {
   for (const double spacing_m : {0.52, 0.72, 1.1}) {
     std::vector<Track> tracks;
     for (int i = 0; i < 12; ++i)
@@ -172,7 +172,7 @@ TEST(SpeedAndSpacing, SpeedStandsAtTheDensityOfTheGrid) {
   }
 }
 
-/// All tables of motion, with or without everything turned over.
+/// All tables of motion, optionally of the mirrored scene.
 std::vector<MeasureTable> all_tables(const std::vector<Track>& tracks, const Scene& scene,
                                      const Passage& line) {
   SpeedAndSpacing motion(scene);
@@ -191,7 +191,7 @@ std::vector<MeasureTable> all_tables(const std::vector<Track>& tracks, const Sce
           flow.table()};
 }
 
-TEST(MotionMeasures, OfAMirroredCrowdAreTheSame) {
+TEST(MotionMeasures, AreEqualForAMirroredCrowd) {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     std::vector<Track> tracks, mirrored;
     for (const Track& track : walkers(seed, 60, 4)) {
@@ -212,7 +212,7 @@ TEST(MotionMeasures, OfAMirroredCrowdAreTheSame) {
       ASSERT_EQ(a[i].rows.size(), b[i].rows.size()) << a[i].id << ", seed " << seed;
       for (size_t k = 0; k < a[i].rows.size(); ++k) {
         const MeasureRow &of_a = a[i].rows[k], &of_b = b[i].rows[k];
-        if (of_a.what == "of them back") continue;
+        if (of_a.what == "people in the minor direction") continue;
         EXPECT_TRUE(of_a.matches(of_b)) << a[i].id << ", seed " << seed;
         EXPECT_NEAR(of_a.value, of_b.value, 1e-3 + 1e-3 * std::abs(of_a.value))
             << a[i].id << " " << of_a.at << " " << of_a.what << ", seed " << seed;
@@ -221,27 +221,28 @@ TEST(MotionMeasures, OfAMirroredCrowdAreTheSame) {
   }
 }
 
-TEST(FlowLines, CountThoseWhoPassAndTimeThem) {
+TEST(FlowLines, CountAndTimePassages) {
   const Passage line{{0, -1}, {0, 1}};
   std::vector<Track> tracks;
   for (int i = 0; i < 5; ++i) tracks.push_back(straight({-1 - 2 * i, 0.1 * i}, {1, 0}));
-  tracks.push_back(straight({3.05, -0.5}, {-1, 0}));  // the other way, after 3.05 s
-  tracks.push_back(straight({-1.5, 1.5}, {1, 0}));    // beside the line
+  tracks.push_back(straight({3.05, -0.5}, {-1, 0}));  // opposite direction, after 3.05 s
+  tracks.push_back(straight({-1.5, 1.5}, {1, 0}));    // past an end of the line
   tracks.push_back([](double t) {                     // stands on it and sways
     return Eigen::Vector2d(0.1 * std::cos(5 * t), 0.5);
   });
   FlowLines flow(ground(20), tracks.size(), line);
   watch(tracks, 12, [&](const RecentCrowd& crowd) { flow.take(crowd); });
   const MeasureTable table = flow.table();
-  EXPECT_EQ(table.value("the line", "", "people"), 7) << "five, one the other way, one who sways";
-  EXPECT_EQ(table.value("the line", "", "of them back"), 2);
-  EXPECT_EQ(table.value("the line", "", "people beside it"), 1);
+  EXPECT_EQ(table.value("the line", "", "people"), 7) << "five, one in the other direction, one "
+                                                         "who sways";
+  EXPECT_EQ(table.value("the line", "", "people in the minor direction"), 2);
+  EXPECT_EQ(table.value("the line", "", "people past its ends"), 1);
   EXPECT_NEAR(table.value("the line", "", "width"), 2, 1e-9);
-  // The swaying one passes after pi / 10 s, the last of the five after 9 s.
+  // The swaying person passes after pi / 10 s, the last of the five after 9 s.
   EXPECT_NEAR(table.value("the line", "", "flow"), 6 / (9 - std::numbers::pi / 10), 0.01);
 }
 
-TEST(FlowLines, ComeBackOnlyWithThoseWhoHadLeft) {
+TEST(FlowLines, CountASecondPassageOnlyAfterLeaving) {
   FlowLines flow(ground(20), 1, Passage{{0, -1}, {0, 1}});
   watch({[](double t) { return Eigen::Vector2d(-2 * std::cos(t), 0); }}, 6.2,
         [&](const RecentCrowd& crowd) { flow.take(crowd); });
@@ -249,10 +250,10 @@ TEST(FlowLines, ComeBackOnlyWithThoseWhoHadLeft) {
   EXPECT_EQ(flow.used().back, 1u);
 }
 
-TEST(FlowLines, FindTheNeckThatTheCrowdGoesThrough) {
+TEST(FlowLines, FindTheNeckInUse) {
   Scene scene;
   scene.ground = {{-10, -5}, {10, 5}};
-  // A neck of 1 m at x = 2, and a gap of 0.5 m behind the wall that nobody uses.
+  // A neck of 1 m at x = 2, and an unused gap of 0.5 m behind the wall.
   scene.obstacles = {box(2, 2.75, 0.4, 4.5), box(2, -2.75, 0.4, 4.5), box(-8, 4, 2, 1)};
   std::vector<Track> tracks;
   for (int i = 0; i < 10; ++i) tracks.push_back(straight({-5.0 - i, -0.2 + 0.04 * i}, {1.3, 0}));
@@ -263,11 +264,11 @@ TEST(FlowLines, FindTheNeckThatTheCrowdGoesThrough) {
   EXPECT_EQ(flow.used().passed(), 10u);
 }
 
-TEST(WidthUse, IsTheShareOfTimeInEachLane) {
+TEST(WidthUse, ComputesTheShareOfTimePerLane) {
   Scene scene;
   scene.ground = {{0, 0}, {30, 2}};
   WidthUse width(scene);
-  // Right to left, as one walks along x: lanes from y = 0 up.
+  // From right to left for a person who walks along x: lanes from y = 0 upwards.
   const std::vector<Track> tracks = {straight({0, 0.2}, {1, 0}), straight({0, 0.3}, {1, 0}),
                                      straight({0, 1.7}, {1, 0}), straight({0, 0.7}, {1, 0})};
   watch(tracks, 5, [&](const RecentCrowd& crowd) {
@@ -285,7 +286,7 @@ TEST(WidthUse, IsTheShareOfTimeInEachLane) {
   }
 }
 
-TEST(HeadSway, IsSeenBesideTheWayWhateverTheWayAndItsNoise) {
+TEST(HeadSway, IsMeasuredAcrossAnyPathDespiteNoise) {
   for (const double radius_m : {1e6, 6.0}) {
     for (const auto& [speed_mps, hz] : {std::pair(1.4, 0.97), {1.0, 0.88}, {0.6, 0.75}}) {
       std::vector<Track> tracks;
@@ -315,7 +316,7 @@ TEST(HeadSway, IsSeenBesideTheWayWhateverTheWayAndItsNoise) {
   }
 }
 
-TEST(HeadSway, NeedsPeopleWhoWalkAndSamplesThatComeOftenEnough) {
+TEST(HeadSway, RequiresWalkingPeopleAndFrequentSamples) {
   HeadSway standing(1, kSample_s);
   watch({[](double t) { return Eigen::Vector2d(0, 0.04 * std::sin(6 * t)); }}, 10,
         [&](const RecentCrowd& crowd) { standing.take(crowd); });
@@ -324,7 +325,7 @@ TEST(HeadSway, NeedsPeopleWhoWalkAndSamplesThatComeOftenEnough) {
   EXPECT_EQ(HeadSway::half_window(0.1), 10u);
 }
 
-TEST(Accelerations, OnACircleAreSpeedSquaredOverRadius) {
+TEST(Accelerations, EqualSpeedSquaredOverRadiusOnACircle) {
   Accelerations accelerations(kSample_s);
   constexpr double kSpeed_mps = 1.5, kRadius_m = 2;
   watch({[](double t) {
@@ -338,7 +339,7 @@ TEST(Accelerations, OnACircleAreSpeedSquaredOverRadius) {
   EXPECT_FALSE(Accelerations(0.5).is_measured());
 }
 
-TEST(Histogram, QuantilesAreThoseOfTheSortedNumbersToABin) {
+TEST(Histogram, ReturnsQuantilesAccurateToABin) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     Histogram histogram(-2, 0.01, 400);
     std::vector<double> numbers;

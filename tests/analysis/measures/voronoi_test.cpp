@@ -1,4 +1,4 @@
-// Voronoi cells cut at walls, against points that are asked one by one whose they are.
+// Voronoi cells cut at walls match areas that are sampled point by point.
 #include "analysis/measures/voronoi.h"
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-Scene room(double width_m, double depth_m, std::vector<Obstacle> obstacles = {}) {
+Scene hall(double width_m, double depth_m, std::vector<Obstacle> obstacles = {}) {
   Scene scene;
   scene.ground = {{0, 0}, {width_m, depth_m}};
   scene.obstacles = std::move(obstacles);
@@ -41,7 +41,8 @@ Points all_but(const Points& people, size_t person) {
   return others;
 }
 
-/// Squares of a fine grid that belong to the person and hang together with where the person is.
+/// Area of the squares of a fine grid that are nearest to the person and connected to their
+/// position.
 double area_by_asking(const Scene& scene, const Points& people, size_t person) {
   constexpr double kStep_m = 0.02;
   const Walkable walkable(scene);
@@ -55,7 +56,7 @@ double area_by_asking(const Scene& scene, const Points& people, size_t person) {
       if ((other - at).norm() < distance_m) return false;
     return true;
   };
-  std::vector<char> seen(static_cast<size_t>(columns) * static_cast<size_t>(rows), 0);
+  std::vector<char> visited(static_cast<size_t>(columns) * static_cast<size_t>(rows), 0);
   std::queue<std::pair<int, int>> open;
   open.emplace(static_cast<int>(people[person].x() / kStep_m),
                static_cast<int>(people[person].y() / kStep_m));
@@ -65,7 +66,7 @@ double area_by_asking(const Scene& scene, const Points& people, size_t person) {
     open.pop();
     if (column < 0 || column >= columns || row < 0 || row >= rows) continue;
     const int square = row * columns + column;
-    char& known = seen[static_cast<size_t>(square)];
+    char& known = visited[static_cast<size_t>(square)];
     if (known != 0) continue;
     known = 1;
     if (!is_hers(column, row)) continue;
@@ -78,8 +79,8 @@ double area_by_asking(const Scene& scene, const Points& people, size_t person) {
   return area_m2;
 }
 
-TEST(Voronoi, CellsHoldThePointsThatAreNearestAndCanBeReached) {
-  const Scene scene = room(
+TEST(VoronoiCells, ContainTheNearestReachablePoints) {
+  const Scene scene = hall(
       6, 4, {box(3, 2.6, 0.1, 2.8), box(1.3, 1.2, 0.5, 0.7, 0.4), box(4.6, 2.1, 1.2, 0.2, -0.7)});
   VoronoiCells cells(scene);
   for (uint64_t seed = 1; seed <= 6; ++seed) {
@@ -93,9 +94,9 @@ TEST(Voronoi, CellsHoldThePointsThatAreNearestAndCanBeReached) {
   }
 }
 
-TEST(Voronoi, CellsThatNobodyIsTooFarForFillTheArea) {
-  const Scene empty = room(6, 4);
-  const Scene pillar = room(6, 4, {box(3, 2, 0.4, 0.4, 0.3)});
+TEST(VoronoiCells, FillTheAreaUnlessCapped) {
+  const Scene empty = hall(6, 4);
+  const Scene pillar = hall(6, 4, {box(3, 2, 0.4, 0.4, 0.3)});
   for (const auto& [scene, area_m2] : {std::pair(&empty, 24.0), std::pair(&pillar, 24 - 0.16)})
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       VoronoiCells cells(*scene);
@@ -110,13 +111,13 @@ TEST(Voronoi, CellsThatNobodyIsTooFarForFillTheArea) {
       }
       ASSERT_FALSE(some_capped) << "seed " << seed;
       EXPECT_LE(sum, area_m2 + 1e-9) << "seed " << seed;
-      // Behind a pillar there may be what belongs to somebody before it, and to nobody then.
+      // A pillar leaves areas behind it that are in no cell.
       EXPECT_GE(sum, area_m2 - (scene == &empty ? 1e-9 : 0.1)) << "seed " << seed;
     }
 }
 
-TEST(Voronoi, NobodyHasMoreThanTheCapAndNobodyWithoutGroundHasAny) {
-  const Scene scene = room(20, 20, {box(10, 10, 2, 2)});
+TEST(VoronoiCells, AreLimitedToTheCapAndTheGround) {
+  const Scene scene = hall(20, 20, {box(10, 10, 2, 2)});
   VoronoiCells cells(scene);
   const auto alone = cells.cell({4, 4}, {});
   ASSERT_TRUE(alone);
@@ -129,8 +130,8 @@ TEST(Voronoi, NobodyHasMoreThanTheCapAndNobodyWithoutGroundHasAny) {
   EXPECT_FALSE(cells.cell({-0.1, 3}, {})) << "off the ground";
 }
 
-TEST(Voronoi, PeopleAtOnePlaceShareACell) {
-  const Scene scene = room(20, 20);
+TEST(VoronoiCells, AreSharedByPeopleAtOnePoint) {
+  const Scene scene = hall(20, 20);
   VoronoiCells cells(scene);
   const Points both = {{5, 5}, {6, 5}};
   const auto one = cells.cell({5, 5}, std::span(both).subspan(1));

@@ -1,4 +1,4 @@
-// Study files: which runs they ask for, and what is wrong with them, line by line.
+// Study files: the runs that they describe, and the lines that errors name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -53,9 +53,9 @@ class StudyFile : public testing::Test {
     try {
       plan(text);
     } catch (const InputError& refused) {
-      const std::string said = refused.what();
+      const std::string message = refused.what();
       const std::string folder = folder_.string() + "/";
-      return said.starts_with(folder) ? said.substr(folder.size()) : said;
+      return message.starts_with(folder) ? message.substr(folder.size()) : message;
     }
     return "none";
   }
@@ -63,7 +63,7 @@ class StudyFile : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(StudyFile, AsksForEverySceneWithEveryValueAndEverySeed) {
+TEST_F(StudyFile, ListsEveryCombination) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 seeds: [7, 9]
 seconds: 2
@@ -84,27 +84,27 @@ parameters:
     EXPECT_EQ(std::to_string(planned.scene.groups[0].count + planned.scene.groups[1].count),
               row[7]);
   }
-  EXPECT_EQ(cells.size(), plan.runs()) << "each run once";
+  EXPECT_EQ(cells.size(), plan.runs()) << "every run is unique";
 }
 
-TEST_F(StudyFile, NotesOnceWhichPlansAvatarsEnlarge) {
+TEST_F(StudyFile, NotesEnlargedPlansOnce) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 seeds: [1, 2]
 parameters:
   avatars: [7, 400]
 )");
   EXPECT_THAT(plan.notes(),
-              ElementsAre(HasSubstr("400 people need more room: the plan of 'square' grew")));
+              ElementsAre(HasSubstr("400 people need more space: the plan of 'square' grew")));
   EXPECT_EQ(plan.planned(0).plan_growth, 1);
   EXPECT_GT(plan.planned(2).plan_growth, 1.2);
 }
 
-TEST_F(StudyFile, NamesItemsByNumberByNameOrAll) {
+TEST_F(StudyFile, SelectsItemsByNumberNameOrStar) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 parameters:
   groups.2.count: [6]
   groups.walkers.desired_speed_mps.mean: [1.1]
-  groups.*.delay_s: [3]
+  groups.*.premovement_s: [3]
   culling.exact: [true]
 )");
   const Scene scene = plan.planned(0).scene;
@@ -114,17 +114,17 @@ parameters:
   EXPECT_EQ(scene.groups[0].premovement_s.mean, 3);
   EXPECT_EQ(scene.groups[1].premovement_s.mean, 3);
   EXPECT_TRUE(scene.exact);
-  EXPECT_EQ(plan.cells(0)[4], "1") << "the scene's own seed";
+  EXPECT_EQ(plan.cells(0)[4], "1") << "the seed of the scene";
 }
 
-TEST_F(StudyFile, AHypercubePutsOneValueIntoEachStratumOfEachKey) {
+TEST_F(StudyFile, DrawsOneValuePerStratumOfAHypercube) {
   const StudyPlan plan = this->plan(R"(scenes: [square.yaml]
 parameters:
   latin_hypercube:
     samples: 8
-    keys:
+    parameters:
       groups.1.desired_speed_mps.mean: {from: 1.0, to: 1.8}
-      groups.1.count: {from: 1, to: 8, whole: true}
+      groups.1.count: {from: 1, to: 8, integer: true}
       steering: [heuristic, orca]
 )");
   ASSERT_EQ(plan.runs(), 8u);
@@ -143,19 +143,19 @@ parameters:
   EXPECT_EQ(orca, 4);
 }
 
-TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
+TEST_F(StudyFile, ReportsTheLineOfAnError) {
   const std::string scene = "scenes: [square.yaml]\n";
   const std::pair<std::string, std::string> cases[] = {
       {"seeds: [1]\n", "study.yaml:1: expected the key 'scenes' in a study, found none"},
       {scene + "second: 2\n", "study.yaml:2: expected"},
       {"scenes: [sqare]\n", "study.yaml:1: expected a scene, found 'sqare'"},
       {scene + "log: a.lcmlog\n", "study.yaml:2: expected an option that shapes a result"},
-      {scene + "budget_ms: 5\n", "study.yaml:2: expected what comes out the same every time"},
+      {scene + "budget_ms: 5\n", "study.yaml:2: expected a repeatable budget"},
       {scene + "seconds: -1\n", "study.yaml:2: expected a number of seconds above 0, found '-1'"},
       {scene + "seconds: '2'\n", "study.yaml:2: expected a number of seconds above 0, found"},
       {scene + "exact: yes\n", "study.yaml:2: expected true or false, found 'yes'"},
       {scene + "budget_tests: 5\nstrategy: two-pass\n",
-       "study.yaml:3: expected 'pipeline' beside a deadline, found 'two-pass'"},
+       "study.yaml:3: expected 'pipeline' with a budget, found 'two-pass'"},
       {scene + "threads: 4\n", "study.yaml:2: expected threads on the command line"},
       {scene + "states_hz: 4\n", "study.yaml:2: expected an option that shapes a result"},
       {scene + "trace_hash: a\n", "study.yaml:2: expected an option that shapes a result"},
@@ -181,9 +181,9 @@ TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
        "study.yaml:3: expected a value of 'groups.walkers.count' that square.yaml takes, found "
        "'-3'"},
       {scene + "parameters:\n  name.first: [a]\n", "study.yaml:3: expected a map or a list"},
-      {scene + "parameters:\n  latin_hypercube: {samples: 3, keys: {}}\n",
-       "study.yaml:3: expected at least one key, found none"},
-      {scene + "parameters:\n  latin_hypercube: {keys: {avatars: {from: 1, to: 9}}}\n",
+      {scene + "parameters:\n  latin_hypercube: {samples: 3, parameters: {}}\n",
+       "study.yaml:3: expected at least one parameter, found none"},
+      {scene + "parameters:\n  latin_hypercube: {parameters: {avatars: {from: 1, to: 9}}}\n",
        "study.yaml:3: expected the key 'samples'"},
       {scene + "parameters:\n  avatars: {from: 0, to: 1000000000, step: 0.001}\n",
        "study.yaml:3: expected at most 100000 values"},
@@ -191,7 +191,7 @@ TEST_F(StudyFile, SaysWhichLineIsWrongBeforeAnythingRuns) {
   for (const auto& [text, expected] : cases) EXPECT_THAT(error(text), HasSubstr(expected)) << text;
 }
 
-TEST_F(StudyFile, TakesVolumesByPartAsTheCommandLineDoes) {
+TEST_F(StudyFile, ReadsPartVolumesAsTheCommandLine) {
   const std::string volumes = "hands: sphere, default: obb";
   const StudyPlan planned =
       plan("scenes: [square.yaml]\npart_volume: '" + volumes + "'\nseconds: 1/2\n");
@@ -199,21 +199,24 @@ TEST_F(StudyFile, TakesVolumesByPartAsTheCommandLineDoes) {
   EXPECT_EQ(planned.planned(0).scene.duration_s, 0.5);
 }
 
-TEST_F(StudyFile, IsKnownByWhatItAsksForNotByHowItIsWritten) {
+TEST_F(StudyFile, HasAnIdentityIndependentOfItsWording) {
   const std::string text = "scenes: [square.yaml]\nseconds: 1\nparameters:\n  avatars: [5, 6]\n";
   const uint64_t identity = plan(text).identity();
   EXPECT_EQ(plan("# the same\n" + text).identity(), identity);
   EXPECT_NE(plan("seeds: [1]\n" + text).identity(), identity);
   EXPECT_NE(plan(text + "  planted_feet: [true]\n").identity(), identity);
   write("square.yaml", std::string(kScene) + "step_s: 0.05\n");
-  EXPECT_NE(plan(text).identity(), identity) << "another scene of the same name";
+  EXPECT_NE(plan(text).identity(), identity) << "a different scene of the same name";
 }
 
 TEST(StudyMeasures, AreDocumented) {
-  std::ifstream in(std::filesystem::path(THRONG_SOURCE_DIR) / "docs/studies.md");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string text;
+  for (const char* page : {"docs/studies.md", "docs/reference/study-columns.md"}) {
+    std::ifstream in(std::filesystem::path(THRONG_SOURCE_DIR) / page);
+    text.append(std::istreambuf_iterator<char>(in), {});
+  }
   for (const StudyMeasure& measure : study_measures()) {
-    if (measure.name.find("_and_") != std::string::npos) continue;  // one for all
+    if (measure.name.find("_and_") != std::string::npos) continue;  // documented together
     EXPECT_THAT(text, HasSubstr("`" + measure.name + "`"));
   }
   for (const std::string& column : study_times_columns())
@@ -222,7 +225,7 @@ TEST(StudyMeasures, AreDocumented) {
     EXPECT_THAT(text, HasSubstr("`" + option + "`"));
 }
 
-TEST(StudyMeasures, HaveNamesOfTheirOwn) {
+TEST(StudyMeasures, HaveUniqueNames) {
   std::set<std::string> names = {"run", "runs", "study", "scene", "seed"};
   for (const std::string& option : study_option_names()) names.insert(option);
   for (const StudyMeasure& measure : study_measures())

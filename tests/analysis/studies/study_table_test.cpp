@@ -1,4 +1,4 @@
-// Tables of studies: the same bytes whoever filled them, and what a kill leaves of a journal.
+// Study tables have equal bytes for any order of work, and a journal survives interruption.
 #include "analysis/studies/study_table.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ class StudyFiles : public testing::Test {
   fs::path folder_;
 };
 
-/// Runs of a study from `first` on, every `every`-th.
+/// Every `every`-th run of a study of 20, from `first` on.
 StudyTable rows(size_t first, size_t every) {
   StudyTable table{{"run", "runs", "study", "scene", "seed", "a, \"b\"", "mean_speed_mps", "hash"},
                    {}};
@@ -44,7 +44,7 @@ StudyTable rows(size_t first, size_t every) {
   return table;
 }
 
-TEST_F(StudyFiles, PartsJoinedAreTheWholeToTheByte) {
+TEST_F(StudyFiles, MergeShardsToTheSameBytes) {
   for (const char* ending : {".csv", ".sqlite"}) {
     const fs::path whole = folder_ / (std::string("whole") + ending);
     write_table(whole, rows(1, 1));
@@ -62,7 +62,7 @@ TEST_F(StudyFiles, PartsJoinedAreTheWholeToTheByte) {
   }
 }
 
-TEST_F(StudyFiles, PartsOfWhichOneIsMissingAreNoWhole) {
+TEST_F(StudyFiles, RejectIncompleteOrInconsistentShards) {
   const auto error = [](const std::vector<std::pair<std::string, StudyTable>>& tables) {
     try {
       merged(tables);
@@ -71,7 +71,7 @@ TEST_F(StudyFiles, PartsOfWhichOneIsMissingAreNoWhole) {
     }
     return std::string("none");
   };
-  EXPECT_THAT(error({{"a", rows(1, 2)}}), HasSubstr("10 missing, run 2 the first of them"));
+  EXPECT_THAT(error({{"a", rows(1, 2)}}), HasSubstr("10 missing, the first is run 2"));
   StudyTable other = rows(2, 2);
   for (auto& row : other.rows) row[2] = "00000000000000bb";
   EXPECT_THAT(error({{"a", rows(1, 2)}, {"b", other}}), HasSubstr("b: expected runs of study"));
@@ -82,7 +82,8 @@ TEST_F(StudyFiles, PartsOfWhichOneIsMissingAreNoWhole) {
   StudyTable huge = rows(1, 20);
   huge.rows[0][1] = "77777777";
   EXPECT_THAT(error({{"a", huge}}), HasSubstr("a: expected a number of runs from 1 to 100000"));
-  EXPECT_EQ(error({{"a", rows(1, 1)}, {"b", rows(1, 2)}}), "none") << "twice the same is no harm";
+  EXPECT_EQ(error({{"a", rows(1, 1)}, {"b", rows(1, 2)}}), "none") << "equal duplicates are "
+                                                                      "accepted";
 }
 
 StudyRow row_of(size_t run) {
@@ -92,7 +93,7 @@ StudyRow row_of(size_t run) {
   return row;
 }
 
-TEST_F(StudyFiles, AJournalKeepsWholeLinesWhereverItIsCut) {
+TEST_F(StudyFiles, KeepWholeLinesOfATruncatedJournal) {
   const fs::path file = folder_ / "t.csv.journal";
   size_t head = 0;
   {
@@ -116,7 +117,7 @@ TEST_F(StudyFiles, AJournalKeepsWholeLinesWhereverItIsCut) {
   }
 }
 
-TEST_F(StudyFiles, AJournalOfAnotherStudyOrWithADamagedLineIsNotBelieved) {
+TEST_F(StudyFiles, RejectAnotherStudysJournalAndDropDamagedLines) {
   const fs::path file = folder_ / "t.csv.journal";
   {
     Journal journal(file, "one");
@@ -131,7 +132,7 @@ TEST_F(StudyFiles, AJournalOfAnotherStudyOrWithADamagedLineIsNotBelieved) {
   EXPECT_EQ(journal.done()[1].run, 2u);
 }
 
-TEST_F(StudyFiles, PicturesAreOfWhatVaries) {
+TEST_F(StudyFiles, DrawOnlyColumnsThatVary) {
   StudyTable table{{"run", "runs", "study", "scene", "seed", "avatars", "simulated_s", "people"},
                    {}};
   for (const char* people : {"5", "6"})

@@ -1,4 +1,4 @@
-// Two boxes of our own: apart in the first frame, overlapping in the second.
+// Two custom boxes: apart in the first frame, overlapping in the second.
 #include <cstdio>
 
 #include "culling/culling.h"

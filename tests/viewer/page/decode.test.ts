@@ -1,4 +1,4 @@
-// The binary messages and what is made of them.
+// Tests decoding of binary messages, and names, charts and simplified meshes.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
@@ -7,7 +7,7 @@ import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, displayName,
 import {crowded, cubic, Varints} from '../../../viewer/page/src/replay.ts';
 import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
-/** Two people, three parts, two pairs. */
+/** A frame message of two people, three parts and two pairs. */
 function frameBytes(): ArrayBuffer {
   const buffer = new ArrayBuffer(64 + 2 * 16 + 3 * 16 + 2 * 16);
   const view = new DataView(buffer);
@@ -24,7 +24,7 @@ function frameBytes(): ArrayBuffer {
   return buffer;
 }
 
-test('a frame is views into the bytes that came', () => {
+test('a frame is views into the received bytes', () => {
   const buffer = frameBytes();
   const frame = decodeFrame(buffer);
   assert.equal(kindOf(buffer), 'frame');
@@ -34,27 +34,27 @@ test('a frame is views into the bytes that came', () => {
   assert.equal(frame.parts.length, 12);
 });
 
-test('a person has a place, a speed and a mark', () => {
+test('a person has a position, a speed and a mark', () => {
   const person = personOf(decodeFrame(frameBytes()), 0);
-  assert.deepEqual(person, {present: true, crowded: true, mark: 3, desired_speed_mps: 1.34, position_m: [1.5, -2.5, 0]});
+  assert.deepEqual(person, {present: true, crowded: true, mark: 3, speed_mps: 1.34, position_m: [1.5, -2.5, 0]});
   assert.equal(personOf(decodeFrame(frameBytes()), 1).present, false);
 });
 
-test('the pairs of a person name both parts and the level', () => {
+test('pairs of a person state both parts and the level', () => {
   const frame = decodeFrame(frameBytes());
   assert.deepEqual(pairsOf(frame, 1), [{a: 0, b: 1, partA: 2, partB: 5, level: 2, began: 30}]);
   assert.deepEqual(pairsOf(frame, 0).map(({began}) => began), [30, ~12]);
   assert.equal(pairsOf(frame, 3).length, 0);
 });
 
-test('bytes of another length or kind are refused', () => {
+test('bytes of another length or kind are rejected', () => {
   const buffer = frameBytes();
   assert.throws(() => decodeFrame(buffer.slice(0, buffer.byteLength - 4)), RangeError);
   assert.throws(() => decodeFrame(new ArrayBuffer(64)), RangeError);
   assert.throws(() => decodeFrame(new ArrayBuffer(3)), RangeError);
 });
 
-test('5000 people are decoded without touching a part', () => {
+test('decoding 5000 people copies no part', () => {
   const buffer = new ArrayBuffer(64 + 5000 * 16 + 75_000 * 16);
   const view = new DataView(buffer);
   [0x31465454, 5000, 75_000, 0].forEach((word, i) => view.setUint32(4 * i, word, true));
@@ -63,7 +63,7 @@ test('5000 people are decoded without touching a part', () => {
   assert.equal(frame.parts.buffer, buffer, 'parts were copied');
 });
 
-test('people and parts have names', () => {
+test('people and parts have readable names', () => {
   const run = {
     avatars: 2,
     groups: ['visitors', 'staff'],
@@ -87,15 +87,15 @@ test('people and parts have names', () => {
     torso: 'torso',
     _: '_',
   };
-  for (const [name, said] of Object.entries(names)) assert.equal(displayName(name), said);
+  for (const [name, expected] of Object.entries(names)) assert.equal(displayName(name), expected);
 });
 
-test('one of a thing is one', () => {
+test('counted nouns are singular for one', () => {
   assert.deepEqual([0, 1, 2].map((n) => counted(n, 'pair')), ['0 pairs', '1 pair', '2 pairs']);
   assert.deepEqual([1, 1234].map((n) => counted(n, 'person', 'people')), ['1 person', '1\u202f234 people']);
 });
 
-test('varints come back, with their signs', () => {
+test('varints decode with their signs', () => {
   const numbers = [0, -1, 1, 63, -64, 64, 300, -70_000, 2 ** 40];
   const bytes: number[] = [];
   for (const number of numbers) {
@@ -108,14 +108,14 @@ test('varints come back, with their signs', () => {
   assert.throws(() => reader.next(), RangeError);
 });
 
-test('a curve goes through its keys', () => {
+test('a cubic passes through its keys', () => {
   const through = (t: number, keys: number[]): number => cubic(t).reduce((sum, w, i) => sum + w * keys[i], 0);
   assert.equal(through(0, [9, 1, 2, 7]), 1);
   assert.equal(through(1, [9, 1, 2, 7]), 2);
   assert.equal(through(0.5, [0, 1, 2, 3]), 1.5);
 });
 
-test('crowding is what all pairs say', () => {
+test('crowded spheres equal those of all pairs', () => {
   let state = 7;
   const random = (): number => (state = (state * 48271) % 2147483647) / 2147483647;
   const spheres = new Float32Array(4 * 300);
@@ -127,10 +127,10 @@ test('crowding is what all pairs say', () => {
       if (a[3] > 0 && b[3] > 0 && Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) <= a[3] + b[3]) expected[i] = expected[j] = 1;
     }
   assert.deepEqual(crowded(spheres), expected);
-  assert.ok(expected.includes(1) && expected.includes(0), 'the test has both');
+  assert.ok(expected.includes(1) && expected.includes(0), 'the test covers both values');
 });
 
-test('a coarser mesh has fewer triangles inside the same box', () => {
+test('a simplified mesh has fewer triangles in the same box', () => {
   const positions: number[] = [];
   const indices: number[] = [];
   const size = 40;
@@ -148,7 +148,7 @@ test('a coarser mesh has fewer triangles inside the same box', () => {
   for (let i = 2; i < normals.length; i += 3) assert.ok(normals[i] > 0.99);
 });
 
-test('a sleeve is closed, faces outwards and is as wide as the limb', () => {
+test('a sleeve is closed, faces outwards and has the width of the limb', () => {
   const positions: number[] = [];
   for (let z = -10; z <= 10; ++z)
     for (let i = 0; i < 16; ++i) positions.push(0.05 * Math.cos(i), 0.04 * Math.sin(i), 0.02 * z);
@@ -164,7 +164,7 @@ test('a sleeve is closed, faces outwards and is as wide as the limb', () => {
         edges.set(`${a},${b}`, (edges.get(`${a},${b}`) ?? 0) + 1);
       }
     for (const [edge, count] of edges) {
-      assert.equal(count, 1, `edge ${edge} twice the same way`);
+      assert.equal(count, 1, `edge ${edge} occurs twice in the same direction`);
       assert.ok(edges.has(edge.split(',').reverse().join(',')), `edge ${edge} is open`);
     }
     const normals = vertexNormals(mesh);
@@ -179,20 +179,20 @@ test('a sleeve is closed, faces outwards and is as wide as the limb', () => {
   }
 });
 
-test('a part without a corner in the middle is a sleeve all the same', () => {
+test('a part without vertices in the middle becomes a whole sleeve', () => {
   const ends = {positions: Float32Array.of(-1, -1, -5, 1, 1, -5, -1, -1, 5, 1, 1, 5), indices: new Uint32Array()};
   const mesh = sleeve(ends, {centre_m: [0, 0, 0], half_m: [1, 1, 5]}, 5, 4);
   assert.ok(mesh.positions.every((x) => Math.abs(x) < 5.001));
 });
 
-test('a far shadow is two triangles across the longer axes', () => {
+test('a distant shadow has two triangles across the longer axes', () => {
   const mesh = diamond({centre_m: [1, 2, 3], half_m: [0.5, 0.1, 2]});
   const corners = [...mesh.indices].map((i) => [...mesh.positions.subarray(3 * i, 3 * i + 3)]);
   assert.equal(corners.length, 6);
   assert.ok(corners.every(([, y]) => y === 2));
 });
 
-test('charts keep their peaks and have round tops', () => {
+test('charts keep their peaks and have round maxima', () => {
   const values = new Array(1000).fill(1);
   values[637] = 50;
   assert.equal(Math.max(...peaks(values, 90)), 50);

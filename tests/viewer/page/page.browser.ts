@@ -1,4 +1,4 @@
-// The page in a real browser, with the real program behind it: a log, a live run, a file.
+// Tests the page in a real browser with the real program: a log, a live run, a file.
 import assert from 'node:assert/strict';
 import {type ChildProcess, spawn, spawnSync} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
@@ -42,13 +42,13 @@ function start(...args: string[]): ChildProcess {
   return child;
 }
 
-/** The page's policy lets nobody evaluate text later on, so Playwright's waitForFunction cannot poll. */
+/** Polls an expression. The page's policy forbids evaluating text later, as waitForFunction would. */
 async function until(page: Page, expression: string, limit_ms = 60_000): Promise<void> {
   for (const end = Date.now() + limit_ms; !(await page.evaluate(expression)); await page.waitForTimeout(30))
-    assert.ok(Date.now() < end, `within ${limit_ms} ms never: ${expression}`);
+    assert.ok(Date.now() < end, `not true within ${limit_ms} ms: ${expression}`);
 }
 
-/** The program's page; resolves once it listens. */
+/** Starts `throng view`; resolves with its URL once it listens. */
 async function view(...args: string[]): Promise<{child: ChildProcess; url: string}> {
   const child = start('view', ...args);
   const url = await new Promise<string>((found, failed) => {
@@ -69,7 +69,7 @@ function stopped(child: ChildProcess): Promise<void> {
   });
 }
 
-/** A page of its own; whatever goes wrong in it fails the test, and so does an outside address. */
+/** Opens a page; page errors and outside addresses fail the test. */
 async function open(url: string): Promise<{page: Page; addresses: string[]; close: () => Promise<void>}> {
   const page = await browser.newPage({viewport: {width: 800, height: 560}});
   const addresses: string[] = [];
@@ -100,14 +100,14 @@ after(async () => {
   rmSync(folder, {recursive: true, force: true});
 });
 
-test('a log is played, stepped and scrubbed', async () => {
+test('plays, steps and scrubs a log', async () => {
   const {child, url} = await view(log, '--port', '0');
   const {page, addresses, close} = await open(url);
   const first = await state(page);
   assert.equal(first.mode, 'log');
   assert.equal(first.avatars, 40);
   const start = await position(page, 0);
-  const {frame} = await state(page);  // that of the position, or a later one
+  const {frame} = await state(page);  // the frame of the position, or a later one
   await until(page, `window.throng.state().frame > ${frame + 10}`);
   const later = await position(page, 0);
   assert.ok(Math.hypot(later[0] - start[0], later[1] - start[1]) > 0.02, 'person 0 stands still');
@@ -116,10 +116,10 @@ test('a log is played, stepped and scrubbed', async () => {
   await page.waitForTimeout(1000);
   const paused = await state(page);
   await page.waitForTimeout(500);
-  assert.equal((await state(page)).frame, paused.frame, 'paused, and yet it goes on');
+  assert.equal((await state(page)).frame, paused.frame, 'continues although paused');
   const drawn = await pictures(page);
   await page.waitForTimeout(500);
-  assert.equal(await pictures(page), drawn, 'a picture that rests is drawn again');
+  assert.equal(await pictures(page), drawn, 'an unchanged picture is drawn again');
   await page.keyboard.press('ArrowRight');
   await until(page, `window.throng.state().frame === ${paused.frame + 1}`);
   await page.locator('#scrub').fill('150');
@@ -135,7 +135,7 @@ test('a log is played, stepped and scrubbed', async () => {
   await stopped(child);
 });
 
-test('layers are drawn when asked for, and a person tells', async () => {
+test('draws layers on request and describes the selected person', async () => {
   const {child, url} = await view(log, '--port', '0');
   const {page, close} = await open(url);
   await page.keyboard.press('Space');
@@ -156,7 +156,7 @@ test('layers are drawn when asked for, and a person tells', async () => {
       if (at && at[0] > 60 && at[0] < 560 && at[1] > 140 && at[1] < 480) return [id, ...at];
     }
   })()`) as number[];
-  assert.ok(where, 'nobody is in the picture');
+  assert.ok(where, 'no person is in the picture');
   await page.mouse.click(where[1], where[2]);
   await until(page, 'window.throng.state().selected >= 0');
   const {selected, selectedName} = await state(page);
@@ -171,7 +171,7 @@ test('layers are drawn when asked for, and a person tells', async () => {
   await stopped(child);
 });
 
-/** Begins and ends of a log, by `throng export`; a pair as "a b part_a part_b". */
+/** Returns begins and ends of a log from `throng export`; a pair is "a b part_a part_b". */
 function eventsOf(file: string): {begins: Begun[]; ends: Begun[]} {
   const csv = spawnSync(throng, ['export', file, '--csv', 'events'], {maxBuffer: 1 << 28});
   const rows = String(csv.stdout).trim().split('\n').slice(1).map((line) => line.split(','));
@@ -182,7 +182,7 @@ function eventsOf(file: string): {begins: Begun[]; ends: Begun[]} {
   return {begins: of('begin'), ends: of('end')};
 }
 
-/** What the card says in "Touches now": the times, sorted, and the frame that they are of. */
+/** Returns the times under "Contacts now", sorted, and their frame. */
 const since = (page: Page): Promise<[number, string[]]> =>
   page.evaluate(`(() => {
     const times = [...document.querySelectorAll('#cardPairs time')].map((time) => time.textContent);
@@ -200,7 +200,7 @@ function expectedSince(log: {begins: Begun[]; ends: Begun[]}, id: number, frame:
   return [...open.values()].map((begin) => `${((frame - begin) * step_s).toFixed(2)} s`).sort();
 }
 
-test('a contact tells since when it is, at any frame, in every order, served and in a file', async () => {
+test('shows since when a contact lasts at any frame, from the server and in a file', async () => {
   const dense = join(folder, 'dense.lcmlog');
   assert.equal(spawnSync(throng, ['run', 'bottleneck', '--seconds', '4', '--lcm', 'off', '--log', dense]).status, 0);
   const events = eventsOf(dense);
@@ -224,7 +224,7 @@ test('a contact tells since when it is, at any frame, in every order, served and
       assert.deepEqual(times, expectedSince(events, id, frame, 1 / 60), `frame ${frame} of ${address}`);
       compared += times.length;
     };
-    for (let i = 0; i < 20; ++i) await compare();  // as it plays
+    for (let i = 0; i < 20; ++i) await compare();  // while playing
     await page.evaluate('window.throng.source.playback.playing = false');
     for (const frame of [200, 90, touched.frame, 239, touched.frame + 1, 0, 150, 149, 200]) {
       await page.evaluate(`window.throng.source.playback.seek(${frame})`);
@@ -235,7 +235,7 @@ test('a contact tells since when it is, at any frame, in every order, served and
       await compare();
     }
     assert.ok(compared > 5, `${compared} times seen`);
-    // What was before comes, too, though nothing moves any more.
+    // Past contacts arrive also while the picture rests.
     await page.evaluate('window.throng.source.playback.seek(239)');
     const over = new Set(events.ends.filter((end) => end.frame <= 239 && end.pair.split(' ').slice(0, 2).includes(String(id))).map((end) => end.pair));
     if (over.size > 0) await until(page, "document.querySelectorAll('#cardHistory time').length > 0");
@@ -244,16 +244,16 @@ test('a contact tells since when it is, at any frame, in every order, served and
   await stopped(child);
 });
 
-test('a contact from before the log tells before when it began', async () => {
+test('shows an upper bound for a contact from before the log', async () => {
   const [first, rest] = ['first.lcmlog', 'rest.lcmlog'].map((name) => join(folder, name));
   const scene = ['run', 'bottleneck', '--lcm', 'off'];
-  spawnSync(throng, [...scene, '--seconds', '0.5', '--log', first, '--checkpoint', 'c', '--every', '0.5'], {cwd: folder});
+  spawnSync(throng, [...scene, '--seconds', '0.5', '--log', first, '--checkpoint', 'c', '--checkpoint-every', '0.5'], {cwd: folder});
   const run = spawnSync(throng, [...scene, '--seconds', '1', '--log', rest, '--resume', 'c'], {cwd: folder});
   assert.equal(run.status, 0, String(run.stderr));
   const {begins, ends} = eventsOf(first);
   const over = [...ends.filter((end) => end.frame < 30), ...eventsOf(rest).ends.filter((end) => end.frame <= 31)];
   const touching = begins.filter(({pair, frame}) => !over.some((end) => end.pair === pair && end.frame >= frame));
-  assert.ok(touching.length > 0, 'nobody touches when the run is stopped');
+  assert.ok(touching.length > 0, 'no contact when the run is stopped');
   const id = Number(touching[0].pair.split(' ')[0]);
   const html = join(folder, 'rest.html');
   assert.equal(spawnSync(throng, ['view', rest, '--html', html]).status, 0);
@@ -269,7 +269,7 @@ test('a contact from before the log tells before when it began', async () => {
   await stopped(child);
 });
 
-test('what a torn log lacks stands in a banner, served and in a file', async () => {
+test('shows missing parts of a torn log in a banner, from the server and in a file', async () => {
   const torn = join(folder, 'torn.lcmlog');
   const bytes = readFileSync(log);
   writeFileSync(torn, bytes.subarray(0, Math.floor(bytes.length * 0.6)));
@@ -283,7 +283,7 @@ test('what a torn log lacks stands in a banner, served and in a file', async () 
     assert.match(await page.locator('#banner').innerText(), /torn: it ends inside a message after frame \d+ \(\d+\.\d\d s\)/);
     await page.locator('#closeBanner').click();
     await page.waitForTimeout(700);
-    assert.equal(await page.locator('#banner').isVisible(), false, 'it comes back');
+    assert.equal(await page.locator('#banner').isVisible(), false, 'the closed banner returns');
     await close();
   }
   await stopped(child);
@@ -295,12 +295,12 @@ test('what a torn log lacks stands in a banner, served and in a file', async () 
   await stopped(whole.child);
 });
 
-test('a page too many is told so, and opens when there is room', async () => {
+test('reports too many pages, and opens when one is closed', async () => {
   const {child, url} = await view(log, '--port', '0');
   const sockets = `${url.replace('http', 'ws')}ws`;
   const {page: holder, close} = await open(url);
-  await holder.evaluate(`window.held = Array.from({length: 7}, () => new WebSocket('${sockets}'))`);
-  await until(holder, 'window.held.every((socket) => socket.readyState === 1)');
+  await holder.evaluate(`window.sockets = Array.from({length: 7}, () => new WebSocket('${sockets}'))`);
+  await until(holder, 'window.sockets.every((socket) => socket.readyState === 1)');
   const ninth = await browser.newPage({viewport: {width: 800, height: 560}});
   const errors: string[] = [];
   ninth.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
@@ -308,10 +308,10 @@ test('a page too many is told so, and opens when there is room', async () => {
   const notice = ninth.locator('#notice');
   await until(ninth, "document.querySelector('#notice').textContent.includes('8 pages are open')");
   for (let i = 0; i < 30; ++i) {
-    assert.ok(!(await notice.innerText()).includes('lost'), 'told that the connection was lost');
+    assert.ok(!(await notice.innerText()).includes('lost'), 'reports a lost connection');
     await ninth.waitForTimeout(100);
   }
-  await holder.evaluate('window.held[0].close()');
+  await holder.evaluate('window.sockets[0].close()');
   await ninth.locator('#notice button').click();
   await until(ninth, 'window.throng.state().frame >= 0');
   assert.equal(await notice.isVisible(), false);
@@ -321,7 +321,7 @@ test('a page too many is told so, and opens when there is room', async () => {
   await stopped(child);
 });
 
-test('a lost connection is told and mended', async () => {
+test('reports a lost connection and reconnects', async () => {
   const first = await view(log, '--port', '0');
   const {page, close} = await open(first.url);
   await stopped(first.child);
@@ -334,8 +334,8 @@ test('a lost connection is told and mended', async () => {
   await stopped(second.child);
 });
 
-test('a run that comes over LCM is shown, and people move', async (t) => {
-  if (process.env.NO_MULTICAST) return t.skip('multicast has no route, and no network of our own can be made');
+test('shows a run over LCM with moving people', async (t) => {
+  if (process.env.NO_MULTICAST) return t.skip('no multicast route, and no separate network namespace');
   const lcm = `udpm://239.255.76.67:${20_000 + (process.pid % 20_000)}?ttl=0&recv_buf_size=2097152`;
   const {child, url} = await view('--lcm', lcm, '--port', '0');
   const page = await browser.newPage({viewport: {width: 800, height: 560}});
@@ -343,7 +343,7 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
   await until(page, "document.querySelector('#notice').textContent.includes('Waiting')");
   const hint = await page.locator('#notice').innerText();
   assert.ok(hint.includes(`listening to ${lcm}`) && hint.includes(`--lcm '${lcm}'`), hint);
-  // LCM's own player sends the log, slowly: the first picture of a busy machine takes seconds.
+  // LCM's own player sends the log slowly: the first picture of a busy machine takes seconds.
   const run = spawn('lcm-logplayer', [`--lcm-url=${lcm}`, `--speed=0.3`, log], {stdio: 'ignore'});
   children.push(run);
   await until(page, 'window.throng.state().frame >= 0');
@@ -352,9 +352,9 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
   const before = await position(page, 3);
   const {frame} = await state(page);
   await until(page, `window.throng.state().frame > ${frame + 30}`);
-  assert.notDeepEqual(await position(page, 3), before, 'nobody moves');
-  const told: string = await page.locator('#liveClock').innerText();
-  assert.match(told, /^0:0[0-4]\.\d\d$/);
+  assert.notDeepEqual(await position(page, 3), before, 'no person moves');
+  const shown: string = await page.locator('#liveClock').innerText();
+  assert.match(shown, /^0:0[0-4]\.\d\d$/);
   await until(page, 'window.throng.state().isEnded');
   const late = await open(url);
   for (const one of [page, late.page]) {
@@ -363,17 +363,17 @@ test('a run that comes over LCM is shown, and people move', async (t) => {
     assert.match(await one.locator('#notice').innerText(), /last frame is at 0:03\.98/);
     assert.equal(await one.locator('#mode').innerText(), 'FINISHED');
     await one.waitForTimeout(3000);
-    assert.ok(await one.locator('#notice').isVisible(), 'forgotten');
+    assert.ok(await one.locator('#notice').isVisible(), 'the notice disappears');
   }
   const touching = await pairs(page);
-  assert.equal(await pairs(late.page), touching, 'the last picture differs');
+  assert.equal(await pairs(late.page), touching, 'the last frames differ');
   await late.close();
   await page.close();
   await stopped(run);
   await stopped(child);
 });
 
-test('one file holds the page and the run, and shows the same people', async () => {
+test('shows the same people from one file', async () => {
   const html = join(folder, 'plaza.html');
   const made = spawnSync(throng, ['view', log, '--html', html]);
   assert.equal(made.status, 0, String(made.stderr));
@@ -387,13 +387,13 @@ test('one file holds the page and the run, and shows the same people', async () 
       await one.evaluate(`(() => { const p = window.throng; p.source.playback.playing = false; p.source.playback.seek(${frame}); })()`);
       await until(one, `window.throng.state().frame === ${frame}`);
     }
-    // Everybody's every part, in metres: keys and the moments between them.
-    const ask = 'window.throng.partPositions()';
-    const [ours, theirs] = (await Promise.all([page.evaluate(ask), server.page.evaluate(ask)])) as number[][];
-    assert.equal(ours.length, theirs.length);
-    assert.ok(ours.length > 40 * 15);
+    // All part positions in metres, at keys and between them.
+    const expression = 'window.throng.partPositions()';
+    const [fromFile, fromServer] = (await Promise.all([page.evaluate(expression), server.page.evaluate(expression)])) as number[][];
+    assert.equal(fromFile.length, fromServer.length);
+    assert.ok(fromFile.length > 40 * 15);
     let worst = 0;
-    for (let i = 0; i < ours.length; ++i) worst = Math.max(worst, Math.abs(ours[i] - theirs[i]));
+    for (let i = 0; i < fromFile.length; ++i) worst = Math.max(worst, Math.abs(fromFile[i] - fromServer[i]));
     assert.ok(worst < 0.06, `frame ${frame}: a part is off by ${worst} m`);
   }
   await server.close();

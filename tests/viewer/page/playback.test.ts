@@ -1,4 +1,4 @@
-// The clock of a recorded run.
+// Tests the clock of a recorded run.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {clock, lasted, Playback, since, SPEEDS} from '../../../viewer/page/src/playback.ts';
@@ -9,14 +9,14 @@ function tenSeconds(): Playback {
   return playback;
 }
 
-test('a second of watching is a second of the run', () => {
+test('a second of viewing plays a second of the run', () => {
   const playback = tenSeconds();
   for (let i = 0; i < 50; ++i) playback.advance(0.02);
   assert.equal(Math.round(playback.position), 60);
   assert.equal(playback.time_s.toFixed(1), '1.0');
 });
 
-test('speed multiplies, within its list', () => {
+test('changes the speed within its list', () => {
   const playback = tenSeconds();
   playback.change(1);
   assert.equal(playback.speed, 2);
@@ -28,7 +28,7 @@ test('speed multiplies, within its list', () => {
   assert.equal(playback.speed, SPEEDS.at(-1));
 });
 
-test('it stops at the end, and plays from the beginning again', () => {
+test('stops at the end and restarts from the beginning', () => {
   const playback = tenSeconds();
   playback.seek(598);
   playback.advance(0.2);
@@ -39,7 +39,7 @@ test('it stops at the end, and plays from the beginning again', () => {
   assert.equal(playback.playing, true);
 });
 
-test('while a log is still being read, its end so far is no end', () => {
+test('continues at the end known so far while the log is read', () => {
   const playback = tenSeconds();
   playback.seek(599);
   playback.advance(0.2, false);
@@ -49,7 +49,7 @@ test('while a log is still being read, its end so far is no end', () => {
   assert.ok(playback.frame > 600);
 });
 
-test('a step pauses and stays inside', () => {
+test('a step pauses and stays within the run', () => {
   const playback = tenSeconds();
   playback.step(1);
   assert.deepEqual([playback.frame, playback.playing], [1, false]);
@@ -59,18 +59,18 @@ test('a step pauses and stays inside', () => {
   assert.equal(playback.frame, 599);
 });
 
-test('a tab that slept goes on where it was', () => {
+test('a suspended tab continues where it was', () => {
   const playback = tenSeconds();
   playback.advance(3600);
   assert.ok(playback.frame <= 15, `jumped to frame ${playback.frame}`);
 });
 
-test('times read like times', () => {
+test('formats times', () => {
   assert.equal(clock(0), '0:00.00');
   assert.equal(clock(62.5), '1:02.50');
 });
 
-test('a contact tells since when, or before when', () => {
+test('formats since when a contact lasts', () => {
   assert.equal(since(30, 30, 1 / 60), '0.00 s');
   assert.equal(since(30, 93, 1 / 60), '1.05 s');
   assert.equal(since(~634, 700, 1 / 60), 'before 10.57 s');

@@ -1,5 +1,5 @@
-// The geometry of a model: all its parts in one mesh, each vertex knowing its part.
-// One rule: one draw call a model and level of detail, however many people there are.
+// Geometry of a model: all parts in one mesh, each vertex with its part.
+// Invariant: one draw call per model and level of detail, for any number of people.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -13,7 +13,7 @@ import {slotOf} from './theme.ts';
 
 const HAIR = 3;
 
-/** How a part is drawn at each level of detail, finest first. */
+/** The shape of a part at each level of detail, finest first. */
 const LEVELS: ((part: Part) => Mesh)[] = [
   (part) => part.mesh,
   (part) => simplified(part.mesh, 0.028),
@@ -49,12 +49,12 @@ function append(out: Merged, mesh: Mesh, part: Part, index: number): void {
   for (const i of mesh.indices) out.indices.push(base + i);
 }
 
-/** A model at every level of detail. */
+/** Returns a model's geometry at every level of detail. */
 export function bodyGeometries(model: Model): InstancedBufferGeometry[] {
   return LEVELS.map((shape) => merged(model, shape));
 }
 
-/** What casts the shadows of those who are far away. */
+/** Returns the geometry that casts the shadows of distant people. */
 export function shadowGeometry(model: Model): InstancedBufferGeometry {
   return merged(model, (part) => diamond(part.box));
 }
@@ -70,7 +70,7 @@ function merged(model: Model, shape: (part: Part) => Mesh): InstancedBufferGeome
   return geometry;
 }
 
-/** The same vertices for another list of people. */
+/** Returns a geometry that shares vertices with `shape`, for another list of people. */
 export function sharing(shape: InstancedBufferGeometry): InstancedBufferGeometry {
   const geometry = new InstancedBufferGeometry();
   for (const name of ['position', 'normal', 'partSlot']) geometry.setAttribute(name, shape.getAttribute(name));
@@ -78,7 +78,6 @@ export function sharing(shape: InstancedBufferGeometry): InstancedBufferGeometry
   return geometry;
 }
 
-/** The lines of all or-DOPs of a model. */
 export function hullGeometry(model: Model): InstancedBufferGeometry {
   const positions: number[] = [];
   const parts: number[] = [];
@@ -96,7 +95,7 @@ export function hullGeometry(model: Model): InstancedBufferGeometry {
   return geometry;
 }
 
-/** The twelve edges of a box for each part; the card turns them into the box along the world's axes. */
+/** Returns the twelve edges of each part's box; the graphics card turns them into world-aligned boxes. */
 export function boxGeometry(model: Model): InstancedBufferGeometry {
   const corners: number[] = [];
   const centres: number[] = [];
@@ -122,7 +121,7 @@ export function boxGeometry(model: Model): InstancedBufferGeometry {
   return geometry;
 }
 
-/** A list of people to draw, shared by the geometries that draw them. */
+/** Instances is a list of people to draw, shared by several geometries. */
 export class Instances {
   count = 0;
   readonly attribute: InstancedBufferAttribute;
@@ -156,7 +155,7 @@ export class Instances {
   }
 }
 
-/** A mesh of its own, for obstacles. Flat faces stay flat: corners are not shared. */
+/** Returns the mesh of an obstacle. Corners are not shared, which keeps flat faces flat. */
 export function solidGeometry(mesh: Mesh): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(mesh.positions, 3));

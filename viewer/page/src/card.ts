@@ -1,14 +1,13 @@
-// What is known of the person who was clicked.
-// One rule: names what the frame says now and since when, and asks the source for what was before.
+// Card shows the selected person: its present contacts from the frame, past ones from the source.
 import {el, make, setText} from './dom.ts';
 import {lasted, since} from './playback.ts';
 import {nameOf, pairsOf, partNameOf, personOf, type Frame, type Pair, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
 
-/** began, end or -1, a, b, part_a, part_b: a pair that was. */
+/** A past contact: began, end or -1, a, b, part_a, part_b. */
 export type PastContact = [number, number, number, number, number, number];
 
-/** So many contacts of before are listed. */
+/** Maximum number of past contacts in the list. */
 const MAX_ROWS = 14;
 
 export class Card {
@@ -54,7 +53,7 @@ export class Card {
     const now = pairsOf(frame, this.id);
     const times = now.map((pair) => since(pair.began, frame.number, run.step_s));
     const before = this.past.filter(([, end]) => end >= 0 && end <= frame.number).slice(0, MAX_ROWS);
-    // Lists are rebuilt only when they name something else; times go on in their places.
+    // The lists are rebuilt only when their pairs change; otherwise only the times are updated.
     const state = JSON.stringify([now, before]);
     if (state !== this.drawn) {
       this.drawn = state;

@@ -1,5 +1,5 @@
-// A line over time, small: pairs that touch, or milliseconds a frame.
-// One rule: draws what it is given; a peak never falls between two pixels.
+// Chart draws a small line over time: touching pairs, or milliseconds per frame.
+// Invariant: a peak never falls between two pixels.
 
 export interface ChartStyle {
   line: string;
@@ -8,7 +8,7 @@ export interface ChartStyle {
   cursor: string;
 }
 
-/** The largest value of each of `columns` slices. */
+/** Returns the largest value of each of `columns` slices. */
 export function peaks(values: ArrayLike<number>, columns: number): number[] {
   const out: number[] = [];
   for (let c = 0; c < columns; ++c) {
@@ -21,7 +21,7 @@ export function peaks(values: ArrayLike<number>, columns: number): number[] {
   return out;
 }
 
-/** 1, 2 or 5 times a power of ten, at or above a value. */
+/** Rounds up to 1, 2 or 5 times a power of ten. */
 export function roundUp(value: number): number {
   if (value <= 0) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
@@ -33,11 +33,11 @@ export class Chart {
   private readonly context: CanvasRenderingContext2D;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    // Drawn by the processor: the graphics card has its hands full, and a chart is not to wait for it.
+    // Drawn by the processor: a chart must not wait for a busy graphics card.
     this.context = canvas.getContext('2d', {willReadFrequently: true})!;
   }
 
-  /** `label`: of a value; `cursor`: 0 to 1 along the time axis, or -1. */
+  /** `label`: formats a value; `cursor`: 0 to 1 along the time axis, or -1. */
   draw(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
     const ratio = window.devicePixelRatio || 1;
     const width = this.canvas.clientWidth;

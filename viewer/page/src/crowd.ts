@@ -1,5 +1,5 @@
-// Draws the people of a run: bodies by distance, shadows, spheres, or-DOPs, boxes.
-// One rule: a frame costs two texture copies; who is drawn how is decided by distance alone.
+// Crowd draws the people of a run: bodies by distance, shadows, spheres, or-DOPs and boxes.
+// Invariant: a frame costs two texture copies; the distance alone decides the level of detail.
 import {
   Camera,
   Color,
@@ -43,11 +43,11 @@ export type Layer = (typeof LAYERS)[number];
 
 type Uniforms = Record<string, {value: unknown}>;
 
-/** How far from the eye each level of detail is of use at most, metres; the last one has no end. */
+/** Maximum useful distance of each level of detail from the eye, in metres; the last one has no limit. */
 const USEFUL_M = [9, 25, 60, 120];
 const BIN_M = 0.5;
 const TINT = 0.24;
-/** Up to here shadows are those of the mesh of LEVEL_OF_SHADOWS: nobody counts a shadow's fingers. */
+/** Up to this level the shadow is that of the mesh; beyond it, that of the coarse SHADOW_LEVEL. */
 const MAX_LEVEL_WITH_MESH_SHADOWS = 1;
 const SHADOW_LEVEL = 3;
 
@@ -61,7 +61,7 @@ function texelMap(texels: number): DataTexture {
   return map;
 }
 
-/** Shadows must not add up where they overlap: the first one on a pixel counts. */
+/** Only the first shadow on a pixel counts: overlapping shadows must not add up. */
 export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
   material.stencilWrite = true;
   material.stencilFunc = EqualStencilFunc;
@@ -78,7 +78,7 @@ interface ModelDraws {
 
 export class Crowd {
   readonly group = new Group();
-  /** Triangles of bodies a picture, about; follows the speed of the machine. */
+  /** Approximate limit of body triangles per picture; adapts to the speed of the machine. */
   budget = 300_000;
   private readonly people: DataTexture;
   private readonly parts: DataTexture;
@@ -179,7 +179,6 @@ export class Crowd {
     (this.own.uCalm.value as Color).set(color);
   }
 
-  /** The frame's texels as they came. */
   take(frame: Frame): void {
     (this.people.image.data as unknown as Uint32Array).set(frame.people);
     (this.parts.image.data as unknown as Uint32Array).set(frame.parts);
@@ -187,7 +186,7 @@ export class Crowd {
     this.parts.needsUpdate = true;
   }
 
-  /** Gives everybody in the picture a level of detail: the nearer the finer, within the budget. */
+  /** Assigns a level of detail to each visible person: the nearer the finer, within the budget. */
   arrange(frame: Frame, camera: Camera, triangles: number): void {
     this.frustum.setFromProjectionMatrix(
       new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
@@ -218,7 +217,7 @@ export class Crowd {
       if ((frame.people[word + 3] & 1) === 0) continue;
       const reach = this.run.models[this.run.modelOfAvatar[id]].sphere.radius_m * this.run.scaleOfAvatar[id];
       this.sphere.center.set(at[word], at[word + 1], at[word + 2] + 0.5 * reach);
-      // A long shadow may reach into the picture where its person does not.
+      // The shadow may be in the picture while its person is not.
       this.sphere.radius = 2.2 * reach;
       if (!this.frustum.intersectsSphere(this.sphere)) continue;
       const away = this.sphere.center.distanceTo(camera.position);
@@ -229,7 +228,7 @@ export class Crowd {
     }
   }
 
-  /** The level of detail of each ring around the eye: what is of use, drawn nearer until the budget holds. */
+  /** Returns the level of detail of each ring around the eye; rings shrink until the budget holds. */
   private levelsByBin(budget: number): Uint8Array {
     let [low, high] = [0, 1];
     if (this.fillLevels(high) <= budget) return this.levels;
@@ -242,7 +241,7 @@ export class Crowd {
     return this.levels;
   }
 
-  /** Levels with all useful distances times `nearer`; returns the triangles that they cost. */
+  /** Fills the levels with all useful distances scaled by `nearer`; returns their triangle count. */
   private fillLevels(nearer: number): number {
     const {triangles} = this.draws[0];
     let level = 0;

@@ -1,4 +1,4 @@
-// Small helpers around the document, and the notices of the page. Text is set as text, never as markup.
+// Helpers for the document and the notices of the page. Text is set as text, never as markup.
 
 export function el<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -19,7 +19,7 @@ export function make(tag: string, attributes: Record<string, string> = {}, ...ch
   return element;
 }
 
-/** Rows of keys, for the help. */
+/** Returns a row of the help: keys and their action. */
 export function keyRow(keys: string[], about: string): HTMLElement {
   const cell = make('td');
   keys.forEach((key, i) => {
@@ -33,20 +33,20 @@ export function thousands(value: number): string {
   return Math.round(value).toLocaleString('en').replaceAll(',', '\u202f');
 }
 
-/** "1 pair", "2 pairs": a number with its noun. */
+/** Returns a number with its noun: "1 pair", "2 pairs". */
 export function counted(value: number, noun: string, plural = `${noun}s`): string {
   return `${thousands(value)} ${nounOf(value, noun, plural)}`;
 }
 
-/** The noun alone, where the number stands elsewhere. */
+/** Returns the noun alone, where the number stands elsewhere. */
 export function nounOf(value: number, noun: string, plural = `${noun}s`): string {
   return Math.round(value) === 1 ? noun : plural;
 }
 
-// Notices say what the page waits for, what went wrong, and what of a recorded run is missing.
-// Invariant: what is said again is not shown again, so that a screen reader hears it once.
+// Notices report waiting, errors and missing parts of a run.
+// Invariant: a repeated notice is not shown again; a screen reader reads it once.
 
-/** In the middle of the page, or at its top while it shows a run; an empty title takes it away. */
+/** Shows a notice in the middle, or at the top while the page shows a run; an empty title hides it. */
 export function showNotice(title: string, detail: string, isOverRun: boolean, retry?: () => void): void {
   const box = el('notice');
   const text = `${title}\n${detail}`;
@@ -61,7 +61,7 @@ export function showNotice(title: string, detail: string, isOverRun: boolean, re
   box.append(button);
 }
 
-/** A banner that stays until it is closed. */
+/** Shows a banner that stays until it is closed. */
 export function showProblem(problem: string): void {
   if (el('problem').textContent === problem) return;
   setText(el('problem'), problem);

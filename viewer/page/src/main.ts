@@ -1,5 +1,4 @@
-// The page: what is shown, what is asked for, keys and buttons.
-// One rule: works the same on a live run, a log and a recording; only the timeline differs.
+// Page connects source, stage, panel and input. Live runs, logs and recordings differ in the timeline only.
 import {Raycaster, Vector2} from 'three';
 import {Card} from './card.ts';
 import {Chart, type ChartStyle} from './chart.ts';
@@ -24,22 +23,22 @@ const LAYER_ROWS: [Layer, string, string, boolean][] = [
 
 const KEYS: [string[], string][] = [
   [['Space'], 'play or pause; hold a live picture'],
-  [['←', '→'], 'a frame back or on; with Shift a second'],
+  [['←', '→'], 'one frame back or forward; with Shift, one second'],
   [['↑', '↓'], 'faster or slower'],
   [['Home', 'End'], 'to the first or last frame'],
   [['1', '…', '6'], 'layers'],
-  [['F'], 'follow the chosen person'],
+  [['F'], 'follow the selected person'],
   [['R'], 'the whole scene'],
   [['L'], 'layers and charts'],
   [['T'], 'light or dark'],
-  [['Esc'], 'let go of the person'],
+  [['Esc'], 'clear the selection'],
 ];
 
 const HISTORY_MS = 700;
 const PANEL_MS = 120;
 const FPS_MS = 500;
 
-/** As the style sheet has it. */
+/** Same width as in the style sheet. */
 const isNarrow = (): boolean => innerWidth <= 720;
 
 class Page {
@@ -114,7 +113,7 @@ class Page {
     }
   }
 
-  // What comes
+  // Incoming data
 
   private setRun(run: Run): void {
     const isNew = this.run?.run_id !== run.run_id;
@@ -155,7 +154,7 @@ class Page {
     el('mode').classList.toggle('stale', mode === 'live' && !isEnded && isStale);
   }
 
-  // The loop
+  // Animation loop
 
   private tick(now: number): void {
     const dt_ms = this.lastTick ? now - this.lastTick : 16;
@@ -173,7 +172,7 @@ class Page {
     requestAnimationFrame((next) => this.tick(next));
   }
 
-  /** A picture that does not change is not drawn again, and then there is no rate to tell. */
+  /** An unchanged picture is not drawn again; without drawing there is no frame rate to show. */
   private countPictures(now: number): void {
     if (now - this.fpsAt < FPS_MS) return;
     this.fps = (1000 * this.pictures) / (now - this.fpsAt);
@@ -203,7 +202,7 @@ class Page {
     this.updateFacts(frame, run);
   }
 
-  /** Of every frame that rests on the screen, and now and then while it plays. */
+  /** Requests the history of each frame that rests on the screen, and regularly while playing. */
   private requestHistory(now: number, frame: Frame, source: Source): void {
     const requested = `${this.card.id} ${frame.number}`;
     if (this.card.id < 0 || requested === this.historyOf) return;
@@ -226,7 +225,7 @@ class Page {
       `${counted(run.firstPart[run.avatars], 'body part')}, ${run.part_volume}${run.exact ? ', exact' : ''}`,
       `${counted(triangles, 'triangle')} in ${counted(calls, 'call')}`,
     ];
-    if (frame.build_ms > 0) lines.push(`server ${frame.build_ms.toFixed(1)} ms a frame`);
+    if (frame.build_ms > 0) lines.push(`server ${frame.build_ms.toFixed(1)} ms per frame`);
     if (this.source instanceof ServerSource) lines.push(`page ${this.source.decode_ms.toFixed(2)} ms to decode`);
     setText(el('facts'), lines.join('\n'));
   }
@@ -275,7 +274,7 @@ class Page {
     });
   }
 
-  /** Levels that this run does not know are left out. */
+  /** Hides levels that do not occur in this run. */
   private updateLegend(frame: Frame): void {
     const counts = [frame.crowded, 0, 0, 0, 0];
     for (let i = 0; i < frame.pairs; ++i) ++counts[pairAt(frame, i).level + 1];
@@ -322,7 +321,7 @@ class Page {
   private togglePaused(): void {
     this.paused = !this.paused;
     el('livePause').setAttribute('aria-pressed', String(this.paused));
-    setText(el('livePause'), this.paused ? '▶ Go on' : '❚❚ Hold');
+    setText(el('livePause'), this.paused ? '▶ Resume' : '❚❚ Hold');
   }
 
   // People
@@ -377,7 +376,7 @@ class Page {
     this.stage.approach(personOf(this.frame, id).position_m, height_m);
   }
 
-  // The rest
+  // Theme, panel and keys
 
   private get theme(): ThemeName {
     return document.documentElement.dataset.theme === 'dark' ? 'dark' : 'light';
@@ -391,7 +390,7 @@ class Page {
   private togglePanel(open = el('panel').classList.contains('closed')): void {
     el('panel').classList.toggle('closed', !open);
     el('panelButton').setAttribute('aria-expanded', String(open));
-    // On a phone there is room for the panel or for the card.
+    // On a phone the panel covers the card.
     el('card').classList.toggle('covered', open && isNarrow());
   }
 
@@ -431,7 +430,7 @@ class Page {
     action();
   }
 
-  /** For tests and scripts: what the page shows now. */
+  /** Returns the present state of the page, for tests and scripts. */
   state(): object {
     const {run, frame, source} = this;
     return {
@@ -453,7 +452,7 @@ class Page {
     };
   }
 
-  /** Where a person's chest is on the screen, in pixels; null outside the picture. */
+  /** Returns the pixel position of a person's chest; null outside the picture. */
   screenPosition(id: number): [number, number] | null {
     if (!this.frame || !this.run) return null;
     const [x, y, z] = personOf(this.frame, id).position_m;
@@ -461,7 +460,7 @@ class Page {
     return Math.abs(p[0]) < 1 && Math.abs(p[1]) < 1 ? [((p[0] + 1) / 2) * innerWidth, ((1 - p[1]) / 2) * innerHeight] : null;
   }
 
-  /** x, y, z of every part of everybody, in the world. */
+  /** Returns x, y, z of every part of every person, in world coordinates. */
   partPositions(): number[] {
     const {run, frame} = this;
     if (!run || !frame) return [];

@@ -1,5 +1,4 @@
-// The person under the pointer: the ray against the turned boxes of body parts.
-// One rule: asked once a click; nothing of it runs in a frame.
+// pick() finds the person under the pointer: the ray against the oriented boxes of body parts.
 import {Quaternion, Ray, Sphere, Vector3} from 'three';
 import type {Frame, Run} from './protocol.ts';
 
@@ -11,7 +10,7 @@ export interface PartPose {
   rotation: Quaternion;
 }
 
-/** The pose of a part in the world, read from the frame's texels. */
+/** Returns the world pose of a part, read from the frame's texels. */
 export function poseOf(run: Run, frame: Frame, avatar: number, part: number): PartPose {
   const at = 4 * (run.firstPart[avatar] + part);
   const [x, y, z, w] = [frame.parts[at], frame.parts[at + 1], frame.parts[at + 2], frame.parts[at + 3]];
@@ -23,7 +22,7 @@ export function poseOf(run: Run, frame: Frame, avatar: number, part: number): Pa
   return {origin, rotation: new Quaternion(low(z), high(z), low(w), high(w)).normalize()};
 }
 
-/** How far along the ray it enters a box around the origin, or Infinity. */
+/** Returns the distance along the ray to a box around the origin, or Infinity. */
 export function entersBox(origin: Vector3, direction: Vector3, half: Vector3): number {
   let first = 0;
   let last = Infinity;
@@ -37,7 +36,7 @@ export function entersBox(origin: Vector3, direction: Vector3, half: Vector3): n
   return first <= last ? first : Infinity;
 }
 
-/** The nearest person whom the ray hits, or -1. `slack_m` widens parts, for fingers. */
+/** Returns the nearest person that the ray hits, or -1. `slack_m` widens parts for touch input. */
 export function pick(run: Run, frame: Frame, ray: Ray, slack_m: number): number {
   let best = -1;
   let nearest = Infinity;

@@ -1,23 +1,22 @@
-// The clock of a recorded run: where it stands, how fast it goes.
-// One rule: knows frames and seconds, no page and no server.
+// Playback is the clock of a recorded run: its position and speed.
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 
 export class Playback {
-  /** In frames, with a fraction; the frame to show is the whole part. */
+  /** In frames, with a fraction; the whole part is the frame to show. */
   position = 0;
   playing = true;
   speed = 1;
-  /** Frames known so far; the last one is frames - 1. */
+  /** Number of frames known so far. */
   frames = 0;
   first = 0;
 
   constructor(public step_s: number) {}
 
-  /** Goes on by `dt_s` of the viewer's time; stops at the last frame once all are known. */
+  /** Advances by `dt_s` of the viewer's time; stops at the last frame if all are known. */
   advance(dt_s: number, complete = true): void {
     if (!this.playing || this.frames === 0) return;
-    // A tab that slept goes on where it was.
+    // A tab that was suspended continues where it was.
     this.position += (Math.min(dt_s, 0.25) * this.speed) / this.step_s;
     if (this.position >= this.last) {
       this.position = this.last;
@@ -46,32 +45,32 @@ export class Playback {
     this.seek(this.frame + frames);
   }
 
-  /** From the end it plays from the beginning. */
+  /** Plays or pauses; at the end it plays from the beginning. */
   toggle(): void {
     if (!this.playing && this.position >= this.last) this.position = this.first;
     this.playing = !this.playing;
   }
 
-  /** To the next speed of SPEEDS, up (1) or down (-1). */
+  /** Moves to the next speed of SPEEDS, up (1) or down (-1). */
   change(direction: number): void {
     const at = SPEEDS.indexOf(this.speed);
     this.speed = SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, at + direction))];
   }
 }
 
-/** "1:02.35" */
+/** Formats a time: "1:02.35". */
 export function clock(time_s: number): string {
   const minutes = Math.floor(time_s / 60);
   const seconds = (time_s - minutes * 60).toFixed(2).padStart(5, '0');
   return `${minutes}:${seconds}`;
 }
 
-/** How long a pair has touched at a frame; `began` as in Pair. */
+/** Formats the duration of a contact up to a frame; `began` as in Pair. */
 export function since(began: number, frame: number, step_s: number): string {
   return began >= 0 ? seconds((frame - began) * step_s) : `before ${seconds(~began * step_s)}`;
 }
 
-/** How long a contact took that ended in frame `end`. */
+/** Formats the duration of a contact that ended in frame `end`. */
 export function lasted(began: number, end: number, step_s: number): string {
   return began >= 0 ? seconds((end - began) * step_s) : `over ${seconds((end - ~began) * step_s)}`;
 }

@@ -1,5 +1,5 @@
-// The binary messages of the server, as typed arrays over the bytes that came.
-// One rule: nothing of a frame is copied or converted here; a frame goes to the graphics card as is.
+// Decodes the binary messages of the server into typed arrays over the received bytes.
+// Invariant: frame data is neither copied nor converted; it goes to the graphics card unchanged.
 
 const RUN_MESSAGE = 0x31525454;
 const FRAME_MESSAGE = 0x31465454;
@@ -9,7 +9,7 @@ export const AVATAR_WORDS = 4;
 export const PART_WORDS = 4;
 export const PAIR_WORDS = 4;
 
-/** The part index of a pair of whole bodies that was not refined to parts. */
+/** Part index of a pair of whole bodies that was not refined to parts. */
 export const WHOLE_BODY = 255;
 
 export type Vec3 = [number, number, number];
@@ -93,9 +93,9 @@ export interface Frame {
   lost: number;
   avatars: number;
   pairs: number;
-  people: Uint32Array; // a texel a person: x, y, z as floats, then flags, mark and speed
+  people: Uint32Array; // one texel per person: x, y, z as floats, then flags, mark and speed
   positions: Float32Array; // the same bytes
-  parts: Uint32Array; // a texel a part
+  parts: Uint32Array; // one texel per part
   pairWords: Uint32Array; // a, b, part_a | part_b << 8 | level << 16, then the frame of the begin
 }
 
@@ -114,14 +114,14 @@ function meshAt(place: MeshPlace, buffer: ArrayBuffer, base: number): Mesh {
   return {positions, indices: new Uint32Array(buffer, base + place.indices, place.index_count)};
 }
 
-/** The kind of a binary message, or '' if it is none of ours. */
+/** Returns the kind of a binary message; '' for unknown ones. */
 export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | '' {
   if (buffer.byteLength < 8) return '';
   const kind = new DataView(buffer).getUint32(0, true);
   return kind === RUN_MESSAGE ? 'run' : kind === FRAME_MESSAGE ? 'frame' : '';
 }
 
-/** Throws a RangeError or SyntaxError where the bytes are no run message. */
+/** Throws a RangeError or SyntaxError if the bytes are no run message. */
 export function decodeRun(buffer: ArrayBuffer): Run {
   if (kindOf(buffer) !== 'run') throw new RangeError('not a run message');
   const textBytes = new DataView(buffer).getUint32(4, true);
@@ -146,7 +146,7 @@ export function decodeRun(buffer: ArrayBuffer): Run {
   return run;
 }
 
-/** Views into `buffer`; throws a RangeError where its length is not what its head says. */
+/** Returns views into `buffer`; throws a RangeError if its length contradicts its head. */
 export function decodeFrame(buffer: ArrayBuffer): Frame {
   if (kindOf(buffer) !== 'frame') throw new RangeError('not a frame message');
   const head = new DataView(buffer, 0, HEAD_BYTES);
@@ -155,7 +155,7 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
   const pairs = head.getUint32(12, true);
   const partsAt = HEAD_BYTES + avatars * 16;
   const pairsAt = partsAt + parts * 16;
-  if (pairsAt + pairs * 4 * PAIR_WORDS !== buffer.byteLength) throw new RangeError('a frame of another length');
+  if (pairsAt + pairs * 4 * PAIR_WORDS !== buffer.byteLength) throw new RangeError('frame message has a wrong length');
   return {
     number: head.getFloat64(16, true),
     time_s: head.getFloat64(24, true),
@@ -200,7 +200,7 @@ export interface Pair {
   partA: number;
   partB: number;
   level: number;
-  /** The frame in which it began to touch; ~f where all that is known is that it was before frame f. */
+  /** The frame in which the contact began; ~f if it is only known to be before frame f. */
   began: number;
 }
 
@@ -217,7 +217,7 @@ export function pairAt(frame: Frame, index: number): Pair {
   };
 }
 
-/** The pairs of a body; pairs are sorted by a, then b. */
+/** Returns the pairs of a body; pairs are sorted by a, then b. */
 export function pairsOf(frame: Frame, id: number): Pair[] {
   const found: Pair[] = [];
   const words = frame.pairWords;
@@ -226,7 +226,7 @@ export function pairsOf(frame: Frame, id: number): Pair[] {
   return found;
 }
 
-/** "leftHand" is "left hand": as display_name() of base/text.h has it. */
+/** Splits a name into words: "leftHand" becomes "left hand". Equals display_name() of base/text.h. */
 export function displayName(name: string): string {
   const words = name
     .replace(/([a-z0-9])([A-Z])/g, '$1 $2')

@@ -1,19 +1,18 @@
-// A recorded run inside the page: keys ten times a second, rebuilt to a frame at any moment.
-// What comes out is a frame like one of the server's, so that nothing else of the page knows the difference.
+// Replay decodes a recording inside the page and rebuilds a frame at any time from ten keys per second.
+// Invariant: its frames have the form of the server's frames; the rest of the page sees no difference.
 import {decodeRun, PAIR_WORDS, type Frame, type Joint, type Model, type Run} from './protocol.ts';
 
-// Forward kinematics of one person, for recorded runs: joint values to part poses.
-// The same tree and the same conventions as the server's; poses leave packed like its.
+// Forward kinematics of one person: joint positions to part poses, with the conventions of the server.
 
 interface Posture {
-  columns: Float64Array; // joint values that move by themselves
-  values: Float64Array; // scratch: of every joint
-  links: Float64Array; // scratch: x, y, z, qx, qy, qz, qw of every link, root first
+  columns: Float64Array; // positions of the independent joints
+  values: Float64Array; // scratch: positions of all joints
+  links: Float64Array; // scratch: x, y, z, qx, qy, qz, qw of all links, root first
 }
 
 const UNIT = 32767;
 
-/** a * b of quaternions x, y, z, w at offsets. */
+/** Quaternion product a * b, each x, y, z, w at an offset. */
 function multiply(out: Float64Array, o: number, a: ArrayLike<number>, i: number, b: ArrayLike<number>, j: number): void {
   const [ax, ay, az, aw] = [a[i], a[i + 1], a[i + 2], a[i + 3]];
   const [bx, by, bz, bw] = [b[j], b[j + 1], b[j + 2], b[j + 3]];
@@ -38,8 +37,8 @@ const turn = new Float64Array(4);
 const origin = new Float64Array(4);
 
 /**
- * Poses of the parts relative to the root's position, in world axes, translations scaled; written
- * as eight int16 a part from out[at] on: x, y, z in steps of the model, a mark of 0, and the
+ * Computes part poses relative to the root position, in world axes, with scaled translations.
+ * Writes eight int16 per part to out[at] and following: x, y, z in steps of the model, a mark of 0, and the
  * quaternion x, y, z, w. `root` is x, y, z, qx, qy, qz, qw.
  */
 function posesOf(model: Model, posture: Posture, root: Float32Array, scale: number, out: Int16Array, at: number): void {
@@ -69,7 +68,7 @@ function posesOf(model: Model, posture: Posture, root: Float32Array, scale: numb
     multiply(links, link + 3, links, parent + 3, origin, 0);
     const [x, y, z] = joint.axis;
     if (joint.kind === 3) {
-      // A sliding joint's value is metres of the unscaled model.
+      // The position of a prismatic joint is in metres of the unscaled model.
       addTurned(links, link, links, link + 3, x * value * scale, y * value * scale, z * value * scale);
     } else if (joint.kind !== 0) {
       const s = Math.sin(value / 2);
@@ -89,10 +88,10 @@ function posesOf(model: Model, posture: Posture, root: Float32Array, scale: numb
   }
 }
 
-// Whose sphere overlaps somebody else's, for recorded runs; the server knows it of its own frames.
-// Cells as wide as the widest sphere, so that a cell and its neighbours hold all partners.
+// Overlapping spheres of recorded runs; the server marks them in its own frames.
+// Cells are as wide as the largest diameter: a cell and its neighbours hold all partners.
 
-/** `spheres`: x, y, z, radius each; radius 0: nobody there. Returns 1 where one overlaps another. */
+/** `spheres`: x, y, z, radius each; radius 0: not present. Returns 1 for each sphere that overlaps another. */
 export function crowded(spheres: Float32Array): Uint8Array {
   const count = spheres.length / 4;
   const flags = new Uint8Array(count);
@@ -133,7 +132,7 @@ interface Head {
   models: {mean: number[]; directions: number[][]}[];
 }
 
-/** A pair from the frame of its begin up to the one before its end. */
+/** A contact from its begin frame to the frame before its end. */
 export interface ContactInterval {
   a: number;
   b: number;
@@ -142,16 +141,16 @@ export interface ContactInterval {
   level: number;
   begin: number;
   end: number;
-  /** `begin`, or ~begin where it began before that frame. */
+  /** `begin`, or ~begin if it began before that frame. */
   began: number;
-  /** The end was not recorded: it touched at least until then. */
+  /** Whether the end was not recorded; the contact lasted at least until `end`. */
   isLost: boolean;
 }
 
 const BEGAN_BEFORE = 1;
 const END_LOST = 2;
 
-/** Numbers of seven bits a byte, signs in the lowest bit; each column is read to its end. */
+/** Varints reads numbers of seven bits per byte, with the sign in the lowest bit. */
 export class Varints {
   constructor(
     private readonly bytes: Uint8Array,
@@ -171,7 +170,7 @@ export class Varints {
     return value % 2 === 0 ? value / 2 : -(value + 1) / 2;
   }
 
-  /** `count` numbers, each what a straight line through the two before does not foretell. */
+  /** Reads `count` numbers, each the deviation from a straight line through the previous two. */
   curve(out: Float32Array | Int16Array, from: number, stride: number, count: number, unit: number): void {
     let last = 0;
     let slope = 0;
@@ -201,14 +200,14 @@ export class Replay {
   readonly run: Run;
   readonly frames: number;
   readonly intervals: ContactInterval[] = [];
-  /** What of the run is missing, or ''. */
+  /** Missing parts of the run; empty: none. */
   readonly problem: string;
-  /** Pairs that touch, by frame. */
+  /** Number of touching pairs per frame. */
   readonly pairs: Int32Array;
   readonly frame_ms: number[];
   private readonly head: Head;
   private readonly roots: Float32Array; // key by key: x, y, z, qw.. of each avatar, then presence
-  private readonly steps: Int16Array[]; // a model each: key by key, member by member, coefficients
+  private readonly steps: Int16Array[]; // per model: key by key, member by member, coefficients
   private readonly memberOf: Uint32Array;
   private readonly members: number[];
   private readonly bySecond: number[][] = [];
@@ -298,13 +297,13 @@ export class Replay {
     return changes.subarray(0, this.frames).map((change) => (open += change));
   }
 
-  /** Sorted like the server's. */
+  /** Returns the touching pairs in the server's order. */
   touching(frame: number): ContactInterval[] {
-    const near = this.bySecond[Math.floor(frame / this.perBucket)] ?? [];
-    return near.map((i) => this.intervals[i]).filter((s) => s.begin <= frame && frame < s.end);
+    const candidates = this.bySecond[Math.floor(frame / this.perBucket)] ?? [];
+    return candidates.map((i) => this.intervals[i]).filter((s) => s.begin <= frame && frame < s.end);
   }
 
-  /** The newest pairs of a body that began at or before a frame, newest first. */
+  /** Returns the newest pairs of a body that began at or before a frame, newest first. */
   history(body: number, frame: number, max: number): ContactInterval[] {
     return this.intervals
       .filter((s) => (s.a === body || s.b === body) && s.begin <= frame && !(s.isLost && s.end <= frame))
@@ -312,7 +311,7 @@ export class Replay {
       .slice(0, max);
   }
 
-  /** The frame at a moment between frames, people moved on smoothly from key to key. */
+  /** Returns the frame at a position between frames; people move smoothly from key to key. */
   frameAt(position: number): Frame {
     const number = Math.min(this.frames - 1, Math.max(0, Math.floor(position)));
     const keys = this.head.keys;
@@ -426,7 +425,7 @@ export class Replay {
   }
 }
 
-/** Weights of four keys for a curve through the middle two (Catmull and Rom 1974). */
+/** Returns the weights of four keys for a curve through the middle two (Catmull and Rom 1974). */
 export function cubic(t: number): [number, number, number, number] {
   const t2 = t * t;
   const t3 = t2 * t;

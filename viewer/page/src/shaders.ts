@@ -1,5 +1,5 @@
-// What the graphics card computes: poses from the frame's texels, light, lines.
-// One rule: a frame is two textures of 16-byte texels; everything per vertex happens here.
+// Shaders: poses from the frame's texels, light, lines.
+// Invariant: a frame is two textures of 16-byte texels; all work per vertex is done here.
 
 export const TEXTURE_WIDTH = 1024;
 
@@ -41,7 +41,7 @@ vec3 placed(Person who, Pose p, vec3 local) {
 const vec4 OUTSIDE_CLIP = vec4(2.0, 2.0, 2.0, 1.0);
 `;
 
-/** A point slid along the sun's rays onto z = 0, a little above the ground that is drawn there. */
+/** Projects a point along the sun's rays onto z = 0, slightly above the drawn ground. */
 const SHADE = /* glsl */ `
 uniform vec3 uSun;
 vec4 shade(vec3 world) {
@@ -138,7 +138,7 @@ void main() {
   vec3 toEye = normalize(uEye - vWorld);
   float rim = pow(1.0 - max(0.0, dot(n, toEye)), 3.0);
   vec3 color = lit(vColor, n, vWorld);
-  // What touches is to be found in a crowd: it glows a little, so that shadow does not hide it.
+  // Touching parts glow a little, so that shadow does not hide them in a crowd.
   color += vColor * vMarked * 0.28 + uSky * rim * 0.16;
   if (vSelected > 0.5) color = mix(color, vec3(1.0), 0.08 + 0.7 * rim);
   fragment = shown(fogged(color, vWorld), 1.0);
@@ -171,7 +171,7 @@ uniform vec4 uShadow;
 out vec4 fragment;
 void main() { fragment = uShadow; }`;
 
-/** Avatar spheres: instanced unit spheres, seen at their rims. */
+/** Avatar spheres: instanced unit spheres, visible at their rims. */
 export const SPHERE_VERTEX = POSES + /* glsl */ `
 in vec3 position;
 uniform vec2 uSphere;
@@ -206,7 +206,7 @@ void main() {
   fragment = shown(vColor, vStrength * (0.05 + 0.55 * pow(rim, 4.0)));
 }`;
 
-/** Lines that turn with their part: or-DOPs. */
+/** Or-DOP lines, which turn with their part. */
 export const HULL_VERTEX = POSES + /* glsl */ `
 in vec3 position;
 in float part;
@@ -222,7 +222,7 @@ void main() {
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
 }`;
 
-/** World boxes of the turned part boxes (Arvo 1990). */
+/** World-aligned boxes of the oriented part boxes (Arvo 1990). */
 export const BOX_VERTEX = POSES + /* glsl */ `
 in vec3 position;
 in vec3 centre;
@@ -277,7 +277,7 @@ void main() {
   fragment = shown(fogged(lit(uColor, normalize(vNormal), vWorld), vWorld), 1.0);
 }`;
 
-/** Metres and tens of metres, as sharp as the pixels allow; the scene's ground a little lighter. */
+/** Lines every metre and every ten metres, as sharp as pixels allow; the scene's ground is a little lighter. */
 export const GROUND_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec3 vNormal;

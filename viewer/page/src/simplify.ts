@@ -1,13 +1,13 @@
-// Coarser meshes for people who are far away.
-// One rule: what is made here stays about where the part is, and a person keeps all limbs.
+// Coarser meshes for distant people.
+// Invariant: a simplified part stays near its original, and a person keeps all limbs.
 import type {Box, Mesh} from './protocol.ts';
 
-/** More cells along an axis than any body part has; its cube is a whole number that a double can hold. */
+/** Exceeds the number of cells of a body part along an axis; its cube fits exactly into a double. */
 const SPAN = 131_072;
 
 /**
- * Vertex clustering (Rossignac and Borrel 1993): vertices of a cell become their mean; triangles that
- * collapse are left out.
+ * Vertex clustering (Rossignac and Borrel 1993): the vertices of a cell become their mean; collapsed
+ * triangles are omitted.
  */
 export function simplified(mesh: Mesh, cell_m: number): Mesh {
   const {positions, indices} = mesh;
@@ -48,14 +48,14 @@ export function simplified(mesh: Mesh, cell_m: number): Mesh {
 }
 
 /**
- * A part as a sleeve along the longest axis of its box: rings of `sides` corners around what the mesh has
- * there. Clustering tears thin limbs apart where cells are as wide as they are; a sleeve stays whole.
+ * Returns a sleeve along the longest axis of the part's box: rings of `sides` corners around the mesh.
+ * Clustering tears limbs apart that are as thin as a cell; a sleeve stays whole.
  */
 export function sleeve(mesh: Mesh, box: Box, rings: number, sides: number): Mesh {
   const along = box.half_m.indexOf(Math.max(...box.half_m));
   const [u, v] = [(along + 1) % 3, (along + 2) % 3];
   const spans = spansOf(mesh, box, along, rings);
-  // A polygon with the area of the ellipse that it stands for.
+  // The polygon has the area of the ellipse that it replaces.
   const wider = Math.sqrt((2 * Math.PI) / (sides * Math.sin((2 * Math.PI) / sides)));
   const positions = new Float32Array(3 * rings * sides);
   for (let ring = 0; ring < rings; ++ring)
@@ -83,7 +83,7 @@ interface Span {
   high: number[];
 }
 
-/** What a mesh spans across an axis, at each of some rings; where it has no corner, what the ring before spans. */
+/** Returns the extent of a mesh across an axis, per ring; a ring without a vertex repeats the previous one. */
 function spansOf(mesh: Mesh, box: Box, along: number, rings: number): Span[] {
   const spans = Array.from({length: rings}, (): Span => ({low: [1e9, 1e9, 1e9], high: [-1e9, -1e9, -1e9]}));
   const start = box.centre_m[along] - box.half_m[along];
@@ -100,12 +100,12 @@ function spansOf(mesh: Mesh, box: Box, along: number, rings: number): Span[] {
   return spans.map((span) => (known = span.low[0] <= span.high[0] ? span : known));
 }
 
-/** Two triangles across the two longer axes of a part's box, for the shadow of somebody far away. */
+/** Returns two triangles across the two longer axes of a part's box, for the shadow of a distant person. */
 export function diamond({centre_m, half_m}: Box): Mesh {
   const positions = new Float32Array(18);
   for (let corner = 0; corner < 6; ++corner) {
     positions.set(centre_m, 3 * corner);
-    // A fifth outside the box, so that as much of the ground is covered as by the rounder part.
+    // A fifth outside the box: covers as much ground as the rounder part.
     positions[3 * corner + (corner >> 1)] += (corner & 1 ? -1.2 : 1.2) * half_m[corner >> 1];
   }
   const flattest = half_m.indexOf(Math.min(...half_m));
@@ -113,7 +113,7 @@ export function diamond({centre_m, half_m}: Box): Mesh {
   return {positions, indices: Uint32Array.of(2 * u, 2 * v, 2 * u + 1, 2 * u, 2 * u + 1, 2 * v + 1)};
 }
 
-/** Normals at the vertices, weighted by the area of the triangles around them. */
+/** Returns normals at the vertices, weighted by the area of the adjacent triangles. */
 export function vertexNormals(mesh: Mesh): Float32Array {
   const {positions: p, indices} = mesh;
   const normals = new Float32Array(p.length);

@@ -1,24 +1,22 @@
-// Where frames come from: a live run, a log behind the server, or a recording in this page.
-// Showing them is the same whichever it is.
+// Sources of frames: a live run or a log behind the server, or a recording in this page.
 import type {PastContact} from './card.ts';
 import {clock, Playback} from './playback.ts';
 import {decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
 import {Replay} from './replay.ts';
 
-// The connection to `throng view`: messages in, questions out, again when it was lost.
-// A lost connection is shown and mended, never fatal.
+// The connection to `throng view` sends requests, receives messages and reconnects after a loss.
 
 interface SocketEvents {
-  /** Before the first message of a connection. */
+  /** Called before the first message of a connection. */
   connected(): void;
   lost(): void;
-  /** The server takes no more pages; `reason` says how many are open. */
+  /** The server accepts no more pages; `reason` states how many are open. */
   full(reason: string): void;
   binary(buffer: ArrayBuffer): void;
   text(json: any): void;
 }
 
-const TRY_AGAIN_LATER = 1013; // as the server closes where too many pages are open
+const TRY_AGAIN_LATER = 1013; // close code of the server when too many pages are open
 const FIRST_WAIT_MS = 250;
 const MAX_WAIT_MS = 2000;
 
@@ -42,7 +40,7 @@ class Connection {
     if (this.open) this.socket!.send(JSON.stringify(question));
   }
 
-  /** At once, instead of when the wait is over. */
+  /** Reconnects at once, without waiting. */
   retry(): void {
     clearTimeout(this.waiting);
     this.connect();
@@ -85,17 +83,17 @@ export interface SourceEvents {
   frame(frame: Frame): void;
   series(series: Series): void;
   history(id: number, past: PastContact[]): void;
-  /** Something to tell in the middle of the page; '' takes it away. `retry` makes a button. */
+  /** Shows a notice in the middle of the page; '' hides it. `retry` adds a button. */
   notice(title: string, detail?: string, retry?: () => void): void;
 }
 
 export interface Source {
   readonly playback: Playback | null; // null: live
-  /** Frames that never came to this page. */
+  /** Number of frames that did not reach this page. */
   readonly dropped: number;
-  /** A live run that has finished. */
+  /** Whether a live run has finished. */
   readonly isEnded: boolean;
-  /** Called before every picture, with the time since the last one. */
+  /** Called before every picture, with the time since the previous one. */
   tick(dt_s: number): void;
   requestHistory(id: number, frame: number): void;
 }
@@ -103,7 +101,7 @@ export interface Source {
 const ANSWER_MS = 2000;
 const SAMPLES = 600;
 
-/** A live run or a log: whatever the server has. */
+/** ServerSource provides the live run or log of the server. */
 export class ServerSource implements Source {
   playback: Playback | null = null;
   dropped = 0;
@@ -134,7 +132,7 @@ export class ServerSource implements Source {
       },
       lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
       full: (reason) =>
-        events.notice(reason, 'throng view serves no more at a time; this page opens when another is closed', () =>
+        events.notice(reason, 'throng view serves no more pages; this page opens when another one is closed', () =>
           this.connection.retry(),
         ),
       binary: (buffer) => this.binary(buffer),
@@ -147,7 +145,7 @@ export class ServerSource implements Source {
     const now = performance.now();
     if (!playback) {
       if (connection.open && this.run && !this.isEnded && this.receivedAt > 0 && now - this.receivedAt > 2500)
-        this.events.notice('No frames', 'waiting for the next ones');
+        this.events.notice('No frames', 'waiting for the next frame');
       return;
     }
     playback.advance(dt_s, this.complete);
@@ -231,11 +229,10 @@ export class ServerSource implements Source {
   private showEnd(): void {
     this.isEnded = true;
     const last = this.lastTime_s < 0 ? '' : `its last frame is at ${clock(this.lastTime_s)}; `;
-    this.events.notice('The run has finished', `${last}the next run appears here by itself`);
+    this.events.notice('The run has finished', `${last}the next run will appear here`);
   }
 }
 
-/** A recording inside the page. */
 export class FileSource implements Source {
   readonly playback: Playback;
   readonly dropped = 0;

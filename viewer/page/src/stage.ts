@@ -1,5 +1,5 @@
-// The picture: camera, ground, obstacles, light, and the crowd in it.
-// One rule: knows how a run looks, not where it comes from; draws only what changed.
+// Stage draws a run: camera, ground, obstacles, light and crowd.
+// Invariant: it redraws only if something has changed.
 import {
   Color,
   DoubleSide,
@@ -34,26 +34,26 @@ const FAST_MS = 18;
 const MIN_TRIANGLES = 100_000;
 const MAX_TRIANGLES = 6_000_000;
 const MIN_PIXELS = 0.75;
-/** A picture that rested so long is drawn once more, as well as the machine can in about a second. */
+/** After this rest the picture is drawn again at a quality that takes about a second. */
 const REST_MS = 300;
 const TRIANGLES_AT_REST = 500_000;
-/** Names of drivers that draw on the processor. */
+/** Names of drivers that render on the processor. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** Whether pictures are made without a graphics card; a context of its own tells, before the real one is asked for. */
+/** Returns whether there is no graphics card. A separate context reports it before the real one is created. */
 function isSoftware(): boolean {
   const gl = document.createElement('canvas').getContext('webgl2');
   const names = gl?.getExtension('WEBGL_debug_renderer_info');
-  const isIt = !!gl && !!names && SOFTWARE.test(String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)));
+  const isSoftwareDriver = !!gl && !!names && SOFTWARE.test(String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)));
   gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return isIt;
+  return isSoftwareDriver;
 }
 
 export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
-  /** The avatar that the camera goes along with; -1: none. */
+  /** The avatar that the camera follows; -1: none. */
   followed = -1;
   private readonly scene = new Scene();
   private readonly solids = new Group();
@@ -88,7 +88,7 @@ export class Stage {
   constructor(canvas: HTMLCanvasElement) {
     const antialias = !this.isSlow;
     this.renderer = new WebGLRenderer({canvas, antialias, stencil: true, powerPreference: 'high-performance'});
-    // Asking whether a shader is sound waits until it is compiled; the browser tells on its own if not.
+    // A check would wait for the compiler; the browser reports a defective shader by itself.
     this.renderer.debug.checkShaderErrors = false;
     document.documentElement.classList.toggle('slow', this.isSlow);
     canvas.addEventListener('webglcontextrestored', () => (this.isChanged = true));
@@ -102,7 +102,7 @@ export class Stage {
     this.controls.maxDistance = 1500;
     this.controls.zoomToCursor = true;
     const ground = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors);
-    // Drawn first and behind everything: shadows lie in its plane, and no depth buffer tells them apart.
+    // Drawn first and behind everything: shadows lie in its plane, where depth values are equal.
     ground.depthWrite = false;
     this.ground = new Mesh(new PlaneGeometry(1, 1), ground);
     this.ground.renderOrder = -1;
@@ -145,7 +145,7 @@ export class Stage {
     this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
     this.addSolids(run);
     this.overview();
-    // All shaders are handed over before the first one is waited for.
+    // Submits all shaders before waiting for the first one.
     this.renderer.compile(this.scene, this.camera);
     this.isChanged = true;
   }
@@ -169,7 +169,7 @@ export class Stage {
     }
   }
 
-  /** The whole ground from south-west and above. */
+  /** Moves the camera to see the whole ground, from south-west and above. */
   overview(): void {
     if (!this.run) return;
     const {min_m, max_m} = this.run.ground;
@@ -184,7 +184,7 @@ export class Stage {
     this.followed = -1;
   }
 
-  /** Close to a person, from where the eye is. */
+  /** Moves the camera close to a person and keeps its direction. */
   approach(position: [number, number, number], height_m: number): void {
     const away = new Vector3().subVectors(this.camera.position, this.controls.target);
     this.controls.target.set(position[0], position[1], position[2] + 0.55 * height_m);
@@ -211,7 +211,7 @@ export class Stage {
     const step = new Vector3(person.position_m[0], person.position_m[1], this.controls.target.z).sub(
       this.controls.target,
     );
-    // Along with the person, and towards the middle where the camera was not there yet.
+    // Moves with the person, and towards the middle until the person is centred.
     this.controls.target.add(step);
     this.camera.position.add(step);
   }
@@ -233,7 +233,7 @@ export class Stage {
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setDrawingBufferSize(this.size[0], this.size[1], ratio);
   }
 
-  /** Draws if the picture would differ from the last one, and says whether it did. */
+  /** Draws if the picture would differ from the last one; returns whether it did. */
   render(frame: Frame | null, dt_ms: number): boolean {
     this.adapt(dt_ms);
     const isTurned = this.controls.update();
@@ -263,9 +263,9 @@ export class Stage {
     this.draw(frame, Math.max(this.crowd.budget, TRIANGLES_AT_REST));
   }
 
-  /** Fewer triangles and pixels where the machine is slow, more where it has time. */
+  /** Reduces triangles and pixels on a slow machine, increases them on a fast one. */
   private adapt(dt_ms: number): void {
-    // Where nothing was drawn, the time between two pictures tells nothing.
+    // Without a drawn picture the time since the last one means nothing.
     if (!this.crowd || document.hidden || !this.wasRendered) return;
     this.mean_ms += 0.15 * (Math.min(dt_ms, 300) - this.mean_ms);
     if (this.mean_ms > SLOW_MS) {
@@ -277,7 +277,7 @@ export class Stage {
     }
   }
 
-  /** Normalised device coordinates of a point. */
+  /** Returns the normalised device coordinates of a point. */
   project(x: number, y: number, z: number): [number, number] {
     const p = new Vector3(x, y, z).project(this.camera);
     return [p.x, p.y];

@@ -1,14 +1,13 @@
-// Colours. One rule: what marks a contact is of Okabe and Ito's palette, which the colour-blind can
-// tell apart; everything else keeps out of its way.
+// Colours. Contacts have Okabe and Ito's palette, safe for colour-blind readers; the rest is muted.
 import {Color} from 'three';
 
 export type ThemeName = 'light' | 'dark';
 
-/** By mark: 0 stands for sphere candidates, else 1 + the level a pair was decided at. */
+/** By mark: 0 for sphere candidates, else 1 + the level at which a pair was decided. */
 export const MARKS = [
   {color: '#56b4e9', name: 'Sphere candidate', about: "the person's sphere overlaps another's"},
-  {color: '#0072b2', name: 'Spheres only', about: 'a pair of people, not refined in time'},
-  {color: '#009e73', name: 'Boxes only', about: 'a pair of parts, not refined in time'},
+  {color: '#0072b2', name: 'Spheres only', about: 'a pair of people, not refined within the budget'},
+  {color: '#009e73', name: 'Boxes only', about: 'a pair of parts, not refined within the budget'},
   {color: '#e69f00', name: 'or-DOP pair', about: "the parts' volumes overlap"},
   {color: '#d55e00', name: 'Exact contact', about: 'triangles of the parts intersect'},
 ];
@@ -55,7 +54,7 @@ export const THEMES: Record<ThemeName, Theme> = {
 
 const linear = (names: string[]): Color[] => names.map((name) => new Color(name));
 
-/** Calm clothes: what touches has to stand out. */
+/** Muted clothes, because touching parts have to stand out. */
 export const CLOTHES = {
   uShirts: linear(['#6d7f94', '#8c9aa8', '#a9b4bf', '#5d6b80', '#7d8f8a', '#94a09a', '#7a7f92', '#c3c9cf']),
   uTrousers: linear(['#39424f', '#4a5261', '#2f3642', '#57534f', '#5e6672']),
@@ -66,7 +65,7 @@ export const CLOTHES = {
 
 export const MARK_COLORS = MARKS.map((mark) => new Color(mark.color));
 
-/** Which clothes a part wears; of a robot everything is its shirt. */
+/** Returns the clothes of a part; all parts of a robot get the colour of shirts. */
 export function slotOf(partName: string): number {
   if (/head/i.test(partName)) return 2;
   if (/hand/i.test(partName)) return 2;
