@@ -11,7 +11,7 @@ constexpr double kBefore = -1;  // before all times
 constexpr double kReach_m = 3;
 /// Distance that agents keep from a closed leaf.
 constexpr double kGap_m = 0.15;
-/// An agent that would pass beside the leaf by more than this does not go through it.
+/// An agent that would pass next to the leaf by more than this does not go through it.
 constexpr double kBesideDoor_m = 0.2;
 
 }  // namespace

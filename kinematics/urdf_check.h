@@ -35,7 +35,7 @@ inline constexpr double kMaxMeshScale = 1e6;
 std::optional<std::vector<double>> finite_numbers(std::string_view text);
 
 struct UrdfCheckResult {
-  std::vector<bool> skipped;             ///< by element: links, joints and shapes to skip
+  std::vector<bool> skipped;             ///< indexed by element: links, joints and shapes to skip
   std::vector<std::string> notes;        ///< a line for each such element or group of them
   std::vector<std::string> assumptions;  ///< see parse_urdf()
 };

@@ -211,7 +211,7 @@ class Joiner {
     if (!(a.may_slit && b.may_slit && a.distance_m(b) <= max_m)) return false;
     const std::optional<Seam> seam = seam_between(a, b);
     if (!seam || !(seam->width_m >= 0)) return false;
-    // Of a pointed notch only if it is this narrow everywhere.
+    // A pointed notch counts only if it is this narrow everywhere.
     const bool ends = a.to == b.from, begins = b.to == a.from;
     if (ends && !(std::min(b.distance_m(a.from), a.distance_m(b.to)) <= max_m)) return false;
     if (begins && !(std::min(b.distance_m(a.to), a.distance_m(b.from)) <= max_m)) return false;

@@ -1,5 +1,5 @@
 // Counts every operator new of the process; link allocation_counter.cpp into a test that asks.
-// One rule: only the tests that count have it, because it replaces the global operators.
+// Only the tests that count have it, because it replaces the global operators.
 #pragma once
 
 #include <cstddef>

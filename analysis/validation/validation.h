@@ -76,7 +76,7 @@ struct Conditions {
 /// One experiment; standards that share it share its outcome.
 struct Test {
   std::vector<std::string> ids;     ///< "rimea_6", "imo_6", "iso_4"
-  std::vector<std::string> titles;  ///< by id: "RiMEA 6: ..."
+  std::vector<std::string> titles;  ///< indexed by id: "RiMEA 6: ..."
   std::string setup;                ///< geometry, people, steering
   std::string criterion;
   std::function<Outcome(const Conditions&)> run;

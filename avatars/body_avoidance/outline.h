@@ -122,7 +122,7 @@ struct Outline {
   AvoidanceColumns columns;
   RadialProfile upper;              ///< trunk and head with both arms tucked
   std::array<Octagon, 2> tucked;    ///< tucked arms: right, left
-  std::vector<LimbSweep> sweeps;    ///< by speed
+  std::vector<LimbSweep> sweeps;    ///< indexed by speed
   std::vector<LimbSweep> standing;  ///< by ArmHold, each as defined and mirrored
   float per_sqrt_speed = 0;         ///< index into `sweeps` per square root of the relative speed
   float leg_length_m = 1;

@@ -112,7 +112,7 @@ class Gait {
   struct Table;
   int column_count_ = 0;
   int head_yaw_column_ = -1;
-  std::vector<float> hips_offset_m_;                   ///< by table row; empty: always 0
+  std::vector<float> hips_offset_m_;                   ///< indexed by table row; empty: always 0
   float min_head_yaw_rad_ = 0, max_head_yaw_rad_ = 0;  ///< limits of the joint
   Eigen::Vector3f sphere_centre_m_ = Eigen::Vector3f::Zero();
   float sphere_radius_m_ = 0;

@@ -39,7 +39,7 @@ struct StandingJoints {
   int lateral_column = -1;                 ///< column that moves the whole body to the left, or -1
   std::array<int, 2> arm_columns{-1, -1};  ///< columns of shoulder abduction, or -1
   double arms_m = 0;                       ///< maximum distance of a vertex from its shoulder
-  std::vector<double> shares;              ///< by speed, from 0 to 1
+  std::vector<double> shares;              ///< indexed by speed, from 0 to 1
 
   double max_shift_m() const { return lateral_column < 0 ? 0.0 : static_cast<double>(kMaxShift_m); }
   /// Returns the maximum displacement of any point of an arm by a breath.

@@ -45,7 +45,7 @@ class HandPenetration {
                 const Eigen::Vector3d& origin_m);
   static bool contains(const Placed& outer, const Placed& hand);
 
-  std::vector<std::vector<Solid>> solids_;  ///< by model and part
+  std::vector<std::vector<Solid>> solids_;  ///< indexed by model and part
   std::vector<PartPose> poses_;
 };
 
@@ -87,7 +87,7 @@ struct ContactSums {
 
   double person_s = 0;
   std::array<ContactLevel, kLevels> levels;
-  std::vector<Histogram> depths_of;  ///< by pair of part groups
+  std::vector<Histogram> depths_of;  ///< indexed by pair of part groups
   double min_head_distance_m = 100;  ///< minimum over touching people
 
   void add(const ContactSums& other);

@@ -83,10 +83,10 @@ class JointSpeeds final : public Sink {
   void take(const RunInfo& run, const Frame& frame, size_t id);
 
   std::map<std::string, JointMotion> joints_;
-  std::vector<std::vector<Column>> columns_;  ///< by model; empty: not a person
+  std::vector<std::vector<Column>> columns_;  ///< indexed by model; empty: not a person
   std::vector<float> before_, earlier_;       ///< rows of the last two frames
   std::vector<RootPose> roots_before_;
-  std::vector<uint8_t> history_frames_;  ///< by avatar: number of known earlier frames, at most 2
+  std::vector<uint8_t> history_frames_;  ///< indexed by avatar: number of known earlier frames, at most 2
   uint64_t frames_ = 0;
   std::array<uint64_t, kBodyHalves> over_speed_{}, over_acceleration_{};
   Histogram standing_turns_, turns_;
@@ -138,13 +138,13 @@ class ArmSwing final : public Sink {
   struct Kind {
     std::array<int, 2> shoulders{-1, -1};  ///< columns, right and left
     size_t columns = 0;
-    std::vector<std::unique_ptr<Gait>> gaits;  ///< by style; null for unused ones
+    std::vector<std::unique_ptr<Gait>> gaits;  ///< indexed by style; null for unused ones
   };
 
   void finish(const RunInfo& run, const Frame& frame, size_t id);
 
   const Simulation& simulation_;
-  std::vector<Kind> kinds_;  ///< by model
+  std::vector<Kind> kinds_;  ///< indexed by model
   std::vector<Cycle> cycles_;
   std::vector<float> row_;
   std::unique_ptr<LocalDensity> density_;

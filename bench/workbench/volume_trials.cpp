@@ -412,7 +412,7 @@ struct Motion {
   std::vector<PartShape> shapes;
   std::vector<PartPlace> places;  ///< shuffled
   std::vector<PlacedPair> pairs;  ///< shuffled
-  std::vector<uint8_t> touching;  ///< by pair
+  std::vector<uint8_t> touching;  ///< indexed by pair
 };
 
 Motion record(const std::vector<paper::Object>& objects, int frames, uint64_t seed) {

@@ -123,7 +123,7 @@ class DepthFinder {
   };
 
   GrowingPolytope inside_;             ///< polytope of differences of points of A and of B
-  std::vector<Eigen::Vector3d> on_a_;  ///< by point of the polytope: its point of A
+  std::vector<Eigen::Vector3d> on_a_;  ///< indexed by point of the polytope: its point of A
   std::vector<Face> lowest_;           ///< heap of faces, including some removed ones
 };
 

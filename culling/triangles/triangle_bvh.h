@@ -56,7 +56,7 @@ class TriangleBvh {
   std::vector<std::array<Eigen::Vector3f, 3>> triangles_;
   std::vector<Eigen::Vector3f> pieces_;
   uint32_t solid_count_ = 0;
-  std::vector<uint32_t> solids_;  ///< by triangle; empty if all bound a single solid
+  std::vector<uint32_t> solids_;  ///< indexed by triangle; empty if all bound a single solid
 };
 
 /// True if triangles of A and B touch, or a piece of one is inside a solid of the other. Poses and

@@ -102,7 +102,7 @@ class SteppingOracle {
   GaitStyle style_;
   std::optional<Walker> walker_;
   double leg_m_ = 0, upright_radius_m_ = 0;
-  std::vector<std::vector<WalkerPose>> cycles_;  ///< by speed
+  std::vector<std::vector<WalkerPose>> cycles_;  ///< indexed by speed
   std::vector<Track> tracks_;
 };
 

@@ -113,7 +113,7 @@ TEST_F(Tables, AcceptNamesByOption) {
       .fps = 10, .columns = "id=who,frame=when,x=easting,y=northing", .separator = '|'};
   EXPECT_EQ(read(text, options)->facts().fps, 10);
   EXPECT_THAT(
-      refusal("who;when;east;north\n4;0;1;2\n", {.columns = "id=whom,t=when,x=east,y=north"}),
+      refusal("who;when;east;north\n4;0;1;2\n", {.columns = "id=whos,t=when,x=east,y=north"}),
       HasSubstr("did you mean 'who'?"));
   EXPECT_THAT(refusal(text, {.columns = "id=who,where=x"}), HasSubstr("--columns: expected"));
   const auto bare = read("0 1.5 2 4\n1 1.75 2 4\n", {.columns = "t=1,x=2,y=3,id=4"});
