@@ -44,7 +44,7 @@ std::string title_of(const MonitorView& view) {
 
 void add_channels(const MonitorView& view, const Monitor::Totals& totals,
                   std::vector<std::string>& lines) {
-  lines.push_back(fmt::format("{:<18}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
+  lines.push_back(fmt::format("{:<21}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
                               "messages", "per s", "kB/s", "last frame", "missing", "before",
                               "refused"));
   for (const Channel channel : kAllChannels) {
@@ -52,7 +52,7 @@ void add_channels(const MonitorView& view, const Monitor::Totals& totals,
     const Inbox::ChannelTotals& all = view.inbox.totals(channel);
     if (all.messages == 0 && tally.missing == 0) continue;
     const auto i = static_cast<size_t>(channel);
-    lines.push_back(fmt::format("{:<18}{:>10}{:>10.1f}{:>11.1f}{:>12}{:>9}{:>9}{:>9}",
+    lines.push_back(fmt::format("{:<21}{:>10}{:>10.1f}{:>11.1f}{:>12}{:>9}{:>9}{:>9}",
                                 name_of(channel), tally.messages,
                                 static_cast<double>(totals.messages[i]) / span_of(totals),
                                 static_cast<double>(totals.bytes[i]) * 1e-3 / span_of(totals),

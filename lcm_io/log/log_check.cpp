@@ -383,7 +383,7 @@ std::string describe_run(const run_description_t& run) {
 }
 
 std::string describe_channels(const LogReport& report) {
-  std::string out = fmt::format("{:<18}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
+  std::string out = fmt::format("{:<21}{:>10}{:>14}{:>12}{:>12}{:>9}\n", "channel", "messages",
                                 "bytes", "per s", "kB/s", "missing");
   const double seconds = static_cast<double>(report.last_utime_us) * 1e-6;
   for (const Channel channel : kAllChannels) {
@@ -391,11 +391,11 @@ std::string describe_channels(const LogReport& report) {
     if (sum.messages == 0) continue;
     const double per_s = seconds > 0 ? static_cast<double>(sum.messages) / seconds : 0;
     const double kb_per_s = seconds > 0 ? static_cast<double>(sum.bytes) * 1e-3 / seconds : 0;
-    out += fmt::format("{:<18}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
+    out += fmt::format("{:<21}{:>10}{:>14}{:>12.1f}{:>12.1f}{:>9}\n", name_of(channel),
                        sum.messages, sum.bytes, per_s, kb_per_s, sum.missing);
   }
   if (report.foreign_messages > 0)
-    out += fmt::format("{:<18}{:>10}\n", "other channels", report.foreign_messages);
+    out += fmt::format("{:<21}{:>10}\n", "other channels", report.foreign_messages);
   return out;
 }
 

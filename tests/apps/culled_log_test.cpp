@@ -59,7 +59,7 @@ TEST_F(CulledLog, HasContactPointsOnRequest) {
     const Outcome check = shell("throng check " + std::string(log), folder_);
     EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
     EXPECT_THAT(shell("throng info " + std::string(log), folder_).out,
-                HasSubstr("THRONG_CONTACT_POINTS           60"));
+                HasSubstr("THRONG_CONTACT_POINTS        60"));
     const std::string table =
         shell("throng export " + std::string(log) + " --csv contact_points", folder_).out;
     EXPECT_THAT(table,

@@ -93,7 +93,7 @@ std::vector<std::string> recording_seeds() {
                   return frame == 3 ? fmt::format("{}\t{}\t\t?\t1.7\n", id, frame)
                                     : fmt::format("{}\t{}\t{}\t{}\t1.7\n", id, frame, x, y);
                 }));
-  out.push_back("id t (ms) x in cm y [ft] yaw_deg\n" +
+  out.push_back("id t (ms) x in cm y [ft] heading_deg\n" +
                 lines([](int frame, int id, double x, double y) {
                   return fmt::format("{} {} {} {} 90\n", id, 40 * frame, 100 * x, y / 0.3048);
                 }));

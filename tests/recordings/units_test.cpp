@@ -332,7 +332,7 @@ TEST_F(RecordedUnits, ApplyToHeadings) {
   };
   const auto quarter = static_cast<float>(kTurn_rad / 4);
   for (const char* name :
-       {"heading [deg]", "heading (degrees)", "heading/deg", "yaw_deg", "heading [\xC2\xB0]",
+       {"heading [deg]", "heading (degrees)", "heading/deg", "heading_deg", "heading [\xC2\xB0]",
         "heading\xC2\xB0", "Heading deg", "headingDeg", "heading (in degrees)", "heading [\xB0]"})
     EXPECT_FLOAT_EQ(heading(name, 90), quarter) << name;
   EXPECT_FLOAT_EQ(heading("heading [deg]", 1), static_cast<float>(kTurn_rad / 360));
@@ -348,7 +348,7 @@ TEST_F(RecordedUnits, ApplyToHeadings) {
   EXPECT_EQ(refusal("id,t,x,y,heading\n1,0,3,4,6.2832\n"), "") << "a turn, rounded";
   EXPECT_FLOAT_EQ(heading("heading", 90, {.heading_unit_rad = kTurn_rad / 360}), quarter);
   EXPECT_FLOAT_EQ(heading("heading", 90, {.heading_unit_rad = 1}), 90);
-  EXPECT_FLOAT_EQ(heading("yaw_deg", 90, {.columns = "heading=yaw_deg"}), quarter);
+  EXPECT_FLOAT_EQ(heading("heading_deg", 90, {.columns = "heading=heading_deg"}), quarter);
   const auto overruled =
       read("id,t,x,y,heading [deg]\n1,0,3,4,1\n1,1,3,4,1\n", {.heading_unit_rad = 1});
   EXPECT_EQ(track(*overruled, 0)[0].heading_rad, 1);
