@@ -125,7 +125,7 @@ TEST(BoxScene, RejectsInvalidBoxes) {
   EXPECT_EQ(load_error("kind: box\nbox: {count: 3, edge_m: 3}\n"), "");
   EXPECT_NE(load_error("kind: bix\nbox: {count: 3, edge_m: 3}\n").find("did you mean 'box'"),
             std::string::npos);
-  EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 0.3}\n").find("can move in it"),
+  EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 0.3}\n").find("can move"),
             std::string::npos);
   EXPECT_NE(load_error("kind: box\nbox: {count: 3, edge_m: 3, max_speed_mps: 0.1}\n")
                 .find("min_speed_mps"),
