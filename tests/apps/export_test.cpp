@@ -54,7 +54,7 @@ TEST(Export, WritesTablesOfChannels) {
   const std::string events = read_file(folder / "events.csv");
   const int begins = std::stoi(outcome.out.substr(outcome.out.find("events") + 6));
   EXPECT_EQ(line_count(events), 1 + 2 * begins);
-  EXPECT_THAT(events, StartsWith("frame,time_s,kind,a,b,"));
+  EXPECT_THAT(events, StartsWith("frame,time_s,kind,body_a,body_b,"));
 }
 
 TEST(Export, ExportsTheSoundPartOfATornLog) {

@@ -276,7 +276,7 @@ TEST(PoseCommandReceiver, CountsMissingLateAndRejectedMessages) {
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().refusal, "1 joint positions, expected 3");
   pose_command_t old = run.message(5);
-  old.schema = 1;
+  old.schema = 2;
   run.send(old);
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().missing, 3) << "one of the four gaps was filled late";
@@ -307,7 +307,7 @@ TEST(PoseCommandReceiver, RestartsTheNumberingAfterASecond) {
   EXPECT_GT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               testing::HasSubstr("note: control channel ROBOT_DRIVE: no message after number "
-                                 "1000000000000 came for 1."));
+                                 "1000000000000 for 1."));
   EXPECT_EQ(x, 5);
   run.send(run.message(6));
   EXPECT_EQ(run.x_after_a_step(), 6);

@@ -43,7 +43,7 @@ class Recordings(Case):
     def test_have_the_stated_or_given_units(self):
         table = self.folder / "headings.csv"
         table.write_text("id,t [ms],x [cm],y [m],heading\n1,0,100,2,90\n1,40,105,2,90\n")
-        with self.assertRaisesRegex(throng.InputError, "headings.csv:2: .*; heading_unit deg"):
+        with self.assertRaisesRegex(throng.InputError, "headings.csv:2: .*; state their unit with heading_unit deg"):
             throng.Recording(table)
         samples = throng.Recording(table, heading_unit="deg").samples
         numpy.testing.assert_allclose(samples["heading_rad"], numpy.pi / 2, rtol=1e-6)
