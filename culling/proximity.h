@@ -1,5 +1,5 @@
-// ProximityRows lists pairs of parts within a margin with their distance bounds; the closest parts
-// of two bodies and contact points are listed likewise.
+// ProximityRows lists pairs of parts within a margin, or the closest parts of two bodies, each with
+// bounds of their distance. ContactPoint is a point of a contact.
 // Invariant: no pair within the margin is missed, and both distance bounds are proven.
 #pragma once
 
@@ -17,17 +17,18 @@
 
 namespace throng {
 
-/// Larger margins are rejected: they are probably unit errors.
+/// Maximum margin in metres. Larger ones are rejected: they are probably unit errors.
 inline constexpr float kMaxProximity_m = 100;
 
 struct ProximityOptions {
-  /// List pairs of parts of two bodies unless they are proven farther apart, in metres; 0: off.
+  /// Margin in metres within which all pairs of parts of two bodies are listed; 0: off. Pairs are
+  /// listed unless they are proven to be farther apart.
   float margin_m = 0;
-  /// List the closest parts of two moving bodies unless proven farther apart, in metres; 0: off.
+  /// Margin in metres within which the closest parts of each two moving bodies are listed; 0: off.
   float closest_margin_m = 0;
   /// Time between frames in seconds, for closing speeds; 0: speeds are unknown.
   double step_s = 0;
-  /// Compute a point for every contact. Needs triangles, but no margin.
+  /// Compute a ContactPoint for every contact. Requires CullerOptions::exact, but no margin.
   bool contact_points = false;
 
   /// True if a margin is set.
@@ -36,28 +37,32 @@ struct ProximityOptions {
   float max_margin_m() const { return margin_m > closest_margin_m ? margin_m : closest_margin_m; }
 };
 
-/// Distance between the triangles of two parts (between points if there are none). 0 if they touch
-/// or one solid contains the other. Fields after `level` are known if triangles were tested
-/// (PairLevel::kTriangles); otherwise they are NaN.
+/// Distance between the triangles of two parts (between points if there are none). It is 0 if they
+/// touch or one solid contains the other. The fields after `level` are known if triangles were
+/// tested (PairLevel::kTriangles). Otherwise they are NaN, and depth_m is 0.
 struct ProximityPair {
   PairKey pair;
-  float lo_m = 0, hi_m = 0;  ///< distance bounds; by triangles at most 1 mm apart
+  /// Lower and upper bound of the distance; by triangles at most 1 mm apart.
+  float lo_m = 0, hi_m = 0;
   PairLevel level = PairLevel::kPartVolume;
 
   static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   static constexpr double kNoPosition = std::numeric_limits<double>::quiet_NaN();
-  /// Closest points of parts a and b, hi_m apart, world frame; a shared point if the parts touch.
+  /// Closest points of parts a and b in the world frame, hi_m apart. If the parts touch, both are
+  /// the same point.
   std::array<double, 3> point_a_m = {kNoPosition, kNoPosition, kNoPosition};
   std::array<double, 3> point_b_m = {kNoPosition, kNoPosition, kNoPosition};
-  /// Unit normal from a to b, along the points; if the parts touch, direction of least penetration.
+  /// Unit vector from point a to point b, world frame. If the parts touch: direction in which the
+  /// least translation of b separates the convex hulls.
   std::array<float, 3> normal = {kUnknown, kUnknown, kUnknown};
-  /// penetration depth of the convex hulls along the normal, >= 0; 0: apart (see hull_depth.h)
+  /// Penetration depth of the convex hulls along the normal; 0 if the parts are apart.
   float depth_m = 0;
-  /// Speed at which the material at the two points approached along the normal since the last
-  /// frame. NaN if a body was absent, or not near another one, in the last frame.
+  /// Speed at which the two material points approached along the normal since the last frame;
+  /// negative if they moved apart. NaN if a body was absent, or near no other, in the last frame.
   float closing_speed_mps = kUnknown;
 
-  /// Time to contact at that speed: 0 if touching, infinite if not approaching, NaN if unknown.
+  /// hi_m over the closing speed: 0 if the parts touch, infinite if they do not approach, NaN if
+  /// the speed is unknown.
   float time_to_contact_s() const {
     if (level == PairLevel::kTriangles && hi_m == 0) return 0;
     if (!(closing_speed_mps <= 0)) return hi_m / closing_speed_mps;
@@ -65,7 +70,8 @@ struct ProximityPair {
   }
 };
 
-/// Compact ProximityPair that was bounded by volumes only. A crowd has hundreds of thousands.
+/// ProximityPair whose distance is bounded by volumes only, without the unknown fields. A crowd has
+/// hundreds of thousands.
 struct DistanceBounds {
   PairKey pair;
   float lo_m = 0, hi_m = 0;
@@ -73,7 +79,8 @@ struct DistanceBounds {
   ProximityPair row() const { return {pair, lo_m, hi_m}; }
 };
 
-/// View of rows as ProximityPairs. A row is created on access: keep the row, not its address.
+/// Read-only view of rows as ProximityPairs, valid as long as the rows. A row is created on access:
+/// keep the row, not its address.
 class ProximityRows {
  public:
   class Iterator;
@@ -144,11 +151,11 @@ class ProximityRows::Iterator {
 inline ProximityRows::Iterator ProximityRows::begin() const { return {*this, 0}; }
 inline ProximityRows::Iterator ProximityRows::end() const { return {*this, size_}; }
 
-/// Point, normal and penetration depth of a contact, as in its ProximityPair.
+/// Point, normal and penetration depth of a contact.
 struct ContactPoint {
   PairKey pair;
   std::array<double, 3> point_m = {};  ///< point on both parts, world frame
-  std::array<float, 3> normal = {};    ///< unit direction of least penetration for part b
+  std::array<float, 3> normal = {};    ///< unit vector, as in ProximityPair, world frame
   float depth_m = 0;                   ///< penetration depth of the convex hulls along the normal
 };
 

@@ -48,19 +48,24 @@ Examples:
   throng run my_scene.yaml --part-volume obb --threads 1 --log off
   throng run plaza --pace 1                          in real time, to watch it live
   throng run corridor --lcm off --log off --trajectory corridor.sqlite
-  throng run cell.yaml --separation separation      distances of robots to people, docs/contacts.md
-  throng run plaza --part-pairs parts                  tests, passes and false positives by pair of parts
+  throng run cell.yaml --separation separation       distances of robots to people, docs/contacts.md
+  throng run plaza --part-pairs parts                tests, passes and false positives by pair of parts
   throng run plaza --part-volume 'hands: sphere, default: ordop26'
   throng run plaza --states-hz 10 --seconds 600      a log of a fifth of the size, with every contact
   throng run plaza --seconds 3600 --checkpoint plaza.checkpoint --checkpoint-every 60
   throng run plaza --seconds 3600 --resume plaza.checkpoint --log rest.lcmlog
-  throng run uo-050-180-180.txt --fps 16 --unit cm         a recording, retargeted to bodies
-  throng run out/plaza.lcmlog --exact --part-volume obb    cull the poses of a log again
+  throng run uo-050-180-180.txt --fps 16 --unit cm         a recording; bodies follow its tracks
+  throng run out/plaza.lcmlog --exact --part-volume obb    find contacts in the poses of a log
 
-The events depend on the scene, --avatars, --seed, --steering, --part-volume, --exact, the budgets and (without
---exact) --strategy, never on --threads, --simd, --pair-search or --pace. With a budget, pairs that touched in
-the last frame are refined first, then those with the deepest overlap of spheres; the rest is reported at the level
-it reached. Ctrl-C ends the run with its summary, a sound log and exit code 130; SIGTERM with 143, SIGHUP with 129.
+An event is the begin or the end of a contact. Two parts are in contact if their bounding volumes overlap; with
+--exact, if their triangles intersect. The events depend on the scene or recording and its options, --avatars,
+--seconds, --seed, --steering, --part-volume, --exact, the filters, the budgets and (without --exact) --strategy.
+They never depend on --threads, --simd, --pair-search or --pace.
+
+With a budget, pairs that touched in the last frame are refined first, then those with the deepest overlap of
+spheres. The remaining pairs are reported at the level they reached: spheres, boxes, part volumes or triangles.
+
+Ctrl-C ends the run with its summary, a sound log and exit code 130; SIGTERM with 143, SIGHUP with 129.
 
 No file is changed before all options and inputs are checked. An older log under the default name
 out/SCENE.lcmlog is kept as out/SCENE.previous.lcmlog; a file that you name is replaced.)";
@@ -81,7 +86,7 @@ struct RunCommand {
 
 void add_options(CommandOptions& app, RunCommand& options) {
   add_run_options(app, options.file, options.run);
-  app.add_option("--pace", options.pace, "Target real-time factor [unlimited]")
+  app.add_option("--pace", options.pace, "Target real-time factor; 1: real time [unlimited]")
       ->check(number_option(0, 1e6, true, "a number above 0; 1 is real time"))
       ->type_name("X");
   app.add_option("--lcm", options.lcm,
@@ -101,11 +106,11 @@ void add_options(CommandOptions& app, RunCommand& options) {
       ->type_name("FILE");
   app.add_option(
          "--flush-s", options.flush_s,
-         "Maximum delay of a frame to the log's file, in seconds; 0: before the next frame [0.25]")
+         "Maximum delay of a frame to the log file, in seconds; 0: before the next frame [0.25]")
       ->check(number_option(0, 3600, false, "a number of seconds from 0 to 3600"))
       ->type_name("S");
   app.add_option("--publish-for", options.publish_for,
-                 "Also publish contacts and proximity rows of WHO (group, body id or all) on "
+                 "Also publish events and proximity rows of WHO (group, body id or all) on "
                  "CHANNEL_EVENTS, _PROXIMITY and _STAMP")
       ->take_many()
       ->type_name("WHO:CHANNEL");

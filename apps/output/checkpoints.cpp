@@ -12,15 +12,16 @@
 namespace throng {
 
 void add_checkpoint_options(CommandOptions& app, CheckpointOptions& options) {
-  Option* file =
-      app.add_option("--checkpoint", options.file, "Write checkpoints to FILE, for --resume")
-          ->type_name("FILE");
+  Option* file = app.add_option("--checkpoint", options.file,
+                                "Write the state of the run to FILE at intervals, for --resume")
+                     ->type_name("FILE");
   app.add_option("--checkpoint-every", options.every_s,
                  fmt::format("Simulated seconds between checkpoints [{}]", options.every_s))
       ->check(number_option(0, 1e7, true, "a number of seconds above 0"))
       ->needs(file)
       ->type_name("S");
-  app.add_option("--resume", options.resume, "Resume from a checkpoint of the same run")
+  app.add_option("--resume", options.resume,
+                 "Resume from a checkpoint of a run with the same scene and options")
       ->type_name("FILE");
 }
 

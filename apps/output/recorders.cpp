@@ -16,7 +16,7 @@ namespace throng {
 
 void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
   app.add_option("--trajectory", options.trajectories,
-                 "Write positions to FILE.sqlite (format of JuPedSim, PedPy) or FILE.csv")
+                 "Write positions of agents to FILE.sqlite (format of JuPedSim, PedPy) or FILE.csv")
       ->check([](const std::string& name) {
         return is_trajectory_name(name)
                    ? std::string()
@@ -26,22 +26,23 @@ void add_recorder_options(CommandOptions& app, RecorderOptions& options) {
       ->take_many()
       ->type_name("FILE");
   app.add_option("--trajectory-fps", options.trajectory_fps,
-                 "Frames per second of --trajectory [10; for a recording its own]")
+                 "Frames per second of --trajectory [10; that of a recording]")
       ->check(number_option(0, 1e4, true, "a number of frames per second above 0"))
       ->type_name("F");
-  app.add_option("--trajectory-area", options.trajectory_area,
-                 "Piece of a divided walkable area for FILE.sqlite: largest, or its rank by "
-                 "size, from 1")
+  app.add_option(
+         "--trajectory-area", options.trajectory_area,
+         "Piece of a walkable area in several pieces, for FILE.sqlite: largest, or its rank by "
+         "size, from 1")
       ->check([](const std::string& word) {
         return trajectory_piece(word)
                    ? std::string()
                    : fmt::format("expected 'largest' or a whole number from 1, found '{}'", word);
       })
       ->type_name("N");
-  app.add_option("--html", options.html, "Write the 3-D page with the run into one file")
+  app.add_option("--html", options.html, "Write a web page that shows the run in 3-D")
       ->type_name("FILE");
   app.add_option("--contacts", options.contacts,
-                 "Write contact statistics to a folder: CSV and figures")
+                 "Write contact statistics (CSV and figures) to a folder")
       ->type_name("DIR");
   app.add_option("--separation", options.separation,
                  "Write distances and shortfalls between robots and people to a folder")

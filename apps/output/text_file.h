@@ -12,7 +12,8 @@ namespace throng {
 void write_text(const std::filesystem::path& file, const std::string& text);
 void append_text(const std::filesystem::path& file, const std::string& text);
 
-inline constexpr const char* kJsonHelp = "Write results as JSON; -: to stdout, nothing else there";
+inline constexpr const char* kJsonHelp =
+    "Write results as JSON; '-' prints them, and nothing else, to stdout";
 
 /// Whether the value of --json means stdout.
 inline bool is_stdout(const std::string& file) { return file == "-"; }

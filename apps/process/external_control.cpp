@@ -19,9 +19,9 @@ bool has_external(const RunInfo& run) {
 }  // namespace
 
 void add_external_control_options(CommandOptions& app, ExternalControlOptions& options) {
-  Option* lockstep =
-      app.add_flag("--lockstep", options.lockstep,
-                   "Wait each frame for the controllers' replies to the previous one");
+  Option* lockstep = app.add_flag(
+      "--lockstep", options.lockstep,
+      "Before each frame, wait for the external controllers' replies to the previous one");
   app.add_option("--lockstep-timeout", options.timeout_s,
                  fmt::format("Maximum wait for a reply, in seconds [{:g}]", options.timeout_s))
       ->check(number_option(0, 1e6, true, "a number of seconds above 0"))

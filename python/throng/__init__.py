@@ -1,14 +1,25 @@
 """Simulate crowds of articulated people and find every contact between their body parts.
 
-    run(source, ...)         run a scene, a recording or a log to its end; results are arrays
-    Simulation(source, ...)  step through a scene, a recording or a log frame by frame
+    run(source, ...)         run a scene, a recording or a log to its end; returns a Run
+    Simulation(source, ...)  step through a scene, a recording or a log; each step returns a Frame
+    scenes()                 names and descriptions of the bundled scenes
     Model(urdf)              body model of a robot or a person: parts, joints, kinematics
-    Culler(bodies, ...)      find contacts of custom bodies in custom poses
-    read_log, check, render, view
-    Recording, compare, scenes
+    Body(parts, ...)         a kind of body made of meshes, without joints
+    Culler(bodies, ...)      find contacts of Models and Bodies in poses of your own
+    read_log(file)           read the log of a run; returns a Run
+    check(file)              check a log for missing and damaged parts
+    render(log, frame)       picture of one frame
+    view(log)                3-D web page of a run
+    Recording(file)          recorded trajectories of people
+    compare(a, b)            measure two scenes, recordings or logs
+    Table                    structured array that most results are; to_pandas() adds names
 
-Units are metres, seconds and radians; z points up. Quaternions are (x, y, z, w). Errors are InputError
-(a ValueError with .file and .line) and EnvironmentFault (an OSError).
+An agent is a person or a robot; its articulated body is an avatar. Bodies are avatars, numbered from 0, then
+obstacles. Columns and arguments named `people` or `person` count all avatars, robots included.
+
+Units are metres, seconds and radians. Positions are in the world frame; z points up. Matrices `a_from_b` transform
+coordinates of frame b into frame a. Quaternions are (x, y, z, w). Errors are InputError (a ValueError with .file and
+.line) and EnvironmentFault (an OSError).
 
 The classes of LCM messages (events_t, run_chunk_t, ...) are in this module and do not need numpy.
 """

@@ -13,13 +13,17 @@ from ._table import Table, has_columns
 
 
 class Body:
-    """A kind of body: rigid parts, each a mesh in its own coordinate frame.
+    """A kind of body: rigid parts, each a mesh in its own part frame.
 
     Args:
-        parts: one entry per part, at most 255: a mesh file (.tri, .ply, .stl, ...), a pair (vertices V x 3 in
-            metres, triangles T x 3), or vertices, whose convex hull counts. Coordinates up to 1e6 m.
-        names: names of the parts ["part 0", ...].
+        parts: 1 to 255 entries. Each is a mesh file (.tri, .ply, .stl, ...), a tuple (vertices V x 3, triangles
+            T x 3), or vertices alone. Vertices alone stand for their convex hull and exclude exact=True. Coordinates
+            are in metres, at most 1e6; triangles are indices of vertices.
+        names: names of the parts ["part 0", "part 1", ...].
         static: True for a body that never moves; static bodies are not tested against each other.
+
+    Attributes:
+        part_count, part_names: number and names of the parts.
     """
 
     def __init__(self, parts, names=None, static=False):
@@ -76,21 +80,34 @@ class _BodyNames:
 
 
 class Culler:
-    """Finds overlapping parts of different bodies, step after step.
+    """Finds contacts between parts of different bodies, step after step. Parts of one body are not tested.
 
-    A pair whose triangles intersect is always reported, in any pose. A table that was not requested (`proximity`,
-    `closest_parts`, `contact_points`) raises RuntimeError. One thread at a time may use a culler.
+    A pair whose triangles intersect is always reported, in any pose. One thread at a time may use a culler.
 
     Args:
-        bodies: a Model or Body, or a list of them: the kinds of bodies.
-        exact: True tests triangles; False tests part volumes, which also reports pairs that nearly touch.
-        part_volume: "ordop26", "obb", "aabb", ..., or a map by words of part names: "hand: obb, default: sphere".
-        pair_search: "grid", "sweep" or "brute".
-        threads: number of threads [all cores].
+        bodies: the kinds of bodies: a Model or Body, or a list of them.
+        exact: True decides contacts by triangles; False by part volumes, which also reports pairs that nearly touch.
+        part_volume: bounding volume of the parts: "sphere", "aabb", "obb", "kdop14", "kdop18", "kdop26", "ordop14",
+            "ordop18" or "ordop26". A map by words of part names is also possible: "hand: obb, default: sphere".
+        pair_search: search for pairs of bodies: "grid", "sweep" or "brute"; it changes no result.
+        threads: number of threads, 1 to 256 [all cores].
         step_s: duration of a step in seconds, for begin_s and end_s of contacts and for closing speeds.
-        proximity: margin in metres; `proximity` lists each pair of parts of two bodies within it.
-        closest_parts: margin in metres; `closest_parts` lists the nearest parts of each two bodies within it.
-        contact_points: True fills `contact_points` with points and penetration depths; needs exact=True.
+        proximity: margin in metres, 0 to 100; 0: off. The table `proximity` lists pairs of parts within it.
+        closest_parts: margin in metres, 0 to 100; 0: off. The table `closest_parts` lists the nearest parts of each
+            two moving bodies within it.
+        contact_points: True fills the table `contact_points`; requires exact=True.
+
+    Attributes:
+        pairs: Table, pairs of parts that touch after the last step. Columns: body_a, body_b, part_a, part_b.
+        events: Table, events of all steps so far. Columns: see Run.events.
+        contacts: Table, contacts of all steps so far. Columns: see Run.contacts; end_s is nan while a contact lasts.
+        proximity, closest_parts: Tables of distances after the last step. Columns: see Frame.proximity.
+        contact_points: Table, points of the touching pairs after the last step. Columns: see Frame.contact_points.
+        frame: number of steps so far.
+        hash: hash of all events so far, 16 hexadecimal digits.
+        step_s: as given.
+
+    A table that was not requested (proximity, closest_parts, contact_points) raises RuntimeError.
     """
 
     def __init__(self, bodies, exact=False, part_volume="ordop26", pair_search="grid", threads=None, step_s=1.0,
@@ -110,14 +127,16 @@ class Culler:
         self._names = _BodyNames([body.part_names for body in made])
 
     def step(self, poses, types=None, ids=None, scales=None):
-        """Advance one step and return the begin and end events as a Table (see Run.events).
+        """Find the contacts of N bodies in new poses; return the begin and end events as a Table (see Run.events).
 
         Args:
-            poses: N x P x 4 x 4 (or 3 x 4) matrices, world_from_part; for bodies with different numbers of parts a
-                list of N arrays P x 4 x 4. Rotations without scale, positions within 1e9 m of the origin per axis.
-            types: N indices into the kinds of bodies [0].
-            ids: N ascending numbers [0, 1, ...]. A body that is missing in a step touches nothing.
-            scales: N sizes of the bodies [1].
+            poses: N x P x 4 x 4 (or 3 x 4) matrices [R | t], world_from_part. For bodies with different numbers of
+                parts: a list of N arrays P x 4 x 4. R is a rotation without scale; t is in metres, at most 1e9 per
+                axis.
+            types: N indices into `bodies` [0].
+            ids: N strictly ascending body numbers, 0 to 16777215 [0, 1, ...]. The contacts of a body that is missing
+                in a step end.
+            scales: N sizes of the bodies, as factors from 1e-6 to 1e6 [1].
         """
         if isinstance(poses, (list, tuple)):
             bodies = [_matrices(f"poses[{i}]", body) for i, body in enumerate(poses)]
@@ -155,20 +174,14 @@ class Culler:
         return Table(rows(), self._names)
 
     def finish(self):
-        """End all contacts that still exist and return these end events as a Table."""
+        """End all current contacts and return these end events as a Table (see Run.events)."""
         return Table(self._culler.finish(), self._names)
 
-    #: Table: body_a, part_a, body_b, part_b of each pair that touches after the last step
     pairs = property(lambda self: Table(self._culler.pairs(), self._names))
-    #: Table: distances of parts after the last step, see Frame.proximity; needs proximity=M
     proximity = property(lambda self: self._requested_table("proximity=M", self._culler.proximity))
-    #: Table: nearest parts of each two bodies, see Frame.proximity; needs closest_parts=M
     closest_parts = property(lambda self: self._requested_table("closest_parts=M", self._culler.closest_parts))
-    #: Table: points of touching pairs after the last step, see Frame.contact_points
     contact_points = property(lambda self: self._requested_table("contact_points=True", self._culler.contact_points))
-    #: Table: events of all steps so far, see Run.events
     events = property(lambda self: Table(self._culler.events(), self._names))
-    #: Table: contacts of all steps so far, see Run.contacts; end_s is nan while a contact lasts
     contacts = property(lambda self: Table(self._culler.contacts(self.step_s), self._names))
     frame = property(lambda self: self._culler.frame)
     hash = property(lambda self: self._culler.hash)

@@ -4,7 +4,7 @@ import re
 
 
 class Error(Exception):
-    """Base class of this module's exceptions."""
+    """Base class of InputError and EnvironmentFault."""
 
 
 class InputError(Error, ValueError):

@@ -10,14 +10,14 @@ from ._run import Run, progress_of
 
 
 def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
-    """Read a log written by `throng run` or run(..., log=FILE); returns a Run.
+    """Read a log written by `throng run` or run(..., log=FILE); return a Run.
 
-    Of a damaged log the sound part is read. summary["left_out"] counts the unreadable places, notes describe the
-    missing or altered parts, and check() reports them in full. Ctrl-C raises KeyboardInterrupt.
+    The sound part of a damaged log is read. Run.summary["left_out"] counts the unreadable places, Run.notes describe
+    the missing or altered parts, and check() reports them in full. Ctrl-C raises KeyboardInterrupt.
 
     Args:
-        file: the log.
-        trajectory_fps: positions per second [all in the log].
+        file: path of the log.
+        trajectory_fps: positions per second in Run.trajectories [all in the log].
         trajectories: False leaves Run.trajectories empty.
         progress: as in run().
     """
@@ -39,22 +39,29 @@ def _missing(frames, finished, left_out, damage):
 
 
 class LogReport(dict):
-    """Result of check(): sound, finished, cut_off (a sentence, or ""), problems (one line each), messages, bytes,
-    begins, ends, open_pairs, frames, seconds, ... True if the log is sound and finished."""
+    """Result of check(): a dict that is true if the log is sound and finished.
+
+    Keys: sound, finished, cut_off (a sentence, or ""), problems (one line each), messages, bytes, begins, ends,
+    open_pairs (contacts without an end), frames, seconds, ...
+    """
 
     def __bool__(self):
         return self["sound"] and self["finished"]
 
 
 def check(file):
-    """Check a log as `throng check` does: numbering, gaps, checksums, and that begins and ends pair up."""
+    """Check numbering, checksums and paired events of a log, as `throng check` does; return a LogReport."""
     return LogReport(_core.check(path_of("file", file)))
 
 
 def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
     """Return a picture of one frame of a log: height x width x 3, uint8 (red, green, blue).
 
-    eye_m, target_m: position of the camera and the point it looks at (x, y, z) [shows the whole crowd].
+    Args:
+        log: path of the log.
+        frame: number of the frame, from 0.
+        width, height: size of the picture in pixels, 16 to 8192.
+        eye_m, target_m: position of the camera and the point it looks at, x, y, z in metres [shows the whole crowd].
     """
     return _core.render(
         path_of("log", log), integer("frame", frame, 0, 2**63 - 1),
@@ -65,7 +72,12 @@ def render(log, frame, width=1280, height=720, eye_m=None, target_m=None):
 
 
 class Page:
-    """The 3-D page with a run embedded in it. A notebook shows it; save() writes it."""
+    """Web page that shows a run in 3-D. A notebook shows it; save() writes it to a file.
+
+    Attributes:
+        html: text of the page.
+        height: height in a notebook, in pixels.
+    """
 
     def __init__(self, text, height=540):
         self.html = text
@@ -86,7 +98,13 @@ class Page:
 
 
 def view(log, limit_mb=25, height=540):
-    """Return the page of `throng view LOG --html` for a log, or for a Run made with view=True."""
+    """Return the Page of a log, or of a Run made with view=True or log=FILE.
+
+    Args:
+        log: path of a log, or a Run.
+        limit_mb: maximum size of the page of a log, in MB; a larger page is an InputError.
+        height: height of the page in a notebook, in pixels.
+    """
     if isinstance(log, Run):
         return log.view()
     with tempfile.TemporaryDirectory() as folder:

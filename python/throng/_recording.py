@@ -14,16 +14,20 @@ from ._table import Table
 class Recording:
     """Trajectories of people from an experiment or another simulator, in any supported file format.
 
-    Options supply properties that the file does not state, as in run(): fps, unit, heading_unit, columns, separator,
-    tracked_point, strict.
+    Args:
+        file: path of the recording.
+        options: properties that the file does not state, as in run(): fps, unit, heading_unit, columns, separator,
+            tracked_point, strict.
 
     Attributes:
-        people: Table: id, samples, first_s, last_s, height_m (nan: none).
-        samples: Table: id, time_s, x_m, y_m, z_m, heading_rad (nan: none), sorted by person.
-        facts: dict: kind, tracked_point, fps, frames, duration_s, samples, shift_m, wkt, and anomalies as a list of
-            (kind, count, first occurrence).
-        summary: dict: mean_people, max_people, max_people_at_s; speed_mps, density_per_m2 and height_m as
-            (5 %, median, 95 %).
+        people: Table, one row per person. Columns: id, samples (number of), first_s, last_s, height_m (nan: unknown).
+        samples: Table, one row per recorded position, sorted by person and time. Columns: id, time_s, x_m, y_m, z_m,
+            heading_rad (nan: unknown).
+        facts: dict of properties of the file: kind, tracked_point, fps, frames, duration_s, samples, shift_m
+            (subtracted from its positions), wkt (its walkable area), and anomalies, a list of (kind, count, first
+            occurrence).
+        summary: dict: mean_people, max_people and max_people_at_s; speed_mps, density_per_m2 and height_m, each as
+            (5 % quantile, median, 95 % quantile).
     """
 
     def __init__(self, file, **options):
@@ -40,7 +44,7 @@ class Recording:
     summary = property(lambda self: self._recording.summary())
 
     def run(self, **options):
-        """Retarget bodies onto the tracks and cull them: run() with this file."""
+        """Retarget bodies onto the tracks and find their contacts: run() with this file; return a Run."""
         return run(self._file, **{**self._options, **options})
 
 
@@ -49,12 +53,13 @@ def _opened(file, options):
 
 
 class Comparison:
-    """Two crowds, measure by measure. print() shows all measures; a notebook also shows the figures.
+    """Measures of two crowds, a and b, side by side. print() shows all measures; a notebook also shows the figures.
 
     Attributes:
-        a, b: dicts of the two runs: name, people, seconds, person_s.
-        tables: dict by measure (speed_density, spacing, flow, contacts, depth, ...) of Tables: at, from, to, which,
-            what, unit, a, b; nan where a run has no value.
+        a, b: dicts of the two runs: name, people, seconds, person_s (sum of the times of all people).
+        tables: dict from measure (speed_density, spacing, flow, contacts, depth, ...) to Table. Columns: at (quantity
+            that divides the rows into ranges), from, to (bounds of the range), which, what (measured quantity), unit
+            (of a and b), a, b (values; nan: none).
     """
 
     _ROW = numpy.dtype(
@@ -74,7 +79,7 @@ class Comparison:
         return self._found.text()
 
     def figures(self, folder=None):
-        """Return a dict by figure of (title, SVG), drawn by gnuplot; with a folder also write them there."""
+        """Return a dict from figure to (title, SVG text), drawn by gnuplot. With a folder, also write them there."""
         if folder is not None:
             os.makedirs(folder, exist_ok=True)
             return self._found.figures(os.fspath(folder))
@@ -90,9 +95,17 @@ def _without_none(row):
 
 
 def compare(a, b, seconds=None, line=None, threads=None, progress=None):
-    """Run two scenes, recordings or logs with triangles and measure both, as `throng compare` does.
+    """Run two scenes, recordings or logs with exact=True and measure both, as `throng compare` does.
 
-    line: where the flow is measured, (x, y, x, y) in metres [the narrowest place]. Returns a Comparison.
+    Args:
+        a, b: sources, as in run().
+        seconds: simulated time of each in seconds [the scene's].
+        line: line across which the flow is measured, (x, y, x, y) in metres [the narrowest place].
+        threads: number of threads [all cores].
+        progress: as in run().
+
+    Returns:
+        Comparison
     """
     given = {"seconds": seconds, "threads": threads, "exact": True}
     if line is not None:

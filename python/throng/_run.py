@@ -16,14 +16,19 @@ _WHOLE_BODY = 255
 
 
 def options_of(source, given):
-    """Return the options for the compiled module: those given, without None."""
+    """Return the options for the compiled module: source and all options that are not None."""
     options = {name: value for name, value in given.items() if value is not None}
     options["source"] = path_of("source", source, "the name of a scene, or a path")
     return options
 
 
 class Names:
-    """Maps numbers of bodies, parts and groups to names."""
+    """Names of the groups, models, parts and obstacles of a run, by number.
+
+    Attributes:
+        groups, models, obstacles: lists of names.
+        parts: one list of part names per model.
+    """
 
     def __init__(self, facts):
         self.groups = list(facts["groups"])
@@ -41,7 +46,7 @@ class Names:
             self._table[row, _WHOLE_BODY] = "whole body" if row < len(self.parts) else names[0]
 
     def part(self, bodies, parts):
-        """Return one name for each pair of a body number and a part number; 255 is the whole body."""
+        """Return the names of parts (N, object), for N body numbers and N part numbers; part 255: "whole body"."""
         bodies, parts = integers("bodies", bodies), integers("parts", parts)
         if len(bodies) != len(parts):
             raise input_error("bodies, parts", "arrays of equal length", f"{len(bodies)} and {len(parts)}")
@@ -87,24 +92,30 @@ class Run:
     """Results of a run, as arrays. Can be pickled with all its tables.
 
     Attributes:
-        scene, seed, run_id, step_s: name of the scene, random seed, hash of all inputs, step in seconds.
+        scene: name of the scene.
+        seed: seed of all random numbers.
+        run_id: hash of everything that determines the results, 16 hexadecimal digits.
+        step_s: time from one frame to the next.
         hash: hash of all events, 16 hexadecimal digits, as printed by `throng run`; None for an incomplete log.
-        people: Table, one row per person: id, group, model, scale, height_m.
-        events: Table, one row per begin or end: frame, body_a, body_b, part_a, part_b, kind (0 begins, 1 ends),
-            level (0 spheres, 1 boxes, 2 part volumes, 3 triangles). body_a < body_b; people come before obstacles.
-        contacts: Table, one row per contact, in order of begin: body_a, body_b, part_a, part_b, level, ended (0:
-            lasted to the end of the run), begin_frame, end_frame, begin_s, end_s.
-        trajectories: Table, one row per person in the scene and sampled frame: frame, time_s, id, x_m, y_m, z_m,
-            heading_rad, speed_mps.
-        counters: Table, one row per frame: frame, time_s, touching, begins, ends, persisting; updates, tests and
-            passed of each stage of culling (body_sphere, body_box, part_box, part_volume, triangles); posed_bodies,
-            frame_ms, cull_ms.
+        people: Table, one row per avatar. Columns: id, group, model (index into names.groups, names.models), scale
+            (1: size of the model), height_m.
+        events: Table, one row per begin or end of a contact, sorted by frame and bodies. Columns: frame, body_a,
+            body_b, part_a, part_b (255: the whole body), kind (0 begins, 1 ends), level. `level` is the last test
+            passed: 0 spheres, 1 boxes, 2 part volumes, 3 triangles. body_a < body_b.
+        contacts: Table, one row per contact, in order of begin. Columns: body_a, body_b, part_a, part_b, level, ended
+            (0: lasted to the end of the run), begin_frame, end_frame, begin_s, end_s.
+        trajectories: Table, one row per sampled frame and avatar in the scene. Columns: frame, time_s, id, x_m, y_m,
+            z_m (root position), heading_rad (counter-clockwise from the x axis), speed_mps.
+        counters: Table, one row per frame. Columns: frame, time_s, touching, begins, ends, persisting, posed_bodies,
+            frame_ms and cull_ms (wall times). Also updates, tests and passed of each culling stage: body_sphere,
+            body_box, part_box, part_volume, triangles.
         summary: dict of totals.
-        separation: None, or for a scene with a `separation` a dict of robots, shortfalls, pairs, undetermined,
-            beyond_margin and regions: name -> a dict of shortfalls, shortfall_s, max_shortfall_m, min_distance_lo_m,
-            min_distance_hi_m.
+        separation: dict of distances between robots and people, for a scene with the key `separation`; else None.
+            Keys: robots, shortfalls, pairs, undetermined, beyond_margin and regions. `regions` maps a body region to
+            a dict: shortfalls, shortfall_s, max_shortfall_m, min_distance_lo_m, min_distance_hi_m.
         notes: notes and warnings, one line each.
-        names: .groups, .models, .parts (one list per model), .obstacles; .part(bodies, parts) returns names.
+        names: lists .groups, .models, .obstacles, and .parts (one list per model); .part(bodies, parts) returns the
+            names of parts.
         log: path of the written log, or None.
     """
 
@@ -138,7 +149,7 @@ class Run:
         return {**self.__dict__, "_find_contacts": None}
 
     def view(self):
-        """Return the page with this run, which a notebook shows. Needs run(..., view=True) or a log."""
+        """Return the Page of this run. Raises ValueError without run(..., view=True) or a log."""
         from ._log import Page, view
 
         if self._page is not None:
@@ -155,7 +166,7 @@ class Run:
 
 
 def progress_of(progress):
-    """Return None, or a function of (done, total); for True a progress bar on stderr."""
+    """Return a function of (done, total), or None; True stands for a progress bar on stderr."""
     if progress is None or progress is False:
         return None
     if progress is not True:
@@ -214,32 +225,50 @@ def run(
 ):
     """Run a scene, a recording or a log to its end and return all contacts.
 
-    The options are those of `throng run`, with the same names and defaults, and give the same hash. Nothing is
-    published, and only files named by an argument are written. Other Python threads run meanwhile. Ctrl-C ends the
-    run after the current frame, completes the files and raises KeyboardInterrupt.
+    Options that `throng run` also has mean the same as there, and the hash is equal. Nothing is published over LCM, and
+    only files named by an argument are written. Other Python threads run meanwhile. Ctrl-C ends the run after the
+    current frame, completes the files and raises KeyboardInterrupt.
 
     Args:
         source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
-        seconds, avatars, seed, steering, part_volume, exact: as in the command.
-        proximity, closest_parts: margins in metres, as in the command; rows go to the log and to Frame.proximity
-            and Frame.closest_parts of a Simulation.
-        contact_points: True adds points and penetration depths to the log and to Frame.contact_points; needs
+        seconds: simulated time in seconds, above 0 [the scene's].
+        avatars: total number of agents; scales all groups [the scene's].
+        seed: seed of all random numbers, from 0 [the scene's].
+        steering: steering model: "heuristic", "orca" or "collision_free_speed" [the scene's].
+        part_volume: bounding volume of body parts: "ordop26", "obb", ..., or a map by words of part names, "hands:
+            sphere, default: ordop26" [the scene's].
+        exact: True decides contacts and distances by triangle tests; False by part volumes.
+        proximity: margin in metres, 0 to 100. Lists pairs of parts within it, with distances, in the log and in
+            Frame.proximity of a Simulation.
+        closest_parts: margin in metres, 0 to 100. Lists the closest parts of each two avatars within it, in the log
+            and in Frame.closest_parts.
+        contact_points: True adds points and penetration depths to the log and to Frame.contact_points; requires
             exact=True.
-        filter_groups, filter_parts: pairs to report, as in the command: "robots: people", "hands: head".
-        threads, budget_ms, budget_tests, strategy, simd, pair_search: as in the command.
-        fps, unit, heading_unit, columns, separator, tracked_point, strict, sampling: properties of a recording, as
-            in the command.
+        filter_groups, filter_parts: pairs to report [all], as in "robots: people" and "hands: head".
+        threads: number of threads, 1 to 256 [all cores].
+        budget_ms, budget_tests: limit per frame for contact detection, in milliseconds or tests [none]. Remaining
+            pairs are reported at the level they reached.
+        strategy, simd, pair_search: strategy of the paper, SIMD instruction set, search for pairs of bodies
+            ["pipeline", "best", "grid"]. `throng run --help` lists the values.
+        fps: frames per second of a recording, as its file numbers them [the file's].
+        unit, heading_unit: units of a recording: "m", "cm", ...; "rad" or "deg" [the file's].
+        columns, separator: columns of a recorded table, as in "id=1,t=2,x=3,y=4", and the character between them.
+        tracked_point: body point that a recording tracks: "head" or "centre" [by kind of file].
+        strict: True treats anomalies in a recording as errors.
+        sampling: frames of a recording: "smooth" (steps of at most 1/60 s) or "recorded" ["smooth"].
         trajectories: False leaves Run.trajectories empty.
         trajectory_fps: positions per second [10, or the rate of the recording].
-        log, states_hz, publish_part_poses: log to write, and its contents.
-        html: page with the run to write.
-        trajectory: file .sqlite or .csv to write, or a list of them.
-        trajectory_area: for a walkable area in several pieces, the piece in FILE.sqlite: "largest", or its number
-            by size, from 1.
-        contacts: folder for contact statistics.
-        separation: folder for distances of robots from people.
-        trace_hash: file for one hash per stage and frame.
-        view: True keeps the page for Run.view().
+        log: log to write [none].
+        states_hz: states (poses of all avatars) per simulated second in the log [every frame].
+        publish_part_poses: True adds the pose of every part to these states.
+        html: 3-D web page to write [none].
+        trajectory: file .sqlite or .csv to write, or a list of them [none].
+        trajectory_area: piece of a walkable area in several pieces, for FILE.sqlite: "largest", or its rank by size,
+            from 1.
+        contacts: folder for contact statistics (CSV and figures) [none].
+        separation: folder for distances and shortfalls between robots and people [none].
+        trace_hash: file for one hash per stage and frame, to locate where two runs diverge [none].
+        view: True keeps the 3-D page for Run.view().
         progress: True shows a bar on stderr; a function is called with (frames done, all frames).
 
     Returns:
@@ -272,5 +301,5 @@ def run(
 
 
 def scenes():
-    """Return the bundled scenes: a dict of names and descriptions."""
+    """Return the bundled scenes: a dict from name to description. Each name is a source for run()."""
     return dict(_core.scenes())

@@ -11,28 +11,36 @@ _OF_RUNS = ("log", "states_hz", "publish_part_poses", "html", "trajectory", "tra
 
 
 class Frame:
-    """One frame of a simulation, valid while it is the latest.
+    """State and contacts of all N avatars in one frame, returned by Simulation.step().
 
-    Arrays are read-only. Each keeps its values while a variable holds it, also after later steps. Requesting another
-    array of an earlier frame raises RuntimeError.
+    A frame is valid until the next step; after it, requesting an array raises RuntimeError. Arrays requested before
+    keep their values. All arrays are read-only. Row i belongs to avatar i.
 
     Attributes:
-        number, time_s, hash (of all events so far).
-        positions_m (N x 3, float64): roots of the bodies; those of people lie on the ground between the feet.
-        rotations_xyzw (N x 4, float32): world_from_root.
-        headings_rad, speeds_mps (N, float32).
-        present (N, bool): False for a person outside the scene, whose position is the last one.
-        joint_positions (float32): rad or m, one avatar after another, see Simulation.joint_offsets.
-        pairs (Table): body_a, body_b, part_a, part_b of each pair that touches in this frame, sorted.
-        events (Table): begin and end events of this frame, see Run.events.
-        proximity (Table): with proximity=M, each pair of parts within M metres: body_a, body_b, part_a, part_b, level
-            (2 volumes, 3 triangles), distance_lo_m and distance_hi_m (bounds of the distance). With exact=True also
-            the nearest points point_a_m and point_b_m (3, world), normal (3, from a to b), depth_m,
-            closing_speed_mps, time_to_contact_s; otherwise these are nan.
-        closest_parts (Table): with closest_parts=M, the nearest parts of each two people within M metres.
-        contact_points (Table): with exact=True, contact_points=True, one row per row of pairs: body_a, body_b,
-            part_a, part_b, point_m (3, world; shared by both parts), normal (3, unit; direction of least
-            penetration), depth_m (penetration depth).
+        number: number of the frame, from 0.
+        time_s: simulated time.
+        hash: hash of all events so far, 16 hexadecimal digits.
+        positions_m (N x 3, float64): root positions in the world frame. The root of a person is the point on the
+            ground between the feet; that of a robot is its root link.
+        rotations_xyzw (N x 4, float32): world_from_root, quaternions.
+        headings_rad (N, float32): heading, counter-clockwise from the world's x axis.
+        speeds_mps (N, float32): ground speed.
+        present (N, bool): False while an avatar is outside the scene; its position is then the last one.
+        joint_positions (float32): joint values of all avatars in one array, rad or m. Simulation.joint_offsets states
+            where those of each avatar begin.
+        pairs (Table): pairs of parts that touch in this frame, sorted. Columns: body_a, body_b, part_a, part_b.
+        events (Table): begin and end events of this frame. Columns: see Run.events.
+        proximity (Table): with proximity=M, all pairs of parts of two bodies within M metres. Columns: body_a, body_b,
+            part_a, part_b, level (2 part volumes, 3 triangles), distance_lo_m and distance_hi_m (bounds of the
+            distance). Known with exact=True, otherwise nan or 0: point_a_m and point_b_m (3, nearest points, world frame),
+            normal (3, unit, from a to b), depth_m, closing_speed_mps, time_to_contact_s.
+        closest_parts (Table): with closest_parts=M, the nearest parts of each two avatars within M metres. Columns as
+            in proximity.
+        contact_points (Table): with exact=True and contact_points=True, one row per row of pairs. Columns: body_a,
+            body_b, part_a, part_b, point_m (3, world frame, on both parts), normal (3, unit, direction of least
+            penetration for b), depth_m (penetration depth of the convex hulls).
+
+    A table that was not requested raises RuntimeError.
     """
 
     def __init__(self, frame, names):
@@ -55,9 +63,10 @@ class Frame:
     contact_points = property(lambda self: Table(self._frame.contact_points, self._names.of_pairs))
 
     def part_poses(self, people):
-        """Return world_from_part of people of one model (K ids): K x P x 4 x 4, float64.
+        """Return world_from_part of all P parts of K avatars: K x P x 4 x 4, float64.
 
-        A point p of a part of a person of scale s lies at R (s p) + t.
+        people: K avatar ids, all of one model. Point p of a part of an avatar of scale s (Run.people) lies at
+        R (s p) + t in the world frame, for a matrix [R | t].
         """
         return self._frame.part_poses(integers("people", people if hasattr(people, "__array__") else list(people)))
 
@@ -68,10 +77,21 @@ class Frame:
 class Simulation:
     """A scene, a recording or a log, frame by frame: ``for frame in Simulation("plaza", seed=3): ...``
 
-    Takes the options of run() that shape frames. culling=False moves people without culling them;
-    joint_positions=False saves the joint positions if they are not needed. One thread at a time may step it; other
-    Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at once; a started step completes by itself, and
-    the next one follows it.
+    source and options are those of run(), without the options that write files. Two options are added: culling=False
+    moves avatars without finding contacts, and joint_positions=False omits joint positions and part poses.
+
+    One thread at a time may step a simulation; other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at
+    once; a started step still completes.
+
+    Attributes:
+        scene, seed, run_id, step_s, people, names: see Run.
+        frames: number of frames in the scene's duration; a loop over the simulation ends after them.
+        next_frame: number of the frame that the next step returns.
+        notes: notes and warnings, one line each.
+        hash: hash of all events so far, 16 hexadecimal digits.
+        step_ms: wall time of the last step in the library, in milliseconds.
+        joint_offsets (N + 1, int64): frame.joint_positions[joint_offsets[i]:joint_offsets[i + 1]] are the joint
+            positions of avatar i, in the order of Model.joint_names.
     """
 
     def __init__(self, source, **options):
@@ -89,11 +109,11 @@ class Simulation:
         self.step_s = facts["step_s"]
 
     def step(self):
-        """Advance one frame and return it. The first call returns frame 0, where people start."""
+        """Advance one step and return its Frame. The first call returns frame 0, the initial state."""
         return Frame(self._run.step(), self.names)
 
     def finish(self):
-        """End all contacts that still exist and return these events as a Table. No step may follow."""
+        """End all current contacts and return these end events as a Table (see Run.events). No step may follow."""
         return Table(self._run.finish(), self.names.of_pairs)
 
     def save(self):
@@ -101,9 +121,10 @@ class Simulation:
         return self._run.save()
 
     def resume(self, state):
-        """Continue from save() of a simulation of the same source and options; call it before the first step.
+        """Continue from save() of a simulation with the same source and options. Call it before the first step.
 
-        Later frames, their events and the hash are equal bit for bit. A state of another run is an InputError.
+        Later frames, events and the hash equal those of the saved simulation bit for bit. Raises InputError if the
+        state belongs to another run.
         """
         if not isinstance(state, (bytes, bytearray, memoryview)):
             raise input_error("state", "bytes returned by save()", abbreviated(state))
@@ -120,8 +141,15 @@ class Simulation:
     def set_pose(self, avatar, position_m, rotation_xyzw=(0, 0, 0, 1), joint_positions=(), velocity_mps=(0, 0)):
         """Set the pose of an externally controlled avatar from the next step on.
 
-        joint_positions are in rad or m; if empty, the joints keep their positions. Values outside the ground or the
-        limits are clamped. Returns the number of clamped values.
+        Positions outside the ground and joint positions outside their limits are clamped. Returns the number of
+        clamped values. Raises InputError for an avatar whose group has no `control_channel`.
+
+        Args:
+            avatar: id of the avatar.
+            position_m: x, y, z of its root in the world frame.
+            rotation_xyzw: world_from_root, a quaternion of any length above 0.
+            joint_positions: one value per joint, rad or m, in the order of Model.joint_names; empty: unchanged.
+            velocity_mps: x, y of its velocity in the world frame, which agents use to avoid it.
         """
         return self._run.set_pose(
             integer("avatar", avatar, 0, len(self.people) - 1),
@@ -131,15 +159,11 @@ class Simulation:
             numbers("velocity_mps", velocity_mps, "2 numbers x, y", (2,)),
         )
 
-    #: number of frames in the scene's duration
     frames = property(lambda self: self._run.frames)
     next_frame = property(lambda self: self._run.next_frame)
     notes = property(lambda self: self._run.notes)
-    #: wall time of the last step in the library, in ms
     step_ms = property(lambda self: self._run.step_ms)
-    #: hash of all events so far
     hash = property(lambda self: self._run.hash)
-    #: (N + 1): joint_positions[offsets[i]:offsets[i + 1]] are the joints of avatar i
     joint_offsets = property(lambda self: self._run.joint_offsets)
 
     def __repr__(self):

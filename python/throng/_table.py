@@ -6,8 +6,8 @@ import numpy
 class Table(numpy.ndarray):
     """A structured numpy array: ``table["begin_s"]`` is a column, ``table[3]`` a row.
 
-    ``to_pandas()`` returns a DataFrame with names for the numbers of bodies, parts and groups. Can be pickled with
-    these names.
+    ``to_pandas()`` returns a DataFrame and adds columns with the names of parts, levels, groups and models. A pickled
+    table keeps these names.
     """
 
     def __new__(cls, rows, names=None):
@@ -32,10 +32,10 @@ class Table(numpy.ndarray):
         return part.view(numpy.ndarray) if isinstance(part, Table) and part.dtype.names is None else part
 
     def to_pandas(self):
-        """Return a pandas.DataFrame with a column for each field, and names for numbers.
+        """Return a pandas.DataFrame with a column per field, and columns of names.
 
-        A point or direction becomes three columns: point_a_m gives point_a_x_m, point_a_y_m and point_a_z_m; normal
-        gives normal_x, ... A table of some columns gets the names whose numbers it has; the name of a part also
+        A point or direction becomes three columns: point_a_m becomes point_a_x_m, point_a_y_m and point_a_z_m; normal
+        becomes normal_x, normal_y and normal_z. part_a adds part_a_name, level adds level_name. A part's name also
         needs the column of its body.
         """
         try:

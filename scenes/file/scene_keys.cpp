@@ -362,7 +362,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
              "distance, see [contacts](../contacts.md); at most 100, 0: off",
              &Scene::proximity_m, kProximityRange),
       number("closest_parts_m",
-             "margin in metres: the closest parts of each two people within it are reported; at "
+             "margin in metres: the closest parts of each two avatars within it are reported; at "
              "most 100, 0: off",
              &Scene::closest_parts_m, kProximityRange),
       flag("contact_points",

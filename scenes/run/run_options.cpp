@@ -159,8 +159,9 @@ std::string checked_separator(const std::string& text, std::string_view where) {
 
 void add_source_rows(std::vector<RunOption>& rows) {
   using O = RunOptions;
-  rows.push_back(of_study(whole("avatars", "N", "Total number of agents; scales all groups",
-                                &O::avatars, 1, PairKey::kMaxId)));
+  rows.push_back(
+      of_study(whole("avatars", "N", "Total number of agents; scales all groups [the scene's]",
+                     &O::avatars, 1, PairKey::kMaxId)));
   rows.push_back(of_study(number("seconds", "S", "Simulated time in seconds [the scene's]",
                                  &O::seconds, {0, 1e7, true}, "a number of seconds above 0")));
   rows.push_back(not_of_study(
@@ -168,7 +169,8 @@ void add_source_rows(std::vector<RunOption>& rows) {
       "'seeds: [1, 2, 3]'"));
   rows.push_back(of_study(
       parsed("part_volume", "VOLUME",
-             "Bounding volume of body parts, or by part 'hands: sphere, default: ordop26'",
+             "Bounding volume of body parts (docs/culling.md) [the scene's], or by part: "
+             "'hands: sphere, default: ordop26'",
              &O::part_volume, "a volume, or 'hands: sphere, default: ordop26'", part_volumes_of)));
   rows.push_back(
       of_study(word("steering", "MODEL", "Steering model [the scene's]: " + steering_choices(),
@@ -178,44 +180,45 @@ void add_source_rows(std::vector<RunOption>& rows) {
   rows.push_back(metres("proximity", "Report pairs of parts within M metres, with distances",
                         &O::proximity_m));
   rows.push_back(metres("closest_parts",
-                        "Report the closest parts of each two people within M metres",
+                        "Report the closest parts of each two avatars within M metres",
                         &O::closest_parts_m));
   rows.push_back(flag("contact_points",
                       "Report point, normal and depth of each contact; requires --exact",
                       &O::contact_points));
   rows.push_back(
       parsed("filter_groups", "A:B",
-             "Find pairs of these groups only, as in 'robots: people'; one name pairs with all",
+             "Report only pairs of these groups, as in 'robots: people'; one name pairs with all",
              &O::group_filter, "pairs of groups, as in 'robots: people'", pair_rules_of));
   rows.push_back(
       parsed("filter_parts", "PARTS",
-             "Find pairs of these parts only, as in 'hands: head'; one name pairs with all",
+             "Report only pairs of these parts, as in 'hands: head'; one name pairs with all",
              &O::part_filter, "words of parts, as in 'hands: head'", part_rules_of));
 }
 
 void add_recording_rows(std::vector<RunOption>& rows) {
   using F = RecordingFlags;
   const auto add = [&rows](RunOption option) { rows.push_back(of_recording(std::move(option))); };
-  add(number("fps", "N", "Frame rate of a recording per second, as its file numbers frames",
+  add(number("fps", "N", "Frames per second of a recording, as its file numbers them [the file's]",
              flags(&F::fps), {0, 10'000, true}, "a number of frames per second above 0"));
-  add(word("unit", "UNIT", "Unit of lengths in a recording: m, cm, mm, km, ft or in",
+  add(word("unit", "UNIT", "Unit of lengths in a recording [the file's]: m, cm, mm, km, ft or in",
            flags(&F::unit), unit_names_of(Quantity::kLength)));
-  add(word("heading_unit", "UNIT", "Unit of headings in a table: rad or deg",
+  add(word("heading_unit", "UNIT", "Unit of headings in a recorded table [the file's]: rad or deg",
            flags(&F::heading_unit), unit_names_of(Quantity::kAngle)));
   add(parsed("columns", "LIST",
-             "Columns of a table, by name or number: id=,t=,x=,y=,frame=,z=,heading=,active=",
+             "Columns of a recorded table, by name or number, as in id=1,t=2,x=3,y=4; also "
+             "frame=, z=, heading=, active=",
              flags(&F::columns), "a list id=NAME,t=NAME,x=NAME,y=NAME",
              [](const std::string& text, std::string_view) { return text; }));
   add(parsed("separator", "CHARACTER",
-             "Separator of columns: one character, or tab, blank, comma, semicolon",
+             "Separator of these columns: one character, or tab, blank, comma or semicolon",
              flags(&F::separator), "one character, or tab, blank, comma or semicolon",
              checked_separator));
   add(word("tracked_point", "POINT",
-           "Point that a recording tracks: head or centre [by kind of file]",
+           "Body point that a recording tracks [by kind of file]: head or centre",
            flags(&F::tracked_point), {"head", "centre"}));
   add(flag("strict", "Treat anomalies in the recording as errors", flags(&F::strict)));
   add(word("sampling", "KIND",
-           "Frames of a recording: recorded ones, or smooth steps of at most 1/60 s [smooth]",
+           "Frames of a recording: smooth (steps of at most 1/60 s) or recorded [smooth]",
            &RunOptions::step, {"smooth", "recorded"}));
 }
 
@@ -225,36 +228,41 @@ void add_culling_rows(std::vector<RunOption>& rows) {
       whole("threads", "N", "Number of threads [all cores]", &O::threads, 1, kMaxThreads),
       "threads on the command line: throng study FILE --threads N"));
   rows.push_back(
-      not_of_study(number("budget_ms", "D", "Budget per frame for culling, in milliseconds",
+      not_of_study(number("budget_ms", "D",
+                          "Budget per frame for contact detection, in milliseconds [unlimited]",
                           &O::budget_ms, {0, 1e6}, "a number of milliseconds from 0"),
                    "a repeatable budget ('budget_tests'; wall-clock budgets are not repeatable)"));
   rows.push_back(
       of_study(whole("budget_tests", "N",
-                     "Budget per frame for culling, in tests of boxes, part volumes and triangles",
+                     "Budget per frame for contact detection, in tests of boxes, part volumes and "
+                     "triangles [unlimited]",
                      &O::budget_tests, 0, INT64_MAX)));
   const std::vector<std::string> strategies = strategy_names();
   const std::vector<std::string> papers(strategies.begin() + 1, strategies.end());
   rows.push_back(of_study(
       word("strategy", "NAME",
-           "Culling strategy of the paper, on one thread, without a budget [pipeline]: " +
+           "Strategy of the paper (docs/paper.md) instead of Throng's [pipeline], on one thread, "
+           "without a budget: " +
                list_of(papers, " or "),
            &O::strategy, strategies, [](const std::string& name) { return strategy_of(name); })));
+  rows.push_back(of_study(
+      word("simd", "TARGET", "SIMD instruction set [best]: " + list_of(simd_target_names(), " or "),
+           &O::simd, simd_target_names(), simd_target_of)));
   rows.push_back(
-      of_study(word("simd", "TARGET", "Instruction set: " + list_of(simd_target_names(), " or "),
-                    &O::simd, simd_target_names(), simd_target_of)));
-  rows.push_back(of_study(word(
-      "pair_search", "NAME", "Search for pairs of bodies: " + list_of(pair_search_names(), " or "),
-      &O::pair_search, pair_search_names(), pair_search_of)));
+      of_study(word("pair_search", "NAME",
+                    "Search for pairs of bodies [grid]: " + list_of(pair_search_names(), " or "),
+                    &O::pair_search, pair_search_names(), pair_search_of)));
 }
 
 void add_message_rows(std::vector<RunOption>& rows) {
   using O = RunOptions;
   rows.push_back(not_of_study(
-      number("states_hz", "N", "States per simulated second, in log and LCM [every frame]",
+      number("states_hz", "N",
+             "States (poses of all avatars) per simulated second, in log and LCM [every frame]",
              &O::states_hz, {0, 1e6, true}, "a number of states per second above 0"),
       kShapesNoResult));
   rows.push_back(not_of_study(
-      flag("publish_part_poses", "Publish the pose of every part with the states, in log and LCM",
+      flag("publish_part_poses", "Publish the pose of every part with these states, in log and LCM",
            &O::publish_part_poses),
       kShapesNoResult));
 }
