@@ -21,8 +21,8 @@ struct BodiesView {
   std::span<const RootPose> roots;  ///< world_from_root
 };
 
-/// Poses the parts of bodies on request. Culling requests only bodies whose spheres overlap
-/// another. Functions are called from several threads at once.
+/// Poses the parts of bodies on request. Culling requests poses only of bodies in a pair that the
+/// broad phase found. Functions are called from several threads at once.
 class PoseSource {
  public:
   virtual ~PoseSource() = default;

@@ -79,8 +79,7 @@ class AnyCuller {
   virtual ~AnyCuller() = default;
   /// Finds the contacts of one frame: of `bodies`, with part poses from `poses`. Bodies may differ
   /// from frame to frame; contacts of a missing body end. Invalidates spans returned earlier. One
-  /// thread at a time may step a culler. No memory is allocated unless a frame is the largest so
-  /// far.
+  /// thread at a time may use a culler.
   virtual void step(const BodiesView& bodies, const PoseSource& poses) = 0;
   /// Ends all current contacts at the end of a run; the events are then these end events.
   virtual void finish() = 0;
@@ -93,8 +92,9 @@ class AnyCuller {
   virtual PartTally part_tally() const { return {}; }
 };
 
-/// The culler of Throng: pair search, then boxes and part volumes, then triangles. All results are
-/// for the latest step() or finish(), unless stated otherwise.
+/// The culler of Throng: pair search, then boxes and part volumes, then triangles. step() allocates
+/// memory only for a frame that is larger than all before. All results are for the latest step() or
+/// finish(), unless stated otherwise.
 class Culler final : public AnyCuller {
  public:
   /// `types` are the kinds of bodies; BodiesView::types are indices into them. Keeps a reference to

@@ -57,9 +57,9 @@ class Comparison:
 
     Attributes:
         a, b: dicts of the two runs: name, people, seconds, person_s (sum of the times of all people).
-        tables: dict from measure (speed_density, spacing, flow, contacts, depth, ...) to Table. Columns: at (quantity
-            that divides the rows into ranges), from, to (bounds of the range), which, what (measured quantity), unit
-            (of a and b), a, b (values; nan: none).
+        tables: dict from measure (speed_density, spacing, flow, contacts, depth, ...) to Table. Columns: at (range or
+            place of the row, as text), from, to (bounds of the range; nan: none), which (subset, or ""), what
+            (statistic), unit (of a and b), a, b (values; nan: none).
     """
 
     _ROW = numpy.dtype(

@@ -32,8 +32,8 @@ class Frame:
         events (Table): begin and end events of this frame. Columns: see Run.events.
         proximity (Table): with proximity=M, all pairs of parts of two bodies within M metres. Columns: body_a, body_b,
             part_a, part_b, level (2 part volumes, 3 triangles), distance_lo_m and distance_hi_m (bounds of the
-            distance). Known with exact=True, otherwise nan or 0: point_a_m and point_b_m (3, nearest points, world frame),
-            normal (3, unit, from a to b), depth_m, closing_speed_mps, time_to_contact_s.
+            distance). Known with exact=True, otherwise nan or 0: point_a_m and point_b_m (3, nearest points, world
+            frame), normal (3, unit, from a to b), depth_m, closing_speed_mps, time_to_contact_s.
         closest_parts (Table): with closest_parts=M, the nearest parts of each two avatars within M metres. Columns as
             in proximity.
         contact_points (Table): with exact=True and contact_points=True, one row per row of pairs. Columns: body_a,
