@@ -6,7 +6,7 @@
 #                                                     volumes and models, and `throng run`; takes minutes
 set -euo pipefail
 
-declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=4 [option]=5)
+declare -A files=([volume]=6 [scene_field]=3 [steering_model]=5 [sink]=5 [message]=3 [option]=4)
 
 mode=${1:-} source=${2:-} folder=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -38,13 +38,17 @@ run() {
   build/release/throng "$@"
 }
 
+has() { # FILE TEXT
+  grep -qF -e "$2" "$1" || fail "$1: expected $2"
+}
+
 # The option is the same on the command line, in a study and in Python, and has an effect.
 one_option_everywhere() {
   local scene=bottleneck plain given
   plain=$(run run $scene --seconds 5 --lcm off --log off | awk '$1 == "hash" {print $2}')
-  given=$(run run $scene --seconds 5 --lcm off --log off --density-speed | awk '$1 == "hash" {print $2}')
-  [ "$given" != "$plain" ] || fail "--density-speed: expected another hash than $plain"
-  printf 'scenes: [%s]\nseconds: 5\ndensity_speed: true\n' $scene >"$folder/study.yaml"
+  given=$(run run $scene --seconds 5 --lcm off --log off --density-dependent-speed | awk '$1 == "hash" {print $2}')
+  [ "$given" != "$plain" ] || fail "--density-dependent-speed: expected another hash than $plain"
+  printf 'scenes: [%s]\nseconds: 5\ndensity_dependent_speed: true\n' $scene >"$folder/study.yaml"
   run study "$folder/study.yaml" --out "$folder/study.csv" >/dev/null
   grep -q "$given" "$folder/study.csv" || fail "study.csv: expected the hash $given"
   [ "$(PYTHONPATH=build/release/python /usr/bin/python3 -c \
@@ -58,11 +62,14 @@ build() {
   local name
   for name in "${!files[@]}"; do patch --batch --quiet -p1 <"$here/$name.patch"; done
   bash scripts/build.sh release throng throng_module culling_tests crowd_tests scenes_tests docs_tests lcm_io_tests
-  # Documents and schema are generated from the tables of keys.
+  # The schema and the reference pages are generated from the tables of keys and options.
   build/release/throng scenes --schema >scenes/scene.schema.json
-  THRONG_DOCS_UPDATE=1 build/release/docs_tests --gtest_filter='SceneKeys.*' >/dev/null
-  grep -q '`headroom_m`' docs/scenes.md || fail "expected headroom_m in docs/scenes.md"
-  grep -q '"capsule"' scenes/scene.schema.json || fail "expected capsule in scene.schema.json"
+  python3 scripts/reference.py
+  has scenes/scene.schema.json '"capsule"'
+  has docs/reference/scene-keys.md '`headroom_m`'
+  has docs/reference/cli.md '--heat-map'
+  has docs/reference/lcm.md '`THRONG_PRESENCE`'
+  has docs/reference/study-columns.md '`density_dependent_speed`'
   local test
   for test in culling_tests crowd_tests scenes_tests lcm_io_tests; do "build/release/$test" --gtest_brief=1; done
   build/release/docs_tests --gtest_brief=1 --gtest_filter='-*Document*'
