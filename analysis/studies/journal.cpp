@@ -55,8 +55,7 @@ bool read_line(const std::string& line, StudyRow& row) {
   };
   size_t measures = 0;
   if (cells.size() < 2 || !number(0, row.run) || !number(1, measures) ||
-      measures != study_measures().size() ||
-      cells.size() != 2 + measures + study_times_columns().size())
+      measures != study_measures().size() || cells.size() != 2 + measures + study_times().size())
     return false;
   const auto times = cells.begin() + 2 + static_cast<ptrdiff_t>(measures);
   row.measures.assign(cells.begin() + 2, times);

@@ -223,10 +223,16 @@ const std::vector<StudyMeasure>& study_measures() {
   return measures;
 }
 
-const std::vector<std::string>& study_times_columns() {
-  static const std::vector<std::string> columns = {"setup_s", "wall_s", "cpu_s", "realtime_factor",
-                                                   "peak_rss_mb"};
-  return columns;
+const std::vector<StudyMeasure>& study_times() {
+  static const std::vector<StudyMeasure> times = {
+      {"setup_s", Kind::kNumber, "time before the first frame"},
+      {"wall_s", Kind::kNumber, "duration of the whole run"},
+      {"cpu_s", Kind::kNumber,
+       "CPU time of the thread that executed the run, without helper threads"},
+      {"realtime_factor", Kind::kNumber, "simulated duration over wall time of the frames"},
+      {"peak_rss_mb", Kind::kNumber, "peak memory of the process so far, in MB"},
+  };
+  return times;
 }
 
 std::optional<StudyRow> run_one(const StudyPlan& plan, size_t run, int threads,

@@ -35,13 +35,14 @@ struct StudyTimes {
   double realtime_factor = 0;
   double peak_rss_mb = 0;  ///< peak memory of the process so far
 };
-const std::vector<std::string>& study_times_columns();
+/// Columns of the table of times, in their order.
+const std::vector<StudyMeasure>& study_times();
 
 /// A finished run.
 struct StudyRow {
   size_t run = 0;                     ///< counted from 0
   std::vector<std::string> measures;  ///< one cell per study_measures()
-  std::vector<std::string> times;     ///< one cell per study_times_columns()
+  std::vector<std::string> times;     ///< one cell per study_times()
 };
 
 /// Executes a run. Returns nothing if keep_going() returned false. Throws InputError naming the

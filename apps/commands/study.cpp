@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <deque>
 #include <filesystem>
@@ -10,6 +11,7 @@
 
 #include "analysis/studies/journal.h"
 #include "analysis/studies/ranks.h"
+#include "analysis/studies/study_options.h"
 #include "analysis/studies/study_run.h"
 #include "analysis/studies/study_table.h"
 #include "apps/command.h"
@@ -46,7 +48,7 @@ Examples:
 
 The table has one row per run and is the same, byte for byte, for any number of processes and order of runs.
 Measured times go to TABLE.times.csv. TABLE.journal holds finished runs until the table is complete: repeat the
-command to resume a stopped study. docs/studies.md describes files and columns.)";
+command to resume a stopped study. docs/studies.md describes the files, --columns lists the columns.)";
 
 struct Shard {
   size_t index = 1;
@@ -60,6 +62,7 @@ struct StudyCommand {
   std::string shard_text;
   std::optional<int> threads;
   bool plot = false;
+  bool columns = false;
 };
 
 Shard shard_of(const std::string& text) {
@@ -211,8 +214,7 @@ class Work {
   }
   StudyTable times() const {
     StudyTable out{{"run", "runs", "study"}, {}};
-    const std::vector<std::string>& columns = study_times_columns();
-    out.columns.insert(out.columns.end(), columns.begin(), columns.end());
+    for (const StudyMeasure& time : study_times()) out.columns.push_back(time.name);
     for (const StudyRow& row : rows_) {
       std::vector<std::string> cells = plan_.cells(row.run);
       cells.resize(3);
@@ -326,7 +328,33 @@ int study_in_ranks(const StudyCommand& options) {
   return StopSignal::requested() ? StopSignal::exit_code() : kExitSuccess;
 }
 
+void print_columns(const std::vector<StudyMeasure>& columns) {
+  constexpr std::array kKinds = {"integer", "number", "text"};
+  for (const StudyMeasure& column : columns)
+    print_result("{:<32} {:<7} {}\n", column.name, kKinds[static_cast<size_t>(column.kind)],
+                 column.meaning);
+}
+
+/// Columns of the table, a blank line, then columns of TABLE.times.csv.
+int print_columns() {
+  using Kind = StudyMeasure::Kind;
+  print_columns({{"run", Kind::kInteger, "number of the run, from 1"},
+                 {"runs", Kind::kInteger, "number of runs of the study"},
+                 {"study", Kind::kText, "hash of all that the study asks for"},
+                 {"scene", Kind::kText, "scene of the run, as in the study file"},
+                 {"seed", Kind::kInteger, "seed of the run"},
+                 {"OPTION", Kind::kText,
+                  fmt::format("one column per option in the study file: `{}`",
+                              fmt::join(study_option_names(), "`, `"))},
+                 {"PARAMETER", Kind::kText, "one column per parameter in the study file"}});
+  print_columns(study_measures());
+  print_result("\n");
+  print_columns(study_times());
+  return kExitSuccess;
+}
+
 int study(const StudyCommand& options) {
+  if (options.columns) return print_columns();
   if (options.out.empty()) throw InputError("--out", "a table to write", "none");
   if (!options.merge.empty()) return merge(options);
   if (options.file.empty()) throw InputError("study", "a study file, or --merge", "neither");
@@ -356,6 +384,11 @@ Command add_study_command(CommandLine& parent) {
       ->type_name("FILE");
   app->add_flag("--plot", options->plot,
                 "Draw each measure against each parameter, in TABLE.plots");
+  app->add_flag("--columns", options->columns,
+                "Print the columns of the tables with their meanings")
+      ->excludes("FILE")
+      ->excludes("--out")
+      ->excludes("--merge");
   return {app, [options] { return study(*options); }};
 }
 

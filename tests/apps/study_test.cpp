@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,27 @@ TEST_F(Study, WritesARowPerRunWithoutTimes) {
               StartsWith("run,runs,study,setup_s,wall_s"));
   EXPECT_EQ(table.find("wall_s"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "whole.csv.journal"));
+}
+
+TEST_F(Study, PrintsTheColumnsOfItsTables) {
+  const auto first_words = [](const std::string& lines) {
+    std::string words;
+    std::istringstream in(lines);
+    for (std::string line; std::getline(in, line);)
+      words += (words.empty() ? "" : ",") + line.substr(0, line.find(' '));
+    return words;
+  };
+  const Outcome columns = run("throng study --columns");
+  EXPECT_EQ(columns.exit_code, 0) << columns.err;
+  const size_t gap = columns.out.find("\n\n");
+  ASSERT_NE(gap, std::string::npos);
+  std::string table = first_words(columns.out.substr(0, gap));
+  const std::string names = ",OPTION,PARAMETER,";
+  ASSERT_NE(table.find(names), std::string::npos);
+  table.replace(table.find(names), names.size(), ",seconds,avatars,");
+  EXPECT_THAT(whole(".csv"), StartsWith(table + "\n"));
+  EXPECT_THAT(read_file(folder_ / "whole.csv.times.csv"),
+              StartsWith("run,runs,study," + first_words(columns.out.substr(gap + 2)) + "\n"));
 }
 
 TEST_F(Study, RunsWithTheGivenOptions) {

@@ -89,7 +89,7 @@ TEST_F(StudyFiles, RejectIncompleteOrInconsistentShards) {
 StudyRow row_of(size_t run) {
   StudyRow row{run, {}, {}};
   row.measures.assign(study_measures().size(), std::to_string(run) + ".5");
-  row.times.assign(study_times_columns().size(), "1");
+  row.times.assign(study_times().size(), "1");
   return row;
 }
 
