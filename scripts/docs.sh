@@ -2,8 +2,8 @@
 # Checks the counts, hashes and sizes in README.md and docs/ against the commands of
 # tests/apps/figures.yaml: scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example
 # `scripts/docs.sh --update culling`. --nightly adds commands that take up to a minute and the shown commands.
-# --update writes the printed figures into the documents, to be reviewed and committed. Exit code 1 if a figure
-# differs (with --update: if it could not be updated).
+# --update writes the printed figures into the documents, and docs/reference and docs/gallery.md anew, to be reviewed
+# and committed. Exit code 1 if a figure differs (with --update: if it could not be updated).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,6 +17,9 @@ for argument in "$@"; do
   esac
 done
 bash scripts/build.sh release docs_tests throng no_miss gait_tests scenes_tests fuzz_replay custom_volume custom_engine
-if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then build/release/throng scenes --schema >scenes/scene.schema.json; fi
+if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then
+  build/release/throng scenes --schema >scenes/scene.schema.json
+  python3 scripts/reference.py
+fi
 build/release/docs_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"

@@ -5,10 +5,8 @@
 #include <unistd.h>
 
 #include <charconv>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -67,47 +65,29 @@ Json json_of(const YamlNode& node) {
 
 Json json_of(const std::string& text) { return json_of(parse_yaml(text, "scene")); }
 
-std::string table_of(const MapText& map) {
-  std::string table = "| key | meaning | default |\n|---|---|---|\n";
-  for (const KeyText& key : map.keys)
-    table += fmt::format("| `{}` | {} | {} |\n", key.name, key.meaning, key.fallback);
-  return table;
-}
-
-/// Range of a table, after the comment with its name.
-std::pair<size_t, size_t> find_table(const std::string& text, const std::string& map) {
-  const std::string mark = fmt::format("<!-- keys: {} -->\n", map);
-  const size_t at = text.find(mark);
-  if (at == std::string::npos) return {0, 0};
-  const size_t begin = at + mark.size();
-  size_t end = begin;
-  while (end < text.size() && text[end] == '|') end = text.find('\n', end) + 1;
-  return {begin, end};
+/// Section of a page: from "## NAME" to the next one.
+std::string section(const std::string& page, const std::string& name) {
+  const size_t begin = page.find(fmt::format("\n## {}\n", name));
+  if (begin == std::string::npos) return "";
+  return page.substr(begin, page.find("\n## ", begin + 1) - begin);
 }
 
 TEST(SceneKeys, AreDocumented) {
-  const fs::path file = fs::path(THRONG_SOURCE_DIR) / "docs" / "scenes.md";
-  std::string text = text_of(file);
+  const std::string page =
+      text_of(fs::path(THRONG_SOURCE_DIR) / "docs" / "reference" / "scene-keys.md");
   for (const MapText& map : scene_maps()) {
-    // Shares have separate tables with more columns; areas and distributions have a sentence.
-    if (!map.or_words.empty() || map.name == "area" || map.name == "distribution") continue;
-    const auto [begin, end] = find_table(text, map.name);
-    ASSERT_NE(begin, 0u) << "docs/scenes.md has no table after <!-- keys: " << map.name << " -->";
-    if (std::getenv("THRONG_DOCS_UPDATE") != nullptr)
-      text.replace(begin, end - begin, table_of(map));
-    else
-      EXPECT_EQ(text.substr(begin, end - begin), table_of(map))
-          << "keys of " << map.name << "; scripts/docs.sh --update writes them";
+    const std::string keys = section(page, map.name);
+    ASSERT_FALSE(keys.empty()) << "docs/reference/scene-keys.md has no section " << map.name;
+    for (const KeyText& key : map.keys) {
+      // The page has the text of a link without the link.
+      const std::string meaning = key.meaning.substr(0, key.meaning.find('['));
+      EXPECT_NE(keys.find(fmt::format("\n| `{}` | {}", key.name, meaning)), std::string::npos)
+          << "docs/reference/scene-keys.md lacks " << key.name << " of " << map.name;
+      EXPECT_TRUE(key.fallback.find('[') != std::string::npos ||
+                  keys.find(fmt::format(" | {} |\n", key.fallback)) != std::string::npos)
+          << key.name << " of " << map.name;
+    }
   }
-  if (std::getenv("THRONG_DOCS_UPDATE") != nullptr) std::ofstream(file) << text;
-}
-
-TEST(SceneKeys, OfAgesStylesAreasAndDistributionsAreDocumented) {
-  const std::string text = text_of(fs::path(THRONG_SOURCE_DIR) / "docs" / "scenes.md");
-  for (const MapText& map : scene_maps())
-    for (const KeyText& key : map.keys)
-      EXPECT_TRUE(std::regex_search(text, std::regex("`[^`\n]*\\b" + key.name + "\\b[^`\n]*`")))
-          << "docs/scenes.md does not name `" << key.name << "` of a " << map.name;
 }
 
 TEST(SceneKeys, ReferToExistingMaps) {

@@ -1,4 +1,4 @@
-// docs/lcm.md lists every message type with every field.
+// docs/reference/lcm.md lists every message type with every field.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -40,8 +40,8 @@ std::string section(const std::string& document, const std::string& heading) {
 
 TEST(Documentation, ListsEveryTypeWithEveryField) {
   const fs::path top(THRONG_SOURCE_DIR);
-  const std::string document = text_of(top / "docs/lcm.md");
-  const std::string common = section(document, "## Every message begins alike");
+  const std::string document = text_of(top / "docs/reference/lcm.md");
+  const std::string common = section(document, "## Common fields");
   ASSERT_FALSE(common.empty());
   int types = 0, fields = 0;
   for (const auto& entry : fs::directory_iterator(top / "lcmtypes")) {
@@ -55,7 +55,8 @@ TEST(Documentation, ListsEveryTypeWithEveryField) {
       ++fields;
       const bool is_listed = own.find("`" + field + "`") != std::string::npos ||
                              (is_message && common.find("`" + field + "`") != std::string::npos);
-      EXPECT_TRUE(is_listed) << name << ": field '" << field << "' is missing in docs/lcm.md";
+      EXPECT_TRUE(is_listed) << name << ": field '" << field
+                             << "' is missing in docs/reference/lcm.md";
     }
   }
   EXPECT_GT(types, 15);

@@ -105,7 +105,7 @@ TEST(LcmSink, ReportsAMissingNetworkOnce) {
 TEST(LcmSink, HasALocalDefaultUrlWithAReceiveBuffer) {
   EXPECT_THAT(std::string(kDefaultLcmUrl), testing::HasSubstr("ttl=0"));
   EXPECT_THAT(std::string(kDefaultLcmUrl), testing::HasSubstr("recv_buf_size="));
-  const auto doc = bytes_of(std::filesystem::path(THRONG_SOURCE_DIR) / "docs/lcm.md");
+  const auto doc = bytes_of(std::filesystem::path(THRONG_SOURCE_DIR) / "docs/reference/lcm.md");
   EXPECT_THAT(std::string(doc.begin(), doc.end()), testing::HasSubstr(std::string(kDefaultLcmUrl)))
       << "the documentation names the default URL";
 }
