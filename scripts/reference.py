@@ -435,15 +435,14 @@ class Message:
     """A type of lcmtypes/: name, description, channel, and fields with type and meaning."""
 
     def __init__(self, file):
-        self.name, self.lines, self.channel, self.on_request, self.fields = file.stem, [], "", False, []
+        self.name, self.lines, self.channel, self.fields = file.stem, [], "", []
         inside, note = False, []
         for line in file.read_text().splitlines():
             stripped = line.strip()
             if stripped.startswith("struct "):
                 inside = True
             elif stripped.startswith("//! channel "):
-                self.channel, *rest = stripped.removeprefix("//! channel ").split(" ", 1)
-                self.on_request = bool(rest)
+                self.channel = stripped.split()[2]
             elif stripped.startswith("//!"):
                 if inside and stripped.startswith("//! each "):
                     self.fields[-1][2] += "; each of " + stripped.removeprefix("//! each ")
@@ -463,6 +462,11 @@ class Message:
                 note = []
         names = [field[0] for field in self.fields]
         self.has_header = names[:len(HEADER)] == HEADER
+
+    def contents(self):
+        """Return the description without the channel: "CHANNEL: text", or "CHANNEL (on request): text"."""
+        head, text = " ".join(self.lines).split(": ", 1)
+        return ("on request: " if head.endswith("(on request)") else "") + text
 
     def own_fields(self):
         """Return fields without the header. Equal types that share a comment share a row."""
@@ -501,8 +505,7 @@ def lcm():
         "Set `recv_buf_size` in every receiver; the default of Linux holds three large messages. LCM has no "
         "authentication: use it on trusted networks only. Throng checks every received message before it decodes it.")
     text += "\n## Channels\n\n" + table(("channel", "type", "contents"), [
-        (code(each.channel), f"[{each.name}](#{each.name})", " ".join(each.lines).removeprefix(each.channel + ": "))
-        for each in messages if each.channel])
+        (code(each.channel), f"[{each.name}](#{each.name})", each.contents()) for each in messages if each.channel])
     text += "\n" + prose("A scene or an option names these channels:") + "\n" + table(("channel", "type", "meaning"), [
         ("`CHANNEL`", "[pose_command_t](#pose_command_t)", "commands to a group with `control_channel: CHANNEL`"),
         ("`CHANNEL_REQUEST`", "[step_request_t](#step_request_t)", "`--lockstep`: Throng asks for the next poses"),
