@@ -86,7 +86,8 @@ class JointSpeeds final : public Sink {
   std::vector<std::vector<Column>> columns_;  ///< indexed by model; empty: not a person
   std::vector<float> before_, earlier_;       ///< rows of the last two frames
   std::vector<RootPose> roots_before_;
-  std::vector<uint8_t> history_frames_;  ///< indexed by avatar: number of known earlier frames, at most 2
+  std::vector<uint8_t>
+      history_frames_;  ///< indexed by avatar: number of known earlier frames, at most 2
   uint64_t frames_ = 0;
   std::array<uint64_t, kBodyHalves> over_speed_{}, over_acceleration_{};
   Histogram standing_turns_, turns_;
