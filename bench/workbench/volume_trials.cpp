@@ -244,9 +244,9 @@ void NoMissResult::add(const NoMissResult& other) {
   if (!first_miss) first_miss = other.first_miss;
 }
 
-std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t proximity_pairs,
+std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t no_miss_pairs,
                                           uint64_t seed, Workers& workers) {
-  const uint64_t each = proximity_pairs / (std::size(kFamilies) + 1) + 1;
+  const uint64_t each = no_miss_pairs / (std::size(kFamilies) + 1) + 1;
   std::vector<NoMissResult> rows;
   for (const Family family : kFamilies) {
     RandomPairsSource source(family, seed);

@@ -38,8 +38,8 @@ struct NoMissResult {
   void add(const NoMissResult& other);
 };
 
-/// Returns a row per family, "walking" last, with at least `proximity_pairs` pairs together.
-std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t proximity_pairs,
+/// Returns a row per family, "walking" last, with at least `no_miss_pairs` pairs together.
+std::vector<NoMissResult> check_no_misses(const TestedVolume& volume, uint64_t no_miss_pairs,
                                           uint64_t seed, Workers& workers);
 
 /// Formats shapes, poses and shift of a miss as text for other programs.

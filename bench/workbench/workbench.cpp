@@ -139,7 +139,7 @@ WorkbenchOptions options_of(int argc, char** argv) {
   options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const char* const usage = "[PAIRS [SEED [FOLDER]]]";
   for (int i = 1; i < std::min(argc, 3); ++i)
-    if (!read_number(argv[i], i == 1 ? options.proximity_pairs : options.seed))
+    if (!read_number(argv[i], i == 1 ? options.no_miss_pairs : options.seed))
       throw InputError(argv[0], fmt::format("{}, whole numbers from 1", usage),
                        fmt::format("'{}'", argv[i]));
   if (argc > 3) options.out = argv[3];
@@ -163,7 +163,7 @@ bool WorkbenchResult::has_no_misses() const {
 WorkbenchResult try_volume(const bench::TestedVolume& volume, const WorkbenchOptions& options) {
   WorkbenchResult result{volume.name(), options, {}, {}, {}};
   Workers workers(options.threads);
-  result.no_miss = bench::check_no_misses(volume, options.proximity_pairs, options.seed, workers);
+  result.no_miss = bench::check_no_misses(volume, options.no_miss_pairs, options.seed, workers);
 
   const bench::VolumeList project = bench::project_volumes();
   std::vector<const bench::TestedVolume*> volumes(project.begin(), project.end());

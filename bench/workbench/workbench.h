@@ -13,7 +13,7 @@
 namespace throng {
 
 struct WorkbenchOptions {
-  uint64_t proximity_pairs = 1'000'000;  ///< number of pairs of the no-miss check
+  uint64_t no_miss_pairs = 1'000'000;  ///< number of pairs of the no-miss check
   uint64_t seed = 1;
   int threads = 1;       ///< for the no-miss check; timed code uses one
   int walkers = 200;     ///< people of the false-positive counts, at 1 and 4 per m2

@@ -110,7 +110,7 @@ TEST(Workbench, DetectsADifferingKernel) {
 }
 
 TEST(Workbench, ComparesAVolumeWithProjectVolumes) {
-  WorkbenchOptions options{.proximity_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
+  WorkbenchOptions options{.no_miss_pairs = 2000, .seed = kSeed, .walkers = 40, .frames = 40};
   const WorkbenchResult result = try_volume(TestedVolumeOf<BareSphere>("bare"), options);
   EXPECT_TRUE(result.has_no_misses());
   ASSERT_EQ(result.figure_3.size(), bench::project_volumes().size() + 1);

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "tests/culling/proximity_pairs.h"
+#include "tests/culling/no_miss_pairs.h"
 
 int main(int argc, char** argv) {
   using namespace throng::test;

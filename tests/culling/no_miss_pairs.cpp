@@ -1,4 +1,4 @@
-#include "tests/culling/proximity_pairs.h"
+#include "tests/culling/no_miss_pairs.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // The no-miss guarantee by family of bodies. Long form: build/release/no_miss 10000000.
-#include "tests/culling/proximity_pairs.h"
+#include "tests/culling/no_miss_pairs.h"
 
 #include <gtest/gtest.h>
 
-namespace throng::test::proximity_pairs_test {
+namespace throng::test::no_miss_pairs_test {
 namespace {
 
 class NoMissByFamily : public testing::TestWithParam<Family> {};
@@ -35,4 +35,4 @@ INSTANTIATE_TEST_SUITE_P(Families, NoMissByFamily, testing::ValuesIn(kFamilies),
                          [](const auto& family) { return std::string(name_of(family.param)); });
 
 }  // namespace
-}  // namespace throng::test::proximity_pairs_test
+}  // namespace throng::test::no_miss_pairs_test
