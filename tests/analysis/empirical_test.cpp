@@ -12,7 +12,7 @@
 
 #include "analysis/validation/recorded_setups.h"
 
-namespace throng::validation::reality_test {
+namespace throng::validation::empirical_test {
 namespace {
 
 constexpr SteeringKind kModel = SteeringKind::kOrca;
@@ -306,4 +306,4 @@ TEST(MeasuredOvertaking, DetectsWhetherASlowPersonIsPassed) {
 }
 
 }  // namespace
-}  // namespace throng::validation::reality_test
+}  // namespace throng::validation::empirical_test

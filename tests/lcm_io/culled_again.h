@@ -39,18 +39,18 @@ inline Scene small_scene(const std::string& name, uint64_t seed, int avatars = 8
   return scene;
 }
 
-using DriveAvatars = std::function<void(Simulation&)>;
+using MoveAvatars = std::function<void(Simulation&)>;
 
 inline std::vector<CulledFrame> logged(const Scene& scene, int frames,
                                        const std::filesystem::path& log,
                                        const LogOptions& options = {},
-                                       const DriveAvatars& drive = {}) {
+                                       const MoveAvatars& move_avatars = {}) {
   Simulation simulation(scene, {});
   LogSink sink(log, options);
   sink.begin(simulation.info());
   std::vector<CulledFrame> moments;
   for (int i = 0; i < frames; ++i) {
-    if (drive) drive(simulation);
+    if (move_avatars) move_avatars(simulation);
     const Frame& frame = simulation.step();
     sink.frame(simulation.info(), frame);
     moments.push_back(culled_frame_of(frame));

@@ -135,7 +135,7 @@ TEST(Log, IsSoundAfterAFinishedRun) {
 
 TEST(Log, IsSoundWithABudgetAndChangingPeople) {
   const ScratchFile file;
-  SyntheticRun run({.seed = 3, .pairs = 300, .comings = true, .deadline = true});
+  SyntheticRun run({.seed = 3, .pairs = 300, .comings = true, .has_budget = true});
   LogSink sink(file.path());
   run.play(sink, 130);
   const LogReport report = check_log(file.path());

@@ -76,7 +76,7 @@ TEST_P(MessageSizes, FitIntoOneDatagram) {
                     .seed = 7,
                     .pairs = crowd.pairs,
                     .comings = true,
-                    .deadline = true});
+                    .has_budget = true});
   const auto messages = messages_of(run, crowd.frames, {.part_poses = true});
   size_t largest = 0;
   std::map<Channel, int64_t> seq;
@@ -213,7 +213,8 @@ TEST(Messages, CarryEventsInOrderOverAllChunks) {
 }
 
 TEST(Messages, CarryTheLevelOfEveryPair) {
-  const SyntheticRun::Options options{.avatars = 500, .seed = 5, .pairs = 20'000, .deadline = true};
+  const SyntheticRun::Options options{
+      .avatars = 500, .seed = 5, .pairs = 20'000, .has_budget = true};
   SyntheticRun run(options), again(options);
   std::vector<uint8_t> event_levels, levels;
   for (const auto& m : messages_of(run, 1)) {

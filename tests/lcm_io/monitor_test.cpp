@@ -104,7 +104,7 @@ TEST(Monitor, StartsAgainWithAnotherRun) {
 TEST(Monitor, SurvivesAHundredThousandDamagedMessages) {
   constexpr uint64_t kSeed = 12;
   SyntheticRun source(
-      {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .deadline = true});
+      {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .has_budget = true});
   const Messages run = messages_of(source, 60);
   Inbox inbox;
   Monitor monitor(inbox);

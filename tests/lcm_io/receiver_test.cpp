@@ -158,7 +158,7 @@ TEST(Receiver, FollowsTheRunDespiteAHundredThousandDamagedPackets) {
   const auto lcm = std::make_shared<lcm::LCM>("memq://");
   Receiver receiver(lcm);
   SyntheticRun source(
-      {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .deadline = true});
+      {.avatars = 6, .pairs = 10, .crowd = SyntheticRun::Crowd::kRovers, .has_budget = true});
   const Messages run = messages_of(source, 200, {.part_poses = true});
   int64_t sent = 0, forged = 0;
   const auto send = [&](Channel channel, std::span<const uint8_t> bytes) {

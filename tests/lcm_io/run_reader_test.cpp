@@ -50,7 +50,7 @@ TEST(RunReader, ReconstructsARun) {
 }
 
 TEST(RunReader, KnowsPresenceAndLevels) {
-  const SyntheticRun::Options options{.seed = 4, .comings = true, .deadline = true};
+  const SyntheticRun::Options options{.seed = 4, .comings = true, .has_budget = true};
   SyntheticRun run(options), oracle(options);
   RunReader reader;
   const Frame* frame = nullptr;

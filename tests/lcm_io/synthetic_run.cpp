@@ -56,7 +56,7 @@ SyntheticRun::SyntheticRun(const Options& options) : options_(options) {
     rule.reaction_s = 0.1;
     rule.stopping_s = 0.05;
   }
-  if (options.deadline) info_.culler.budget_tests = 1000;
+  if (options.has_budget) info_.culler.budget_tests = 1000;
   if (options.crowd != Crowd::kRovers) info_.models.push_back(adult());
   if (options.crowd != Crowd::kAdults) info_.models.push_back(rover());
   info_.groups = {"walkers", "robots"};
@@ -112,7 +112,7 @@ void SyntheticRun::touch() {
     const auto part = [&](uint32_t body, uint32_t k) {
       return body + 1 == bodies ? 0 : static_cast<uint32_t>(random_bits(key, k) % 4);
     };
-    const bool is_whole = options_.deadline && random_bits(key, 4) % 3 == 0;
+    const bool is_whole = options_.has_budget && random_bits(key, 4) % 3 == 0;
     const uint32_t first = std::min(a, b), second = std::max(a, b);
     pairs.emplace_back(first, second, is_whole ? kWholeBody : part(first, 2),
                        is_whole ? kWholeBody : part(second, 3));
@@ -142,11 +142,11 @@ uint8_t level_of(PairKey pair) {
 
 void SyntheticRun::level() {
   levels_.clear();
-  if (options_.deadline)
+  if (options_.has_budget)
     for (const PairKey& pair : pairs_) levels_.push_back(level_of(pair));
   for (PairEvent& event : pair_events_.events_to_level()) {
     event.level = info_.culler.exact ? PairLevel::kTriangles : PairLevel::kPartVolume;
-    if (options_.deadline) event.level = static_cast<PairLevel>(level_of(event.pair));
+    if (options_.has_budget) event.level = static_cast<PairLevel>(level_of(event.pair));
   }
 }
 
@@ -157,7 +157,7 @@ void SyntheticRun::count(std::span<const PairEvent> events) {
 void SyntheticRun::add_to_hash() {
   EventSum sum;
   sum.add(pair_events_.events(),
-          options_.deadline ? EventHashKind::kEventsAndLevels : EventHashKind::kEvents);
+          options_.has_budget ? EventHashKind::kEventsAndLevels : EventHashKind::kEvents);
   hash_.add_frame(static_cast<uint64_t>(next_frame_), sum);
 }
 

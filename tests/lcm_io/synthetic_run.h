@@ -21,10 +21,10 @@ class SyntheticRun {
     uint64_t seed = 1;
     int pairs = 40;  ///< approximate number of touching pairs
     Crowd crowd = Crowd::kMixed;
-    double spread_m = 50;    ///< avatars are within this distance of the origin
-    bool comings = false;    ///< avatars enter and leave
-    bool deadline = false;   ///< some pairs are not refined to the end
-    bool proximity = false;  ///< touching pairs also have a proximity row and a contact point
+    double spread_m = 50;     ///< avatars are within this distance of the origin
+    bool comings = false;     ///< avatars enter and leave
+    bool has_budget = false;  ///< some pairs are not refined to the end
+    bool proximity = false;   ///< touching pairs also have a proximity row and a contact point
   };
   explicit SyntheticRun(const Options& options);
 

@@ -10,7 +10,7 @@
 #include "bench/realism/measured_run.h"
 #include "scenes/run/runner.h"
 
-namespace throng::realism::contact_account_test {
+namespace throng::realism::contact_audit_test {
 namespace {
 
 ContactSums sums_of(Scene scene) {
@@ -179,4 +179,4 @@ TEST(ContactReport, ShowsBeforeAndAfter) {
 }
 
 }  // namespace
-}  // namespace throng::realism::contact_account_test
+}  // namespace throng::realism::contact_audit_test

@@ -145,7 +145,7 @@ TEST_F(LiveCrowd, ReceivesAllFramesDespiteAStalledClient) {
 TEST_F(LiveCrowd, SurvivesDamagedMessages) {
   TestSocket browser(view_.server().port());
   browser.open();
-  SyntheticRun run({.avatars = 10, .deadline = true});
+  SyntheticRun run({.avatars = 10, .has_budget = true});
   std::vector<MessageList::Message> messages = messages_of(run, 20);
   constexpr uint64_t kSeed = 11;
   constexpr int kPackets = 100'000;

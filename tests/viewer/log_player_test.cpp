@@ -50,7 +50,8 @@ std::vector<uint8_t> picture_of(const Bytes& message) {
 
 TEST_F(RecordedCrowd, JumpsAndPlaysEqually) {
   for (const double state_every : {1.0, 2.4, 7.0, 150.0}) {
-    record({.avatars = 30, .seed = 3, .pairs = 60, .comings = true, .deadline = true}, state_every);
+    record({.avatars = 30, .seed = 3, .pairs = 60, .comings = true, .has_budget = true},
+           state_every);
     LogIndex index(log_.path());
     index.wait();
     RunReader run = described(index);

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "viewer/server/frame_message.h"
 
-namespace throng::crowded_test {
+namespace throng::sphere_overlaps_test {
 namespace {
 
 std::vector<uint8_t> by_all_pairs(const std::vector<PlacedSphere>& spheres) {
@@ -58,4 +58,4 @@ TEST(Crowding, IsEmptyWithoutSpheres) {
 }
 
 }  // namespace
-}  // namespace throng::crowded_test
+}  // namespace throng::sphere_overlaps_test

@@ -17,7 +17,7 @@
 #include "scenes/motion/external_avatars.h"
 #include "synthetic_run.h"
 
-namespace throng::drive_test {
+namespace throng::external_control_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -376,4 +376,4 @@ TEST(PoseCommandReceiver, LeadsToContactsThatAreReceivedOverLcm) {
 }
 
 }  // namespace
-}  // namespace throng::drive_test
+}  // namespace throng::external_control_test

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace throng::own_skeleton_test {
+namespace throng::custom_bodies_test {
 namespace {
 
 TEST(CustomBodies, PrintsWhichPartsTouch) {
@@ -22,4 +22,4 @@ TEST(CustomBodies, PrintsWhichPartsTouch) {
 }
 
 }  // namespace
-}  // namespace throng::own_skeleton_test
+}  // namespace throng::custom_bodies_test

@@ -2,7 +2,7 @@
 # The example controller moves a robot through people in real time, and the run reports the messages.
 set -eu
 . "$(dirname "$0")/in_namespace.sh"
-throng=$1 driver=$2 urdf=$3
+throng=$1 controller=$2 urdf=$3
 
 cat >"$dir/robot.yaml" <<SCENE
 name: controlled robot
@@ -11,7 +11,7 @@ groups:
   - name: robot
     model: $urdf
     count: 1
-    control_channel: ROBOT_DRIVE
+    control_channel: ROBOT
     radius_m: 0.35
     spawn: {min_m: [2.5, -0.5], max_m: [3.5, 0.5]}
   - name: people
@@ -23,13 +23,13 @@ groups:
 SCENE
 
 # Longer than the run on any machine; killed at the end of the test.
-"$driver" ROBOT_DRIVE 0 600 &
+"$controller" ROBOT 0 600 &
 pids=$!
 "$throng" run "$dir/robot.yaml" --seconds 5 --pace 1 --log "$dir/a.lcmlog" --json "$dir/run.json" \
   >"$dir/table" 2>"$dir/err"
 number() { sed -n "s/.*\"$1\": \([0-9]*\).*/\1/p" "$dir/run.json" | head -n 1; }
 grep '^external' "$dir/table"
-grep -q "'robot' is controlled through LCM channel ROBOT_DRIVE" "$dir/err" || {
+grep -q "'robot' is controlled through LCM channel ROBOT" "$dir/err" || {
   echo "the run does not report its external control"
   exit 1
 }
@@ -39,4 +39,4 @@ messages=$(sed -n 's/.*"messages": \([0-9]*\).*/\1/p' "$dir/external" | head -n 
 [ "$messages" -gt 100 ] || { echo "$messages messages moved the robot"; exit 1; }
 grep -q '"refused": 0' "$dir/external" || { echo "messages were refused"; exit 1; }
 "$throng" check "$dir/a.lcmlog" >/dev/null
-"$throng" info "$dir/a.lcmlog" | grep 'group robot: 1 avatar, controlled by ROBOT_DRIVE'
+"$throng" info "$dir/a.lcmlog" | grep 'group robot: 1 avatar, controlled by ROBOT'
