@@ -33,7 +33,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Words of other tools and their name in Throng.
+/// Words of other tools, and former names, with their name in Throng.
 constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
     // Command line
     {"--near", "--proximity"},

@@ -24,14 +24,12 @@
 
 namespace throng::precompiled {
 /// A class template is instantiated when its size is needed.
-/// A class is made out of its template where its size is asked for.
 template <typename... Types>
 inline constexpr size_t kSize = (sizeof(Types) + ...);
 
 template <typename V>
 const V& a();
 /// Expressions of vector arithmetic.
-/// What arithmetic on vectors is made of.
 template <typename V>
 inline constexpr size_t kExpressions =
     kSize<decltype(a<V>() + a<V>()), decltype(a<V>() - a<V>()), decltype(-a<V>()),
@@ -42,7 +40,6 @@ inline constexpr size_t kExpressions =
           decltype(a<V>().template cast<double>()), decltype(a<V>().transpose()),
           decltype(a<V>()(0)), typename V::ConstantReturnType, typename V::BasisReturnType>;
 /// Expressions of poses.
-/// And what poses are made of.
 template <typename T>
 inline constexpr size_t kPose =
     kSize<T, decltype(a<T>().linear()), decltype(a<T>().translation()),

@@ -1,5 +1,5 @@
-# A test for each suite of a program, PROGRAM.SUITE, for ctest, which reads this when it begins. A process for each case
-# would take more time than most cases do, and what the cases of a suite share would be made for each of them.
+# Adds a test PROGRAM.SUITE for each suite of a program; ctest reads this file when it starts. A process for each case
+# would take longer than most cases, and would compute the shared data of a suite for each case.
 function(throng_suites program label folder patience_s)
   if(NOT EXISTS ${program})
     add_test(${label}_NOT_BUILT ${label}_NOT_BUILT)
@@ -15,8 +15,8 @@ function(throng_suites program label folder patience_s)
     string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
     set(test ${label}.${suite})
     add_test(${test} ${program} --gtest_filter=${suite}.*)
-    # Skipped is a suite of which every case is. ctest asks no further where it finds this, so it must not be
-    # found where a case failed, too: nothing may follow the list of those that were skipped.
+    # A suite is skipped if all of its cases are. The pattern must not match if a case failed, because ctest then
+    # ignores the exit code: nothing may follow the list of skipped cases.
     set_tests_properties(${test} PROPERTIES LABELS ${label} WORKING_DIRECTORY ${folder} TIMEOUT ${patience_s}
       SKIP_REGULAR_EXPRESSION "PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\][^\n]*\n)+$")
   endforeach()

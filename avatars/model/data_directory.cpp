@@ -10,8 +10,8 @@
 #include "avatars/model/model.h"
 #include "base/errors.h"
 
-// Directory of an installed package, compiled into programs (cmake/data_place.cpp.in). The library
-// contains no path; hence it can be moved.
+// Directory of an installed package, compiled into programs (cmake/package/data_place.cpp.in). The
+// library contains no path; hence it can be moved.
 extern "C" __attribute__((weak)) const char throng_data_place[];
 
 namespace throng {

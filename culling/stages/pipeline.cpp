@@ -6,8 +6,8 @@
 namespace throng {
 namespace {
 
-// Minimum size of a task. It has enough candidates to fill the registers of most buckets. Its
-// bodies are few enough to keep poses and boxes (1.2 kB per person) in a core's cache.
+// A task ends at this many pairs, which fill the registers of most buckets. It also ends at this
+// many blocks, to keep poses and boxes of its bodies (1.2 kB per person) in a core's cache.
 constexpr size_t kTaskPairs = 2048, kTaskBlocks = 4;
 
 }  // namespace

@@ -19,7 +19,7 @@ void begin_proximity(proximity_t& m, const ProximityOptions& options, uint64_t h
     column->resize(count);
 }
 
-/// `of_people`: the closest parts of two people, not a pair within proximity_m.
+/// `of_people`: the closest parts of two avatars, not a pair within proximity_m.
 void set_proximity(proximity_t& m, size_t i, const ProximityPair& row, bool of_people) {
   set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
   m.kind[i] = of_people ? 1 : 0;

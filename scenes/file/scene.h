@@ -56,7 +56,7 @@ struct Scene : CrowdPlan {
   PartVolumes part_volume;
   bool exact = false;
   double proximity_m = 0;       ///< margin of proximity between parts, 0: off
-  double closest_parts_m = 0;   ///< margin of the closest parts of two people, 0: off
+  double closest_parts_m = 0;   ///< margin of the closest parts of two avatars, 0: off
   bool contact_points = false;  ///< report point, normal and depth of each contact; requires exact
   PairRules group_filter, part_filter;  ///< selected pairs of groups and of parts; empty: all
   std::optional<SeparationRule> separation;
