@@ -543,6 +543,8 @@ def sections_of(doc):
     for line in inspect.cleandoc(doc).splitlines():
         if match := re.fullmatch(r"(Args|Attributes|Returns|Raises|Columns|Methods):", line):
             sections.append((match[1], []))
+        elif line[:1].strip() and sections[-1][0]:
+            sections.append(("", [line]))  # text after a section
         else:
             sections[-1][1].append(line)
     return sections
