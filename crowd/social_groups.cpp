@@ -297,8 +297,8 @@ void SocialGroups::watch_progress(Member& m, bool waits, double now_s) {
   m.is_awaited = now_s - since_s_[m.id] < kPatience_s;
 }
 
-/// Finds the members next to which a member walks. All members of a row find the same ones: `row`
-/// then already has the result.
+/// Finds the members next to which a member walks. All members of a row find the same ones:
+/// `formation` then already has the result.
 void SocialGroups::find_formation(std::span<const Member> members, size_t index,
                                   Formation& formation) const {
   const Member& self = members[index];

@@ -150,8 +150,8 @@ std::string section(const ValidationRun& run) {
     text += ".\n\n";
   }
   text +=
-      fmt::format("- Set-up: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n",
-                  test.setup, test.criterion, run.outcome.measured, name_of(run.outcome.verdict()));
+      fmt::format("- Setup: {}\n- Criterion: {}\n- Measured: {}\n- Verdict: **{}**\n\n", test.setup,
+                  test.criterion, run.outcome.measured, name_of(run.outcome.verdict()));
   text += readings_table(run);
   for (const Figure& figure : run.outcome.figures)
     text += fmt::format("![{}]({}.svg)\n\n*{}* {}\n\n", figure.title, figure.id, figure.title,

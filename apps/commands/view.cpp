@@ -40,7 +40,7 @@ struct ViewCommand {
   WebOptions web;
 };
 
-/// Serves until a signal; calls `look` every kPollPeriod.
+/// Serves until a signal; calls `poll` every kPollPeriod.
 template <typename Poll>
 void serve(WebServer& server, const std::string& what, const Poll& poll) {
   const StopSignal stop;

@@ -247,7 +247,7 @@ THRONG_LANES void swing_foot(const Swinging& s, const F (&goals)[3], M stands, F
   for (size_t n = 0; n < 3; ++n) speeds[n] = select(stands, 0.0f, speeds[n]);
 }
 
-/// Lift at the share v of a step, of which 1 / per_left remains before `off` is zero.
+/// Lift at the share v of a step, of which 1 / per_left remains before the offset is zero.
 THRONG_LANES F lift_of(F off_x, F off_y, F off_turn, F per_left, F swing_s, F v) {
   constexpr float kArm_m = 0.2f;  // lever arm: half a foot, nearly
   const F step_m = (length(off_x, off_y) + kArm_m * abs_of(off_turn)) * min_of(per_left, 100.0f);

@@ -46,7 +46,7 @@ class Archive {
     (field(fields), ...);
   }
 
-  /// Resizes the vector to the archived length, at most `most` elements.
+  /// Resizes the vector to the archived length, at most `max_count` elements.
   template <typename T>
   void resized(std::vector<T>& values, size_t max_count) {
     uint64_t count = values.size();

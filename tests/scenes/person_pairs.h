@@ -17,7 +17,7 @@ namespace throng::test {
 
 class PersonPairs {
  public:
-  /// `run`: with postures, and `margin` if any; it has to outlive this object.
+  /// `run`: with postures, and with this margin if it is not 0; it has to outlive this object.
   explicit PersonPairs(const Simulation& run, float proximity_m = 0);
   /// Compares all avatars after a step.
   void check(const Frame& frame);

@@ -1,4 +1,4 @@
-// same_walk() checks that a crowd is independent of threads and resumes from a checkpoint.
+// expect_same_walk() checks that a crowd is independent of threads and resumes from a checkpoint.
 #pragma once
 
 #include <gtest/gtest.h>
