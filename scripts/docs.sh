@@ -20,6 +20,7 @@ bash scripts/build.sh release docs_tests throng no_miss gait_tests scenes_tests 
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then
   build/release/throng scenes --schema >scenes/scene.schema.json
   python3 scripts/reference.py
+  python3 tests/apps/stable_test.py . build/release --update
 fi
 build/release/docs_tests --gtest_filter='SceneKeys.*'
 exec build/release/docs_tests --gtest_filter="${filter:-*Document*}"
