@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/rectangle.h"
+#include "geometry/polygon_union.h"
 
 namespace throng {
 
@@ -112,6 +113,9 @@ class Recording {
 /// finding and the option that remedies it. Throws EnvironmentError if the temporary file cannot be
 /// written.
 std::shared_ptr<const Recording> read_recording(const RecordingOptions& options);
+
+/// Joined walkable area of a recording in the metres of the scene. Throws InputError at `where`.
+JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where);
 
 /// Returns whether the content of a file looks like a recording.
 bool is_recording(const std::filesystem::path& file);

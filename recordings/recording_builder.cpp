@@ -17,18 +17,18 @@
 #include "base/checksum.h"
 #include "base/errors.h"
 #include "culling/pair.h"
-#include "recordings/area_union.h"
+#include "geometry/polygon.h"
+#include "geometry/polygon_union.h"
 #include "recordings/recorded_samples.h"
 #include "recordings/recording.h"
 #include "recordings/time_grid.h"
-#include "recordings/walkable_wkt.h"
 
 namespace throng {
 
 // TrackCheck counts anomalies of tracks and describes the first of each kind. It repairs and
 // rejects nothing.
 
-class WalkableArea;
+class PolygonLocator;
 
 /// Text for an instant: "frame 112", "12.48 s".
 using InstantName = std::function<std::string(double time_s)>;
@@ -36,7 +36,7 @@ using InstantName = std::function<std::string(double time_s)>;
 class TrackCheck {
  public:
   /// `fps`: rate of recorded frames, 0 for events. `area`: null if the file has none.
-  TrackCheck(double fps, const WalkableArea* area, InstantName name)
+  TrackCheck(double fps, const PolygonLocator* area, InstantName name)
       : fps_(fps), area_(area), name_(std::move(name)) {}
 
   void take(int64_t id, std::span<const Sample> samples, const Duplicates& duplicates);
@@ -59,7 +59,7 @@ class TrackCheck {
   }
 
   double fps_;
-  const WalkableArea* area_;
+  const PolygonLocator* area_;
   InstantName name_;
   std::array<Count, kKinds> counts_;
   std::vector<double> gaps_s_;
@@ -292,14 +292,14 @@ SampleMapping RecordingBuilder::mapping(RecordingFacts& facts) {
   return out;
 }
 
-std::optional<WalkableArea> RecordingBuilder::area(const RecordingFacts& facts) {
+std::optional<PolygonLocator> RecordingBuilder::area(const RecordingFacts& facts) {
   if (facts.wkt.empty()) return std::nullopt;
   const JoinedArea area = recorded_area(facts, options_.file.string());
   if (area.gaps > 0)
     note("gaps of up to 1 mm in the walkable area (closed)", area.gaps,
          fmt::format("{:.2g} mm wide at ({:.3f}, {:.3f}) m", 1e3 * area.max_gap_m,
                      area.max_gap_at_m.x(), area.max_gap_at_m.y()));
-  return std::optional<WalkableArea>(std::in_place, area.polygons);
+  return std::optional<PolygonLocator>(std::in_place, area.polygons);
 }
 
 RecordingFacts RecordingBuilder::stated_facts() const {
@@ -361,7 +361,7 @@ std::shared_ptr<const Recording> RecordingBuilder::finish() {
   if (has_frames()) facts.first_frame = static_cast<int64_t>(mapping.origin);
   auto samples = std::make_unique<RecordedSamples>(std::move(store_), mapping);
 
-  const std::optional<WalkableArea> area = this->area(facts);
+  const std::optional<PolygonLocator> area = this->area(facts);
   TrackCheck check(facts.fps, area ? &*area : nullptr, [&](double time_s) {
     const double instant = mapping.origin + time_s * mapping.per_s;
     return has_frames() ? fmt::format("frame {}", std::llround(instant))

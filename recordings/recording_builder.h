@@ -11,11 +11,11 @@
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/polygon.h"
 #include "recordings/recorded_samples.h"
 #include "recordings/recording.h"
 #include "recordings/sample_store.h"
 #include "recordings/time_grid.h"
-#include "recordings/walkable_wkt.h"
 
 namespace throng {
 
@@ -81,7 +81,7 @@ class RecordingBuilder {
   SampleMapping mapping(RecordingFacts& facts);
   double first_instant_from(double instant) const;
   RecordingFacts stated_facts() const;
-  std::optional<WalkableArea> area(const RecordingFacts& facts);
+  std::optional<PolygonLocator> area(const RecordingFacts& facts);
   void compare_rates();
   void reject_anomalies(const std::vector<Anomaly>& anomalies) const;
 

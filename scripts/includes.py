@@ -10,7 +10,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-LAYERS = ["base", "kinematics", "culling", "avatars", "recordings", "crowd", "scenes", "lcm_io",
+LAYERS = ["base", "kinematics", "culling", "avatars", "geometry", "recordings", "crowd", "scenes", "lcm_io",
           "analysis", "viewer", "python", "bench", "apps"]
 CELL, LABEL = 18, 190
 

@@ -14,7 +14,7 @@ if ! command -v run-clang-tidy >/dev/null; then
   exit 3
 fi
 
-folders='(analysis|apps|avatars|base|bench|crowd|culling|examples|kinematics|lcm_io|python|recordings|scenes|tests|viewer)'
+folders='(analysis|apps|avatars|base|bench|crowd|culling|examples|geometry|kinematics|lcm_io|python|recordings|scenes|tests|viewer)'
 files=("^$PWD/$folders/")
 if [ "${1:-}" = --changed ]; then
   since=${2:-}

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
-#include "recordings/area_grid.h"
+#include "geometry/polygon_grid.h"
 
 namespace throng {
 namespace {
@@ -44,7 +44,7 @@ GridSet ground_of(const Scene& scene) {
                      "a larger one");
   if (scene.area.empty())
     ground.insert(grid_polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
-  for (const AreaPolygon& polygon : scene.area) add_to(ground, polygon);
+  for (const Polygon& polygon : scene.area) add_to(ground, polygon);
   return ground;
 }
 

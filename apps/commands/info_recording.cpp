@@ -4,7 +4,7 @@
 
 #include "apps/commands/info.h"
 #include "base/text.h"
-#include "recordings/area_union.h"
+#include "geometry/polygon_union.h"
 #include "recordings/recording_summary.h"
 
 namespace throng {
@@ -47,11 +47,11 @@ void add_area(FactLines& lines, const RecordingFacts& facts, const std::string& 
                facts.shift_m.y());
   if (facts.wkt.empty()) return;
   size_t edges = 0, holes = 0;
-  const std::vector<AreaPolygon> polygons = recorded_area(facts, file).polygons;
-  for (const AreaPolygon& polygon : polygons) {
+  const std::vector<Polygon> polygons = recorded_area(facts, file).polygons;
+  for (const Polygon& polygon : polygons) {
     edges += polygon.outline.size();
     holes += polygon.holes.size();
-    for (const AreaPolygon::Ring& hole : polygon.holes) edges += hole.size();
+    for (const Polygon::Ring& hole : polygon.holes) edges += hole.size();
   }
   lines.line("walls", "{} around {} with {}", counted(edges, "edge"),
              counted(polygons.size(), "walkable area"), counted(holes, "hole"));

@@ -10,7 +10,7 @@
 #include "base/portable_math.h"
 #include "base/text.h"
 #include "crowd/crowd_plan.h"
-#include "recordings/area_union.h"
+#include "geometry/polygon_union.h"
 #include "scenes/file/scene_keys.h"
 
 namespace throng {
@@ -46,12 +46,11 @@ bool is_before(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 }
 
 /// Corners that several rings share, sorted: the area continues behind them.
-std::vector<Eigen::Vector2d> shared_corners(const std::vector<AreaPolygon>& area) {
+std::vector<Eigen::Vector2d> shared_corners(const std::vector<Polygon>& area) {
   std::vector<Eigen::Vector2d> all, shared;
-  for (const AreaPolygon& polygon : area) {
+  for (const Polygon& polygon : area) {
     all.insert(all.end(), polygon.outline.begin(), polygon.outline.end());
-    for (const AreaPolygon::Ring& hole : polygon.holes)
-      all.insert(all.end(), hole.begin(), hole.end());
+    for (const Polygon::Ring& hole : polygon.holes) all.insert(all.end(), hole.begin(), hole.end());
   }
   std::sort(all.begin(), all.end(), is_before);
   for (size_t i = 1; i < all.size(); ++i)
@@ -60,8 +59,8 @@ std::vector<Eigen::Vector2d> shared_corners(const std::vector<AreaPolygon>& area
 }
 
 /// Adds a box along each edge, on the side that is not walkable.
-void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
-               const std::vector<Eigen::Vector2d>& shared, std::vector<Obstacle>& walls) {
+void add_walls(Polygon::Ring ring, bool walkable_inside, const std::vector<Eigen::Vector2d>& shared,
+               std::vector<Obstacle>& walls) {
   if ((doubled_area(ring) > 0) != walkable_inside) std::reverse(ring.begin(), ring.end());
   std::vector<Eigen::Vector2d> corners;
   for (const Eigen::Vector2d& corner : ring)
@@ -92,9 +91,9 @@ void add_walls(AreaPolygon::Ring ring, bool walkable_inside,
   }
 }
 
-Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>& area) {
+Rectangle ground_of(const RecordingFacts& facts, const std::vector<Polygon>& area) {
   Rectangle ground = facts.bounds;
-  for (const AreaPolygon& polygon : area)
+  for (const Polygon& polygon : area)
     for (const Eigen::Vector2d& corner : polygon.outline) {
       ground.min_m = ground.min_m.cwiseMin(corner);
       ground.max_m = ground.max_m.cwiseMax(corner);
@@ -104,10 +103,9 @@ Rectangle ground_of(const RecordingFacts& facts, const std::vector<AreaPolygon>&
 
 void add_geometry(Scene& scene, const std::string& where) {
   const std::vector<Eigen::Vector2d> shared = shared_corners(scene.area);
-  for (const AreaPolygon& polygon : scene.area) {
+  for (const Polygon& polygon : scene.area) {
     add_walls(polygon.outline, true, shared, scene.obstacles);
-    for (const AreaPolygon::Ring& hole : polygon.holes)
-      add_walls(hole, false, shared, scene.obstacles);
+    for (const Polygon::Ring& hole : polygon.holes) add_walls(hole, false, shared, scene.obstacles);
   }
   if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
     throw InputError(where,

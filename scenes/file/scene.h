@@ -15,8 +15,8 @@
 #include "base/rectangle.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/steering/steering_rule.h"
+#include "geometry/polygon.h"
 #include "recordings/recording.h"
-#include "recordings/walkable_wkt.h"
 #include "scenes/file/pair_rules.h"
 #include "scenes/file/part_volumes.h"
 #include "scenes/separation/separation_rule.h"
@@ -49,7 +49,7 @@ struct Scene : CrowdPlan {
   std::filesystem::path file;
   double step_s = 1.0 / 60.0;
   double duration_s = 10;
-  std::vector<AreaPolygon> area;  ///< walkable area of a recording; empty: the ground
+  std::vector<Polygon> area;  ///< walkable area of a recording; empty: the ground
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< set for `kind: box`; groups and obstacles are then empty
   SteeringRule steering;

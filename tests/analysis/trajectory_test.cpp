@@ -18,8 +18,8 @@
 #include "analysis/trajectories/trajectory_sink.h"
 #include "analysis/trajectories/walkable_area.h"
 #include "base/errors.h"
+#include "geometry/wkt.h"
 #include "recordings/recording.h"
-#include "recordings/walkable_wkt.h"
 #include "tests/crowd/crowd_world.h"
 
 namespace throng::trajectory_test {
@@ -179,7 +179,7 @@ TEST_F(Trajectory, AnswersTheQueriesOfPedPyAndJuPedSim) {
   // Both require a single polygon.
   const std::vector<std::string> wkt = query(file, "SELECT wkt FROM geometry");
   ASSERT_EQ(wkt.size(), 1u);
-  EXPECT_EQ(parse_area(wkt[0], "wkt").size(), 1u) << wkt[0];
+  EXPECT_EQ(parse_wkt(wkt[0], "wkt").size(), 1u) << wkt[0];
   EXPECT_THAT(wkt[0], testing::StartsWith("POLYGON (("));
 }
 

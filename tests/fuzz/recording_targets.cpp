@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "base/errors.h"
-#include "recordings/area_union.h"
+#include "geometry/polygon_union.h"
+#include "geometry/wkt.h"
 #include "recordings/recording.h"
-#include "recordings/walkable_wkt.h"
 #include "tests/fuzz/target_tools.h"
 #include "tests/fuzz/targets.h"
 
@@ -70,12 +70,12 @@ bool recording(std::span<const uint8_t> input) {
 
 bool wkt(std::span<const uint8_t> input) {
   try {
-    const std::vector<AreaPolygon> polygons = parse_area(text_of(input), "fuzz.wkt");
-    const WalkableArea area(polygons);
+    const std::vector<Polygon> polygons = parse_wkt(text_of(input), "fuzz.wkt");
+    const PolygonLocator area(polygons);
     promise(!polygons.empty(), "a polygon");
     for (const Eigen::Vector2d& vertex : polygons.front().outline)
       promise(area.contains(vertex), "an outline that is part of the area");
-    for (const AreaPolygon& polygon : join(polygons, "fuzz.wkt").polygons)
+    for (const Polygon& polygon : join(polygons, "fuzz.wkt").polygons)
       promise(polygon.outline.size() >= 3, "polygons of a union with an outline");
     return true;
   } catch (const InputError& error) {

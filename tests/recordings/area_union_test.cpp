@@ -1,7 +1,5 @@
 // Union of walkable areas: adjoining or overlapping polygons are joined, others stay unchanged, and
 // walls surround the whole.
-#include "recordings/area_union.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "base/random.h"
+#include "geometry/polygon_union.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/simulation.h"
 #include "tests/recordings/binary_files.h"
@@ -22,13 +21,13 @@ namespace throng::area_union_test {
 namespace {
 
 using testing::HasSubstr;
-using Ring = AreaPolygon::Ring;
+using Ring = Polygon::Ring;
 
 double uniform(uint64_t seed, uint64_t id, uint32_t number, double low, double high) {
   return random_uniform({seed, id, number, Purpose::kBoxWorld}, low, high);
 }
 
-JoinedArea joined(const std::string& wkt) { return join(parse_area(wkt, "a.wkt"), "a.wkt"); }
+JoinedArea joined(const std::string& wkt) { return join(parse_wkt(wkt, "a.wkt"), "a.wkt"); }
 
 std::string text_of(const std::vector<Ring>& rings, int digits = 17) {
   std::string text;
@@ -45,7 +44,7 @@ std::string text_of(const std::vector<Ring>& rings, int digits = 17) {
 /// Rings as text in millimetres, each polygon's outline first.
 std::string shape_of(const JoinedArea& area) {
   std::string text;
-  for (const AreaPolygon& polygon : area.polygons) {
+  for (const Polygon& polygon : area.polygons) {
     const auto add = [&](const Ring& ring) {
       for (const Eigen::Vector2d& corner : ring)
         text += fmt::format(" {:.3f},{:.3f}", corner.x() + 0.0, corner.y() + 0.0);
@@ -106,7 +105,7 @@ TEST(AreaUnion, RestoresACutCorridorBitwise) {
               joined(text_of(turned(corridor(pieces, cut), angle_rad, shift), digits));
           ASSERT_EQ(area.polygons.size(), 1u) << pieces << " pieces, turn " << turn;
           EXPECT_TRUE(area.polygons[0].holes.empty());
-          const Ring expected = parse_area(text_of({whole}, digits), "a.wkt")[0].outline;
+          const Ring expected = parse_wkt(text_of({whole}, digits), "a.wkt")[0].outline;
           EXPECT_EQ(area.polygons[0].outline, expected)
               << pieces << " pieces, cut " << static_cast<int>(cut) << ", turn " << turn;
           const bool has_gap = cut == Cut::kGap || cut == Cut::kObliqueGap;
@@ -190,7 +189,7 @@ TEST(AreaUnion, ClosesSlitsOfUpToAMillimetre) {
 }
 
 TEST(AreaUnion, LeavesPolygonsWithoutSlitsUnchanged) {
-  std::vector<AreaPolygon> polygons;
+  std::vector<Polygon> polygons;
   const auto notched = [&](const Ring& notch) {
     Ring ring = {{0, 0}};
     ring.insert(ring.end(), notch.begin(), notch.end());
@@ -212,7 +211,7 @@ TEST(AreaUnion, LeavesPolygonsWithoutSlitsUnchanged) {
     return ring;
   };
   polygons.push_back({circle(0.5, 6000, 1), {circle(0.1, 1200, -1)}});
-  for (const AreaPolygon& polygon : polygons) {
+  for (const Polygon& polygon : polygons) {
     const JoinedArea area = join({polygon}, "a.wkt");
     ASSERT_EQ(area.polygons.size(), 1u);
     EXPECT_EQ(area.polygons[0].outline, polygon.outline);
@@ -300,7 +299,7 @@ TEST(AreaUnion, JoinsBricksToAWall) {
 
 TEST(AreaUnion, ContainsThePointsOfItsPolygons) {
   for (uint64_t seed = 0; seed < 40; ++seed) {
-    std::vector<AreaPolygon> polygons;
+    std::vector<Polygon> polygons;
     for (uint64_t i = 0; i < 2 + seed % 7; ++i) {
       const Eigen::Vector2d middle(uniform(seed, i, 0, -3, 3), uniform(seed, i, 1, -3, 3));
       const auto ring = [&](double size_m, double turn_rad) {
@@ -313,12 +312,12 @@ TEST(AreaUnion, ContainsThePointsOfItsPolygons) {
                                        std::sin(turn_rad + 2 * k * std::numbers::pi / count)));
         return corners;
       };
-      AreaPolygon& polygon = polygons.emplace_back();
+      Polygon& polygon = polygons.emplace_back();
       polygon.outline = ring(uniform(seed, i, 2, 0.5, 2.5), uniform(seed, i, 3, 0, 3));
       if (i % 3 == 1) polygon.holes.push_back(ring(0.1, 0));
     }
-    const WalkableArea before(polygons);
-    const WalkableArea after(join(polygons, "").polygons);
+    const PolygonLocator before(polygons);
+    const PolygonLocator after(join(polygons, "").polygons);
     for (uint64_t i = 0; i < 3000; ++i) {
       const Eigen::Vector2d p(uniform(seed, i, 10, -6, 6), uniform(seed, i, 11, -6, 6));
       // Avoids points within 1 mm of an edge.
@@ -334,7 +333,7 @@ TEST(AreaUnion, ContainsThePointsOfItsPolygons) {
 
 TEST(AreaUnion, RejectsTooManyCrossings) {
   // Strips along x crossed by strips along y.
-  std::vector<AreaPolygon> strips;
+  std::vector<Polygon> strips;
   for (int i = 0; i < 2000; ++i) {
     strips.push_back(
         {{{0, 0.05 * i}, {200, 0.05 * i}, {200, 0.05 * i + 0.01}, {0, 0.05 * i + 0.01}}, {}});
@@ -343,7 +342,7 @@ TEST(AreaUnion, RejectsTooManyCrossings) {
   }
   EXPECT_THAT([&] { join(strips, "a.h5"); },
               testing::ThrowsMessage<InputError>(HasSubstr("a.h5: expected polygons of which at")));
-  std::vector<AreaPolygon> far = {{{{1e6, 0}, {1e6 + 1, 0}, {1e6 + 1, 1}}, {}}};
+  std::vector<Polygon> far = {{{{1e6, 0}, {1e6 + 1, 0}, {1e6 + 1, 1}}, {}}};
   EXPECT_EQ(join({far[0], {{{0, 0}, {1, 0}, {1, 1}}, {}}}, "a.h5").polygons.size(), 2u);
   EXPECT_THAT(
       [&] {
@@ -410,7 +409,7 @@ class CutCorridor : public RecordingTest {
 TEST_F(CutCorridor, EndsWallsAtSharedCorners) {
   const Scene touching = scene("MULTIPOLYGON (((0 0, 6 0, 6 2, 0 2)), ((6 2, 9 2, 9 5, 6 5)))");
   ASSERT_EQ(touching.obstacles.size(), 8u);
-  const WalkableArea area(touching.area);
+  const PolygonLocator area(touching.area);
   for (const Obstacle& wall : touching.obstacles)
     for (const Eigen::Vector3f& vertex : wall.mesh.vertices) {
       const Eigen::Vector2d along(std::cos(wall.heading_rad), std::sin(wall.heading_rad));

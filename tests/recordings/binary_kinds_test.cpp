@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "analysis/trajectories/trajectory_sink.h"
-#include "recordings/walkable_wkt.h"
+#include "geometry/wkt.h"
 #include "tests/recordings/binary_files.h"
 #include "tests/recordings/recording_folder.h"
 
@@ -127,10 +127,10 @@ TEST_F(BinaryKinds, KeepTheOrderOfManyRows) {
 }
 
 // Even-odd rule over all edges, polygon by polygon.
-bool lies_in(const std::vector<AreaPolygon>& polygons, const Eigen::Vector2d& p) {
-  for (const AreaPolygon& polygon : polygons) {
+bool lies_in(const std::vector<Polygon>& polygons, const Eigen::Vector2d& p) {
+  for (const Polygon& polygon : polygons) {
     bool is_inside = false;
-    const auto cross = [&](const AreaPolygon::Ring& ring) {
+    const auto cross = [&](const Polygon::Ring& ring) {
       for (size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++)
         if ((ring[i].y() > p.y()) != (ring[j].y() > p.y()) &&
             p.x() <
@@ -150,13 +150,13 @@ TEST(WalkableWkt, ContainsThePointsOfItsPolygons) {
   for (int i = 0; i < 200; ++i)
     circle += fmt::format("{}{} {}", i > 0 ? ", " : "", 3 * std::cos(i * 0.0314159),
                           3 * std::sin(i * 0.0314159));
-  const std::vector<AreaPolygon> polygons = parse_area(
+  const std::vector<Polygon> polygons = parse_wkt(
       "GEOMETRYCOLLECTION(polygon (( -5 -5, 5 -5, 5 5, -5 5 ),(" + circle +
           ")), MULTIPOLYGON Z (((1 1 0, 7 1 0, 7 2 0, 1 1 0)), ((2 -8 0, 4 -8 0, 3 8 0))), "
           "POLYGON EMPTY)",
       "a.wkt");
   ASSERT_EQ(polygons.size(), 3u);
-  const WalkableArea area(polygons);
+  const PolygonLocator area(polygons);
   int inside = 0;
   for (int i = 0; i < 40'000; ++i) {
     const int column = i % 200, row = i / 200;
@@ -179,12 +179,12 @@ TEST(WalkableWkt, RejectsInvalidText) {
   for (const char* wkt : {"", "LINESTRING (0 0, 1 1)", "POLYGON ((0 0, 1 1))", "POLYGON ((0 0, 1 0",
                           "POLYGON ((0 0, 1 0, nan 1))", "POLYGON ((0 0, 1 0, 1 1)) x",
                           "POLYGON EMPTY", "POLYGON ((0 0, 1e99 0, 1 1))", "POLYGON ()"})
-    EXPECT_THAT([&] { parse_area(wkt, "a.wkt"); },
+    EXPECT_THAT([&] { parse_wkt(wkt, "a.wkt"); },
                 testing::ThrowsMessage<InputError>(HasSubstr("a.wkt: expected")))
         << wkt;
   std::string deep = "POLYGON ((0 0, 1 0, 1 1))";
   for (int i = 0; i < 100; ++i) deep = fmt::format("GEOMETRYCOLLECTION({})", deep);
-  EXPECT_THROW(parse_area(deep, "a.wkt"), InputError);
+  EXPECT_THROW(parse_wkt(deep, "a.wkt"), InputError);
 }
 
 TEST(WalkableWkt, NamesUnsupportedGeometries) {
@@ -193,7 +193,7 @@ TEST(WalkableWkt, NamesUnsupportedGeometries) {
       "(WKT), found ";
   const auto refusal = [](const std::string& wkt) -> std::string {
     try {
-      parse_area(wkt, "a.wkt");
+      parse_wkt(wkt, "a.wkt");
     } catch (const InputError& error) {
       return error.what();
     }

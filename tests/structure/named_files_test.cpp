@@ -19,10 +19,10 @@ const std::set<std::string_view> kRead = {".cpp", ".h",  ".md", ".sh",   ".py",
                                           ".lcm", ".ts", ".js", ".cmake"};
 const std::set<std::string_view> kNamed = {".cpp",   ".h",  ".md", ".sh",   ".py",   ".lcm",
                                            ".cmake", ".ts", ".js", ".yaml", ".urdf", ".tri"};
-const Names kFolders = {"analysis",   "apps",    "avatars",  "base",   "bench",
-                        "cmake",      "crowd",   "culling",  "docs",   "examples",
-                        "kinematics", "lcm_io",  "lcmtypes", "python", "recordings",
-                        "scenes",     "scripts", "tests",    "viewer"};
+const Names kFolders = {"analysis",   "apps",       "avatars", "base",     "bench",
+                        "cmake",      "crowd",      "culling", "docs",     "examples",
+                        "geometry",   "kinematics", "lcm_io",  "lcmtypes", "python",
+                        "recordings", "scenes",     "scripts", "tests",    "viewer"};
 /// Files that a build generates.
 const Names kMade = {"base/version.cpp"};
 

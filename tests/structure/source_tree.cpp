@@ -11,10 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kRoots[] = {"base",  "kinematics", "culling", "avatars",  "recordings",
-                                       "crowd", "scenes",     "lcm_io",  "lcmtypes", "analysis",
-                                       "apps",  "viewer",     "python",  "bench",    "examples",
-                                       "tests", "scripts",    "docs",    "cmake",    ".ci"};
+constexpr std::string_view kRoots[] = {
+    "base",   "kinematics", "culling",  "avatars",  "geometry", "recordings", "crowd",
+    "scenes", "lcm_io",     "lcmtypes", "analysis", "apps",     "viewer",     "python",
+    "bench",  "examples",   "tests",    "scripts",  "docs",     "cmake",      ".ci"};
 const std::set<std::string_view> kTextExtensions = {
     ".cpp", ".h",  ".lcm",  ".cmake", ".txt",  ".sh", ".yaml", ".yml", ".urdf", ".md",
     ".js",  ".ts", ".html", ".css",   ".json", ".py", ".pyi",  ".gp",  ""};

@@ -18,7 +18,7 @@ const std::set<std::string_view> kCode = {".cpp", ".h"};
 
 /// `more` and the folders that all bodies need.
 Names below(Names more) {
-  more.insert({"kinematics", "culling", "avatars"});
+  more.insert({"kinematics", "culling", "avatars", "geometry"});
   return more;
 }
 
@@ -27,9 +27,10 @@ const std::map<std::string, Names> kMayInclude = {
     {"base", {}},
     {"kinematics", {}},
     {"culling", {}},
+    {"geometry", {}},
     {"avatars", {"kinematics", "culling"}},
-    {"recordings", {"culling"}},
-    {"crowd", {"kinematics", "culling", "avatars"}},
+    {"recordings", {"culling", "geometry"}},
+    {"crowd", {"kinematics", "culling", "avatars", "geometry"}},
     {"scenes", below({"crowd", "recordings"})},
     {"lcm_io", below({"crowd", "recordings", "scenes"})},
     {"analysis", below({"crowd", "recordings", "scenes", "lcm_io"})},
@@ -54,7 +55,7 @@ const std::map<std::string, Names> kLibraryOf = {
     {"mpi.h", {"analysis"}},
     {"zstd.h", {"lcm_io"}},
     {"hdf5.h", {"recordings"}},
-    {"boost", {"recordings", "analysis"}},
+    {"boost", {"geometry", "analysis"}},
     {"Recast.h", {"crowd"}},
     {"DetourNavMesh.h", {"crowd"}},
     {"DetourNavMeshQuery.h", {"crowd"}},

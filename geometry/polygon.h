@@ -1,33 +1,28 @@
-// WKT parsing reads the walkable area of a recording from well-known text. Geometries other than
-// polygons are rejected.
+// Polygon is an area of the ground with straight edges and holes, in metres.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
 namespace throng {
 
-struct AreaPolygon {
+struct Polygon {
   using Ring = std::vector<Eigen::Vector2d>;  ///< the first vertex is not repeated
   Ring outline;
   std::vector<Ring> holes;
+
+  bool operator==(const Polygon&) const = default;
 };
 
 /// Twice the signed area of a ring; positive if counter-clockwise.
-double doubled_area(const AreaPolygon::Ring& ring);
+double doubled_area(const Polygon::Ring& ring);
 
-/// Parses POLYGON, MULTIPOLYGON and GEOMETRYCOLLECTION of these, in their own units; z is ignored.
-/// Throws InputError at `where`.
-std::vector<AreaPolygon> parse_area(std::string_view wkt, const std::string& where);
-
-/// WalkableArea tests quickly whether a point lies in one of many polygons, or within 1 mm of an
+/// PolygonLocator tests quickly whether a point lies in one of many polygons, or within 1 mm of an
 /// edge.
-class WalkableArea {
+class PolygonLocator {
  public:
-  explicit WalkableArea(const std::vector<AreaPolygon>& polygons);
+  explicit PolygonLocator(const std::vector<Polygon>& polygons);
   bool contains(const Eigen::Vector2d& point) const;
 
  private:

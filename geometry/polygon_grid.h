@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "recordings/walkable_wkt.h"
+#include "geometry/polygon.h"
 
 namespace throng {
 
@@ -37,7 +37,7 @@ inline boost::polygon::polygon_data<int> grid_polygon(const std::vector<Eigen::V
   return polygon;
 }
 
-inline GridSet grid_set(const AreaPolygon::Ring& ring) {
+inline GridSet grid_set(const Polygon::Ring& ring) {
   GridSet left, right, both;
   left.insert(grid_polygon(ring));
   right.insert(grid_polygon(ring), true);
@@ -48,10 +48,10 @@ inline GridSet grid_set(const AreaPolygon::Ring& ring) {
   return both;
 }
 
-inline void add_to(GridSet& set, const AreaPolygon& polygon) {
+inline void add_to(GridSet& set, const Polygon& polygon) {
   GridSet own = grid_set(polygon.outline);
   using namespace boost::polygon::operators;
-  for (const AreaPolygon::Ring& hole : polygon.holes) own = GridSet(own - grid_set(hole));
+  for (const Polygon::Ring& hole : polygon.holes) own = GridSet(own - grid_set(hole));
   std::vector<GridShape> shapes;
   own.get(shapes);
   for (const GridShape& shape : shapes) set.insert(shape);

@@ -1,5 +1,4 @@
-// JoinedArea is the walkable area of a recording after its adjoining and overlapping polygons are
-// joined.
+// JoinedArea is an area of several polygons after adjoining and overlapping ones are joined.
 // Invariant: a polygon without a slit that neither adjoins nor overlaps another is bitwise
 // unchanged.
 #pragma once
@@ -9,13 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "recordings/recording.h"
-#include "recordings/walkable_wkt.h"
+#include "geometry/polygon.h"
 
 namespace throng {
 
 struct JoinedArea {
-  std::vector<AreaPolygon> polygons;
+  std::vector<Polygon> polygons;
   /// Number of pairs of polygons with a closed gap wider than rounding; a polygon with a closed
   /// slit counts as a pair with itself.
   int64_t gaps = 0;
@@ -28,9 +26,6 @@ struct JoinedArea {
 /// coordinates. Crossings of edges become new corners, exact to 0.1 mm. Corners created by the cut
 /// between two polygons are dropped if they lie within 1 mm of a straight line. Throws InputError
 /// at `where` if adjoining polygons lie too far out or cross too often.
-JoinedArea join(std::vector<AreaPolygon> polygons, const std::string& where);
-
-/// Joined area of a recording in the metres of the scene. Throws InputError at `where`.
-JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where);
+JoinedArea join(std::vector<Polygon> polygons, const std::string& where);
 
 }  // namespace throng

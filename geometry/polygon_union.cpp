@@ -1,4 +1,4 @@
-#include "recordings/area_union.h"
+#include "geometry/polygon_union.h"
 
 #include <fmt/format.h>
 
@@ -18,12 +18,12 @@
 #include <utility>
 
 #include "base/errors.h"
-#include "recordings/area_grid.h"
-#include "recordings/walkable_wkt.h"
+#include "geometry/polygon.h"
+#include "geometry/polygon_grid.h"
 
 namespace throng {
 
-// AreaEdge is an edge of a walkable area; Seam is the strip between two edges that face each other.
+// AreaEdge is an edge of an area; Seam is the strip between two edges that face each other.
 
 inline constexpr double kMaxAreaGap_m = 1e-3;
 /// Files print coordinates to 0.1 mm: a gap of 1 mm may appear this much wider.
@@ -43,7 +43,7 @@ struct AreaEdge {
 
 /// Strip between two edges that face each other across a gap or share a line.
 struct Seam {
-  AreaPolygon::Ring filling;
+  Polygon::Ring filling;
   double width_m = 0, length_m = 0;
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
 };
@@ -77,7 +77,7 @@ Box box_of(const AreaEdge& edge) {
                 kMaxAreaGap_m + kAreaRounding_m);
 }
 
-Box box_of(const AreaPolygon& polygon) {
+Box box_of(const Polygon& polygon) {
   Eigen::Vector2d low = polygon.outline.front(), high = low;
   for (const Eigen::Vector2d& corner : polygon.outline) {
     low = low.cwiseMin(corner);
@@ -86,9 +86,9 @@ Box box_of(const AreaPolygon& polygon) {
   return box_of(low, high, kMaxAreaGap_m + kAreaRounding_m);
 }
 
-bool contains(const AreaPolygon& polygon, const Eigen::Vector2d& p) {
+bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {
   bool is_inside = false;
-  const auto add = [&](const AreaPolygon::Ring& ring) {
+  const auto add = [&](const Polygon::Ring& ring) {
     for (size_t i = 0, k = ring.size() - 1; i < ring.size(); k = i++)
       if ((ring[i].y() > p.y()) != (ring[k].y() > p.y()) &&
           p.x() < ring[i].x() + (p.y() - ring[i].y()) / (ring[k].y() - ring[i].y()) *
@@ -96,13 +96,13 @@ bool contains(const AreaPolygon& polygon, const Eigen::Vector2d& p) {
         is_inside = !is_inside;
   };
   add(polygon.outline);
-  for (const AreaPolygon::Ring& hole : polygon.holes) add(hole);
+  for (const Polygon::Ring& hole : polygon.holes) add(hole);
   return is_inside;
 }
 
 class Joiner {
  public:
-  Joiner(const std::vector<AreaPolygon>& polygons, const std::string& where)
+  Joiner(const std::vector<Polygon>& polygons, const std::string& where)
       : polygons_(polygons),
         where_(where),
         group_(polygons.size()),
@@ -160,7 +160,7 @@ class Joiner {
 
   void list_edges() {
     for (uint32_t i = 0; i < polygons_.size(); ++i) {
-      const auto add = [&](AreaPolygon::Ring ring, bool is_outline) {
+      const auto add = [&](Polygon::Ring ring, bool is_outline) {
         if ((doubled_area(ring) > 0) != is_outline) std::reverse(ring.begin(), ring.end());
         // A hole this narrow everywhere is an obstacle.
         const bool may_slit = width_of(ring) > kMaxAreaGap_m;
@@ -169,7 +169,7 @@ class Joiner {
             edges_.push_back({ring[k], ring[(k + 1) % ring.size()], i, may_slit});
       };
       add(polygons_[i].outline, true);
-      for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole, false);
+      for (const Polygon::Ring& hole : polygons_[i].holes) add(hole, false);
     }
     std::vector<std::pair<Box, uint32_t>> boxes;
     for (uint32_t i = 0; i < edges_.size(); ++i) boxes.emplace_back(box_of(edges_[i]), i);
@@ -255,7 +255,7 @@ class Joiner {
     origins_.clear();
     uint32_t order = 0;
     for (const uint32_t i : members) {
-      const auto add = [&](const AreaPolygon::Ring& ring) {
+      const auto add = [&](const Polygon::Ring& ring) {
         for (const Eigen::Vector2d& corner : ring) {
           if (!(corner.cwiseAbs().maxCoeff() <= kMaxOnGrid_m))
             reject(fmt::format("polygons that adjoin within {:g} km of the recording's middle",
@@ -270,7 +270,7 @@ class Joiner {
         }
       };
       add(polygons_[i].outline);
-      for (const AreaPolygon::Ring& hole : polygons_[i].holes) add(hole);
+      for (const Polygon::Ring& hole : polygons_[i].holes) add(hole);
       add_to(all, polygons_[i]);
     }
     for (const Eigen::Vector2d& corner : slit_corners_)
@@ -281,12 +281,12 @@ class Joiner {
       if (group_of(pair.first) == group) all.insert(grid_polygon(seam.filling));
     std::vector<GridShape> shapes;
     all.get(shapes);
-    std::vector<std::pair<uint32_t, AreaPolygon>> found;
+    std::vector<std::pair<uint32_t, Polygon>> found;
     for (const GridShape& shape : shapes) {
       CornerRing outline = corners_of(shape);
       if (outline.size() < 3 || is_closed_gap(outline)) continue;
       const uint32_t first = begin_with_first(outline);
-      std::vector<std::pair<uint32_t, AreaPolygon::Ring>> holes;
+      std::vector<std::pair<uint32_t, Polygon::Ring>> holes;
       for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole) {
         CornerRing ring = corners_of(*hole);
         if (ring.size() < 3 || is_closed_gap(ring)) continue;
@@ -295,7 +295,7 @@ class Joiner {
       }
       std::stable_sort(holes.begin(), holes.end(),
                        [](const auto& a, const auto& b) { return a.first < b.first; });
-      AreaPolygon& polygon = found.emplace_back(first, AreaPolygon{}).second;
+      Polygon& polygon = found.emplace_back(first, Polygon{}).second;
       polygon.outline = ring_of(outline);
       for (auto& hole : holes) polygon.holes.push_back(std::move(hole.second));
     }
@@ -304,13 +304,13 @@ class Joiner {
     for (auto& polygon : found) out.polygons.push_back(std::move(polygon.second));
   }
 
-  static AreaPolygon::Ring ring_of(const CornerRing& corners) {
-    AreaPolygon::Ring ring;
+  static Polygon::Ring ring_of(const CornerRing& corners) {
+    Polygon::Ring ring;
     for (const Corner& corner : corners) ring.push_back(corner.at_m);
     return ring;
   }
 
-  static double width_of(const AreaPolygon::Ring& ring) {
+  static double width_of(const Polygon::Ring& ring) {
     double round_m = 0;
     for (size_t i = 0; i < ring.size(); ++i)
       round_m += (ring[(i + 1) % ring.size()] - ring[i]).norm();
@@ -412,7 +412,7 @@ class Joiner {
     return out;
   }
 
-  const std::vector<AreaPolygon>& polygons_;
+  const std::vector<Polygon>& polygons_;
   const std::string& where_;
   std::vector<uint32_t> group_;  ///< per polygon: another polygon of its group, or itself
   std::vector<bool> has_slit_;
@@ -426,21 +426,8 @@ class Joiner {
 
 }  // namespace
 
-JoinedArea join(std::vector<AreaPolygon> polygons, const std::string& where) {
+JoinedArea join(std::vector<Polygon> polygons, const std::string& where) {
   return Joiner(polygons, where).join();
-}
-
-JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where) {
-  if (facts.wkt.empty()) return {};
-  std::vector<AreaPolygon> area = parse_area(facts.wkt, where);
-  const auto place = [&](AreaPolygon::Ring& ring) {
-    for (Eigen::Vector2d& corner : ring) corner = corner * facts.wkt_unit_m - facts.shift_m;
-  };
-  for (AreaPolygon& polygon : area) {
-    place(polygon.outline);
-    for (AreaPolygon::Ring& hole : polygon.holes) place(hole);
-  }
-  return join(std::move(area), where);
 }
 
 namespace {

@@ -1,0 +1,94 @@
+#include "geometry/polygon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace throng {
+namespace {
+
+constexpr double kOnEdge_m = 1e-3;
+
+double squared_distance(const Eigen::Vector2d& p, const Eigen::Vector2d& from,
+                        const Eigen::Vector2d& to) {
+  const Eigen::Vector2d along = to - from;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - from - t * along).squaredNorm();
+}
+
+}  // namespace
+
+double doubled_area(const Polygon::Ring& ring) {
+  double sum = 0;
+  for (size_t i = 0; i < ring.size(); ++i) {
+    const Eigen::Vector2d& next = ring[(i + 1) % ring.size()];
+    sum += ring[i].x() * next.y() - ring[i].y() * next.x();
+  }
+  return sum;
+}
+
+PolygonLocator::PolygonLocator(const std::vector<Polygon>& polygons) {
+  std::vector<Edge> all;
+  for (uint32_t i = 0; i < polygons.size(); ++i) {
+    const auto add = [&](const Polygon::Ring& ring) {
+      for (size_t k = 0; k < ring.size(); ++k)
+        all.push_back({ring[k], ring[(k + 1) % ring.size()], i});
+    };
+    add(polygons[i].outline);
+    for (const Polygon::Ring& hole : polygons[i].holes) add(hole);
+  }
+  bottom_ = std::numeric_limits<double>::infinity();
+  top_ = -bottom_;
+  for (const Edge& edge : all) {
+    bottom_ = std::min(bottom_, edge.from.y() - kOnEdge_m);
+    top_ = std::max(top_, edge.from.y() + kOnEdge_m);
+  }
+  const auto first_slab = [&](const Edge& edge) {
+    return slab_of(std::min(edge.from.y(), edge.to.y()) - kOnEdge_m);
+  };
+  const auto last_slab = [&](const Edge& edge) {
+    return slab_of(std::max(edge.from.y(), edge.to.y()) + kOnEdge_m);
+  };
+  // Number of slabs with a few edges each, fewer if most edges cross many slabs.
+  size_t slabs = std::clamp<size_t>(all.size() / 2, 1, 1024);
+  for (;; slabs /= 2) {
+    slabs_per_m_ = top_ > bottom_ ? static_cast<double>(slabs) / (top_ - bottom_) : 0;
+    slab_begin_.assign(slabs + 1, 0);
+    size_t copies = 0;
+    for (const Edge& edge : all) copies += last_slab(edge) - first_slab(edge) + 1;
+    if (slabs == 1 || copies <= 16 * all.size()) break;
+  }
+  for (const Edge& edge : all)
+    for (size_t slab = first_slab(edge); slab <= last_slab(edge); ++slab) ++slab_begin_[slab + 1];
+  for (size_t slab = 0; slab < slabs; ++slab) slab_begin_[slab + 1] += slab_begin_[slab];
+  edges_.resize(slab_begin_.back());
+  std::vector<uint32_t> next(slab_begin_.begin(), slab_begin_.end() - 1);
+  for (const Edge& edge : all)
+    for (size_t slab = first_slab(edge); slab <= last_slab(edge); ++slab)
+      edges_[next[slab]++] = edge;
+}
+
+size_t PolygonLocator::slab_of(double y) const {
+  const double slab = std::floor((y - bottom_) * slabs_per_m_);
+  return static_cast<size_t>(std::clamp(slab, 0.0, static_cast<double>(slab_begin_.size() - 2)));
+}
+
+bool PolygonLocator::contains(const Eigen::Vector2d& point) const {
+  if (point.y() < bottom_ || point.y() > top_) return false;
+  const size_t slab = slab_of(point.y());
+  bool is_inside = false;
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (uint32_t i = slab_begin_[slab]; i < slab_begin_[slab + 1]; ++i) {
+    const Edge& edge = edges_[i];
+    if (i > slab_begin_[slab] && edge.polygon != edges_[i - 1].polygon && is_inside) return true;
+    nearest2 = std::min(nearest2, squared_distance(point, edge.from, edge.to));
+    if ((edge.from.y() > point.y()) == (edge.to.y() > point.y())) continue;
+    const double x = edge.from.x() + (point.y() - edge.from.y()) / (edge.to.y() - edge.from.y()) *
+                                         (edge.to.x() - edge.from.x());
+    if (point.x() < x) is_inside = !is_inside;
+  }
+  return is_inside || nearest2 <= kOnEdge_m * kOnEdge_m;
+}
+
+}  // namespace throng
