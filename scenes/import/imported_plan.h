@@ -1,0 +1,55 @@
+// ImportedPlan is a floor plan read from a file of another program, before it becomes a scene.
+// Invariant: coordinates are in metres once import_plan() has returned it.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/polygon.h"
+
+namespace throng {
+
+struct NamedPolygon {
+  std::string name;
+  Polygon polygon;
+};
+
+/// A wall along a polyline; a closed wall repeats its first corner.
+struct PlanWall {
+  std::string name;
+  std::vector<Eigen::Vector2d> line_m;
+  double thickness_m = 0;  ///< 0: the file states none
+};
+
+struct ImportedPlan {
+  std::string kind;               ///< for people: "DXF drawing"
+  std::vector<Polygon> walkable;  ///< may overlap and touch; empty: the file states none
+  std::vector<NamedPolygon> obstacles;
+  std::vector<PlanWall> walls;
+  std::vector<NamedPolygon> starts;   ///< areas where agents start or enter
+  std::vector<NamedPolygon> goals;    ///< areas where agents go to or leave
+  std::optional<double> unit_m;       ///< length of the file's unit; none: the file states none
+  std::vector<std::string> used;      ///< what was used, a line each: "layer 'WALLS': 12 lines"
+  std::vector<std::string> left_out;  ///< what was left out and why, a line each
+};
+
+struct ImportOptions {
+  std::filesystem::path file;
+  /// Layer of a drawing by its use: `walkable`, `obstacles`, `walls`, `starts` or `goals`.
+  std::map<std::string, std::vector<std::string>> layers;
+  std::optional<double> unit_m;  ///< overrides the unit of the file
+};
+
+/// Reads a plan; its kind is detected by content. Throws InputError with file, line, expectation,
+/// finding and remedy.
+ImportedPlan import_plan(const ImportOptions& options);
+
+/// Returns the plan as a scene file, with a group that walks from the starts to the goals if the
+/// plan has both. `source` is named in the first line.
+std::string scene_text_of(const ImportedPlan& plan, const std::string& source);
+
+}  // namespace throng
