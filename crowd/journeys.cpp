@@ -118,31 +118,31 @@ void Journeys::admit(uint32_t id, uint32_t area, const Eigen::Vector2d& position
 }
 
 /// Areas that the agent may enter now.
-std::span<const Rectangle> Journeys::areas_of_goal(uint32_t id) const {
+std::span<const Area> Journeys::areas_of_goal(uint32_t id) const {
   const Stop& to = stop(id);
-  const std::span<const Rectangle> all(to.goal.areas);
+  const std::span<const Area> all(to.goal.areas);
   if (areas_.empty() || !to.queue) return all;
   return is_admitted(id) ? all.subspan(areas_[id], 1) : all.first(0);
 }
 
 bool Journeys::is_at_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return has_reached(map_.walkable(), area, position_m, radii_m_[id]);
   });
 }
 
 bool Journeys::is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return area.size_m().maxCoeff() <= tuning::kSmallGoal_m &&
            is_beside(map_.walkable(), area, position_m, tuning::kAroundSmall_m);
   });
 }
 
 bool Journeys::is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return is_beside(map_.walkable(), area, position_m, radii_m_[id] + kMaxWallOffset_m);
   });
 }
@@ -161,15 +161,12 @@ const FlowField& Journeys::queue_field(uint32_t id) const {
 
 void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Stop& to = stop(id);
-  const Rectangle* area =
-      is_admitted(id) ? &to.goal.areas[areas_[id]] : &to.nearest_area(position_m);
-  const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
+  const Area* area = is_admitted(id) ? &to.goal.areas[areas_[id]] : &to.nearest_area(position_m);
   const uint32_t first = first_members_[id];
   for (uint32_t attempt = 0; attempt < kPlaceTries; ++attempt) {
     const RandomKey key{seed_, first, visits_[id], Purpose::kGoal};
-    targets_m_[id] = {
-        random_uniform(key, area->min_m.x() + rim.x(), area->max_m.x() - rim.x(), 2 * attempt),
-        random_uniform(key, area->min_m.y() + rim.y(), area->max_m.y() - rim.y(), 2 * attempt + 1)};
+    targets_m_[id] =
+        area->at({random_uniform(key, 2 * attempt), random_uniform(key, 2 * attempt + 1)}, kRim_m);
     if (to.field->reaches(targets_m_[id])) break;
   }
   if (id == first) return;
@@ -178,10 +175,9 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Eigen::Vector2d step(std::copysign(kPlacesApart_m, inwards.x()),
                              std::copysign(kPlacesApart_m, inwards.y()));
   const uint32_t corner = id - first;
-  const Eigen::Vector2d neighbour_place =
-      (targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0))
-          .cwiseMax(area->min_m + rim)
-          .cwiseMin(area->max_m - rim);
+  const Eigen::Vector2d neighbour_place = area->nearest_inside_m(
+      targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0),
+      kRim_m);
   if (to.field->reaches(neighbour_place)) targets_m_[id] = neighbour_place;
 }
 

@@ -63,6 +63,8 @@ Json schema_of(const Rule& rule) {
       return list(number(rule.range), rule);
     case Rule::Kind::kPoints:
       return list(list(number(rule.range), {.min = 2, .max = 2}), rule);
+    case Rule::Kind::kRings:
+      return list(list(list(number(rule.range), {.min = 2, .max = 2}), rule), {});
     case Rule::Kind::kMap:
       return reference(rule.map);
     case Rule::Kind::kList:

@@ -7,6 +7,7 @@
 #include "crowd/crowd_plan.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {
@@ -93,12 +94,11 @@ void read_count(ReadContext&, Fields& fields, Group& group) {
 }
 
 void read_spawn(ReadContext& context, Fields& fields, Group& group) {
-  const Rectangle& ground = context.scene.ground;
   if (fields.find("spawn") == nullptr && group.count == 0 && may_be_empty(fields) &&
       !has_density(fields))
-    group.spawn = ground;
+    group.spawn = context.scene.ground;
   else
-    group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
+    group.spawn = read_area(context, fields.file(), fields.require("spawn"), "spawn");
 }
 
 void read_group_model(ReadContext& context, Fields& fields, Group& group) {

@@ -11,6 +11,7 @@
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_values.h"
 
@@ -76,14 +77,14 @@ void read_recorded(ReadContext& context, const Fields& fields, Scene& scene) {
   apply_recording(scene, fields.find("ground") != nullptr, inner.where());
   if (fields.find("duration_s") != nullptr) scene.duration_s = duration_s;
   context.people += scene.groups.back().recorded;
-  for (const Obstacle& wall : scene.obstacles) context.obstacle_names.insert(wall.name);
 }
 
 void read_ground(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
   if (is_recorded(fields)) read_recorded(context, fields, scene);
   if (fields.find("ground") != nullptr || !is_recorded(fields))
-    scene.ground = read_rectangle(fields.file(), fields.require("ground"), "ground");
+    read_ground_value(context, fields.require("ground"), fields.file(), scene);
+  for (const Obstacle& wall : scene.obstacles) context.obstacle_names.insert(wall.name);
   // Only navigation needs a ground of limited size.
   if (!is_recorded(fields) || fields.find("groups") != nullptr)
     require_possible_ground(fields, scene);
@@ -129,6 +130,13 @@ void read_obstacles(ReadContext& context, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   const size_t first = scene.obstacles.size();
   read_items(obstacle_keys(), "obstacles", false, context, fields, scene.obstacles);
+  std::move(context.more_obstacles.begin(), context.more_obstacles.end(),
+            std::back_inserter(scene.obstacles));
+  if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
+    throw InputError(
+        fields.where(),
+        fmt::format("at most {} obstacles, counting pieces of polygons and walls", kMaxObstacles),
+        fmt::format("{}", scene.obstacles.size()));
   note_cut_obstacles(scene, first);
   require_few(fields.where(), context.people + static_cast<int64_t>(scene.obstacles.size()));
 }
@@ -284,10 +292,15 @@ std::vector<Key<Scene>> rows_of_scenes() {
       part_key("steering: `model` and `density_dependent_speed`", steering_keys()),
       custom_key<Scene>(
           "ground",
-          "rectangle that agents stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m wide",
-          "required of a crowd", map_rule("area"))
+          "where agents can walk: a rectangle `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m "
+          "wide, or polygons, see [scenes](../scenes.md#ground-and-obstacles)",
+          "required of a crowd", map_rule("ground"))
           .with_reader(read_ground)
-          .with_hash(&Scene::ground),
+          .with_hash([](Hasher& hash, const Scene& scene) {
+            add_value(hash, scene.ground);
+            // A recording adds its own.
+            if (!scene.floor.empty() && !scene.recorded) add_value(hash.add("floor"), scene.floor);
+          }),
       custom_key<Scene>("groups", "groups of agents", "required of a crowd",
                         list_rule("group", 1, kMaxGroups))
           .with_reader(read_groups)
@@ -408,6 +421,7 @@ std::vector<MapText> scene_maps() {
           text_of(separation_keys()),
           text_of(recording_keys()),
           area_text(),
+          ground_text(),
           distribution_text()};
 }
 
