@@ -45,8 +45,8 @@ void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t
   name.add("throng run 1").add(scene.content_hash);
   if (motion_hash != 0) name.add("world").add(motion_hash);
   const CullerOptions& culler = options.culler;
-  if (culler.budget_ms) name.add("deadline, ms").add(*culler.budget_ms);
-  if (culler.budget_tests) name.add("deadline, tests").add(*culler.budget_tests);
+  if (culler.budget_ms) name.add("budget, ms").add(*culler.budget_ms);
+  if (culler.budget_tests) name.add("budget, tests").add(*culler.budget_tests);
   if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
   if (!options.culling) name.add("no culling");
   info.run_id = name.value();
