@@ -123,6 +123,11 @@ def value_of(rule):
     return names.get(kind, kind) + (limits(rule) if kind in ("integer", "number") else "")
 
 
+def links(text):
+    """Return text with a link for each document that it names: docs/scenes.md, docs/scenes.md#doors."""
+    return re.sub(r"docs/(\w+)\.md(#[\w-]+)?", r"[\1](../\1.md\2)", text)
+
+
 def keys_of(rule):
     """Return the table of the keys of a map, and what may replace the map."""
     either = next((each for each in rule.get("anyOf", []) if "properties" in each), None)
@@ -136,7 +141,7 @@ def keys_of(rule):
         meaning, found, default = value["description"].rpartition("; without it: ")
         if not found:
             meaning, default = default.removesuffix("; required"), "required"
-        rows.append((code(key), meaning, value_of(value), default))
+        rows.append((code(key), links(meaning), value_of(value), default))
     if rows:
         text += "\n" + table(("key", "meaning", "values", "default"), rows)
     if isinstance(maps.get("additionalProperties"), dict):
