@@ -138,7 +138,7 @@ std::string budget_text(const RunReport& report) {
 
 Json proximity_json(const ProximitySummary& proximity) {
   return {{"pairs", proximity.pairs},
-          {"people", proximity.people},
+          {"closest_parts", proximity.closest_parts},
           {"pairs_peak", proximity.pairs_peak},
           {"min_distance_m", proximity.min_distance_m},
           {"ms",
@@ -371,9 +371,9 @@ std::string format_table(const RunReport& report) {
   if (report.budget_ms || report.budget_tests) line("budget", budget_text(report));
   if (summary.proximity.is_enabled)
     line("proximity",
-         fmt::format("{} rows of parts, {} of two people; at most {} at once, least distance "
+         fmt::format("{} rows of parts, {} of closest parts; at most {} at once, least distance "
                      "{:.3f} m; {:.2f} ms per frame (hash {})",
-                     summary.proximity.pairs, summary.proximity.people,
+                     summary.proximity.pairs, summary.proximity.closest_parts,
                      summary.proximity.pairs_peak, summary.proximity.min_distance_m,
                      summary.proximity.ms.median, hash_text(summary.proximity.hash)));
   if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)

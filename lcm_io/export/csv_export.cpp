@@ -68,7 +68,7 @@ void add_proximity(RunReader& run, const MessageHeader& header, std::string& out
     }
   };
   add(run.proximity_pairs(), "parts");
-  add(run.closest_parts(), "people");
+  add(run.closest_parts(), "closest_parts");
 }
 
 void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {

@@ -93,8 +93,8 @@ std::vector<PairKey> of_bodies(const Rows& rows, const std::set<uint32_t>& bodie
 
 std::vector<PairKey> proximity_of(const Frame& frame, const std::set<uint32_t>& bodies) {
   std::vector<PairKey> own = of_bodies(frame.proximity_pairs, bodies);
-  const std::vector<PairKey> people = of_bodies(frame.closest_parts, bodies);
-  own.insert(own.end(), people.begin(), people.end());
+  const std::vector<PairKey> closest = of_bodies(frame.closest_parts, bodies);
+  own.insert(own.end(), closest.begin(), closest.end());
   return own;
 }
 
