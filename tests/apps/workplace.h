@@ -86,8 +86,8 @@ inline std::string without_notes(const std::string& text) {
 }
 
 /// Expects one line with `said`, the exit code, and an unchanged folder.
-inline void expect_refused(Workplace& place, const std::string& line, const std::string& said,
-                           int exit_code = 2) {
+inline void expect_rejected(Workplace& place, const std::string& line, const std::string& said,
+                            int exit_code = 2) {
   SCOPED_TRACE(line);
   place.look();
   const Outcome outcome = shell(line, place.folder());

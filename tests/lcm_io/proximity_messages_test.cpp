@@ -63,7 +63,7 @@ TEST(ProximityMessages, PreserveEveryRowBitForBit) {
       ASSERT_LE(m.bytes.size(), kMaxMessageBytes);
       messages += m.channel == Channel::kProximity;
       const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
-      ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
+      ASSERT_NE(update, RunReader::Update::kRejected) << reader.rejection();
       updates += update == RunReader::Update::kProximity;
     }
     EXPECT_EQ(updates, 1);

@@ -434,7 +434,7 @@ TEST(PairRules, ChangeTheRunIdOnly) {
 }
 
 TEST(PairRules, RejectUnknownNames) {
-  const auto refusal = [](const char* groups, const char* parts) -> std::string {
+  const auto rejection = [](const char* groups, const char* parts) -> std::string {
     Scene scene = hall();
     if (*groups != 0) scene.group_filter = pair_rules_of(groups, "--filter-groups");
     if (*parts != 0) scene.part_filter = pair_rules_of(parts, "--filter-parts");
@@ -445,13 +445,13 @@ TEST(PairRules, RejectUnknownNames) {
     }
     return "";
   };
-  EXPECT_NE(refusal("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
-      << refusal("robbots: people", "");
-  EXPECT_NE(refusal("group:robots: people", "").find("did you mean 'group:robot'"),
+  EXPECT_NE(rejection("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
+      << rejection("robbots: people", "");
+  EXPECT_NE(rejection("group:robots: people", "").find("did you mean 'group:robot'"),
             std::string::npos)
-      << refusal("group:robots: people", "");
-  EXPECT_NE(refusal("", "tail").find("words of a part"), std::string::npos);
-  EXPECT_EQ(refusal("robots: people", "hands"), "");
+      << rejection("group:robots: people", "");
+  EXPECT_NE(rejection("", "tail").find("words of a part"), std::string::npos);
+  EXPECT_EQ(rejection("robots: people", "hands"), "");
   for (const char* text : {"", "a:", ":b", "a: b: c", "a,,b", " , "})
     EXPECT_THROW(pair_rules_of(text, "--filter-groups"), InputError) << '\'' << text << '\'';
 }
