@@ -359,8 +359,8 @@ def files(run):
         "`--trace-hash FILE` writes the line `run RUN_ID`, then a line `FRAME STAGE HASH` per frame and stage: "
         + ", ".join(code(stage) for stage in stages) + ". The first differing line shows where two runs diverge.")
     text += "\n## Exported tables\n\n" + prose(
-        "`throng export LOG --csv CHANNEL` writes the messages of one channel. An incomplete log is exported as far as it is "
-        "sound, with exit code 1.")
+        "`throng export LOG --csv CHANNEL` writes the messages of one channel. The sound part of an incomplete log is "
+        "exported, with exit code 1.")
     for name, what in texts.CHANNELS.items():
         text += f"\n### {name}\n\n" + prose(f"One row per {what}.") + "\n" + columns_table(name, run.channel(name))
     topics = run.topics()

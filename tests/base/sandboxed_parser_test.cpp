@@ -1,5 +1,5 @@
-// Whatever a sandboxed parser does, the caller gets its bytes or a one-line error in bounded time,
-// and nothing of the child remains.
+// The caller of a sandboxed parser gets its bytes or a one-line error in bounded time, even if the
+// parser hangs or crashes; nothing of the child remains.
 #include "base/files/sandboxed_parser.h"
 
 #include <fcntl.h>

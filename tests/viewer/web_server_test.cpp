@@ -151,7 +151,7 @@ TEST(WebServer, DisconnectsClientsWithLongMessages) {
   EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
 }
 
-// Offering frames returns at once whatever a client does. Dropped frames are counted, and other
+// Offering frames returns at once even if a client stalls. Dropped frames are counted, and other
 // clients get every frame.
 TEST(WebServer, ServesOthersDespiteAStalledClient) {
   WebServer server({.send_buffer_bytes = 65536}, kPage, {});
