@@ -63,31 +63,31 @@ void Journeys::archive(Archive& a) {
   a(journeys_, until_s_, visits_, targets_m_, areas_, guides_, departures_s_);
   if (!a.is_reading()) return;
   for (const double time_s : departures_s_)
-    if (!(time_s >= 0)) a.refuse("a time from the start on", "another value");
+    if (!(time_s >= 0)) a.reject("a time from the start on", "another value");
   for (uint32_t id = 0; id < journeys_.size(); ++id) {
     if (journeys_[id].state > JourneyState::kGone || journeys_[id].next > JourneyState::kGone)
-      a.refuse("a state of a journey", "another value");
+      a.reject("a state of a journey", "another value");
     // Externally controlled agents have no route.
     if (journeys_[id].stop >= std::max<size_t>(1, map_.route(journeys_[id].group).size()))
-      a.refuse("an index of a stop of the route", "another value");
+      a.reject("an index of a stop of the route", "another value");
     if (journeys_[id].exit != kNoExit &&
         (journeys_[id].state != JourneyState::kWalking || stop(id).exits == 0))
-      a.refuse("an exit only of agents that walk to one", "an exit of another agent");
+      a.reject("an exit only of agents that walk to one", "an exit of another agent");
     if (journeys_[id].exit < kOpen && journeys_[id].exit - stop(id).first_exit >= stop(id).exits)
-      a.refuse("an exit of the goal", "another exit");
+      a.reject("an exit of the goal", "another exit");
     if (journeys_[id].state == JourneyState::kQueuing && (areas_.empty() || !stop(id).queue))
-      a.refuse("queuing agents only at goals with a queue", "one at another goal");
+      a.reject("queuing agents only at goals with a queue", "one at another goal");
     if (is_admitted(id) && (journeys_[id].state != JourneyState::kWalking || !stop(id).queue ||
                             areas_[id] >= stop(id).goal.areas.size()))
-      a.refuse("an area of a goal with a queue", "another area");
+      a.reject("an area of a goal with a queue", "another area");
     // Negated to reject NaN as well.
     if (!guides_.empty() && stop(id).queue &&
         (!(guides_[id].path_direction.norm() <= 1.001) ||
          (guides_[id].corner != kNoCorner &&
           guides_[id].corner >= map_.queues()[*stop(id).queue].to_corners.size())))
-      a.refuse("a direction to a queue of length up to 1", "another vector");
+      a.reject("a direction to a queue of length up to 1", "another vector");
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kMaxTarget_m))
-      a.refuse("a target in the scene", "one beyond the largest coordinate");
+      a.reject("a target in the scene", "one beyond the largest coordinate");
   }
 }
 

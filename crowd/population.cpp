@@ -67,7 +67,7 @@ void Population::archive(Archive& a) {
     const uint32_t first = entrance.next;  // set by the constructor when reading
     a(entrance.next);
     if (entrance.next < first || entrance.next > entrance.end)
-      a.refuse("an agent of the entrance", "another agent");
+      a.reject("an agent of the entrance", "another agent");
   }
 }
 

@@ -71,31 +71,31 @@ void Queues::check_read(Archive& a, const Journeys& journeys) const {
   const auto take = [&](uint32_t id) {
     if (id >= is_known.size() || is_known[id] != 0 ||
         !std::binary_search(queuers_.begin(), queuers_.end(), id))
-      a.refuse("each queuing agent in one place", "an agent in two places");
+      a.reject("each queuing agent in one place", "an agent in two places");
     is_known[id] = 1;
   };
   for (uint32_t q = 0; q < queues_.size(); ++q)
     for (const uint32_t id : queues_[q].waiting) {
       take(id);
       if (journeys.state(id) != JourneyState::kQueuing || journeys.stop(id).queue != q)
-        a.refuse("queuing agents only in a queue", "an agent that does not queue");
+        a.reject("queuing agents only in a queue", "an agent that does not queue");
       const size_t overflow_count = queues_[q].is_taken.size();
       if (!(along_m_[id] >= 0) || !(along_m_[id] <= map_.queues()[q].plan.line.length_m()) ||
           (overflow_[id] != kNoOverflow && overflow_[id] >= overflow_count))
-        a.refuse("a position in the queue", "another value");
+        a.reject("a position in the queue", "another value");
     }
   for (const uint32_t id : queuers_)
     if (journeys.state(id) == JourneyState::kQueuing && is_known[id] == 0)
-      a.refuse("each queuing agent in a queue", "one in no queue");
+      a.reject("each queuing agent in a queue", "one in no queue");
   for (const Eigen::Vector2d& facing : facings_)
-    if (!(facing.norm() <= 1.001)) a.refuse("a direction of length up to 1", "another vector");
+    if (!(facing.norm() <= 1.001)) a.reject("a direction of length up to 1", "another vector");
   // An agent that waits again may still be on its way out.
   for (uint32_t q = 0; q < queues_.size(); ++q) {
     std::fill(is_known.begin(), is_known.end(), uint8_t{0});
     for (const ServedAgent& agent : queues_[q].served) {
       take(agent.id);
       if (agent.area >= queues_[q].served_counts.size())
-        a.refuse("an area of the goal", "another area");
+        a.reject("an area of the goal", "another area");
     }
   }
 }

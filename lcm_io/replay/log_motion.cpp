@@ -235,10 +235,10 @@ void LogMotion::archive(Archive& a) {
   a(step, frame);
   if (!a.is_reading()) return;
   if (!(step >= 0 && step < survey_->steps))
-    a.refuse(fmt::format("a step up to {}", survey_->steps), std::to_string(step));
+    a.reject(fmt::format("a step up to {}", survey_->steps), std::to_string(step));
   while (step_ < step) this->step();
   if (frame != shown_.frame)
-    a.refuse(fmt::format("frame {} of the log", shown_.frame), std::to_string(frame));
+    a.reject(fmt::format("frame {} of the log", shown_.frame), std::to_string(frame));
 }
 
 }  // namespace

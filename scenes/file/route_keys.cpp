@@ -161,7 +161,7 @@ std::vector<Key<Goal>> later_rows_of_goals() {
   Key<Goal> queue =
       custom_key<Goal>("queue",
                        "agents are served one after another in the order of their arrival, see "
-                       "[scenes](../scenes.md#queue-at-counters)",
+                       "docs/scenes.md#queue-at-counters",
                        "none, unless there is a `capacity`", map_rule("queue"))
           .with_reader(read_queue)
           .with_hash(

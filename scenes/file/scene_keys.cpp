@@ -208,7 +208,7 @@ const KeyTable<Scene>& culling_keys() {
         .keys = {
             custom_key<Scene>("part_volume",
                               "bounding volume of body parts: " + list_of(names, " or ") +
-                                  ", or a map by part, see [culling](../culling.md)",
+                                  ", or a map by part, see docs/culling.md",
                               fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
                 .with_reader(read_part_volume)
                 .with_hash(
@@ -224,27 +224,26 @@ const KeyTable<Scene>& steering_keys() {
     return KeyTable<Scene>{
         .text = {.name = "steering", .meaning = "Settings of the steering model"},
         .title = "steering",
-        .keys = {
-            custom_key<Scene>(
-                "model", "steering model: " + steering_choices() + ", see [motion](../motion.md)",
-                fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
-                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
-                  if (const auto found = fields.word("model", steering_names()))
-                    scene.steering.model = all_steering_kinds()[*found];
-                })
-                .with_hash([](Hasher& hash, const Scene& scene) {
-                  hash.add(name_of(scene.steering.model));
-                }),
-            custom_key<Scene>("density_dependent_speed",
-                              "limit speeds by the density ahead (Weidmann 1993)", "false",
-                              {.kind = Rule::Kind::kFlag})
-                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
-                  scene.steering.density_dependent_speed =
-                      fields.boolean_or("density_dependent_speed", false);
-                })
-                .with_hash([](Hasher& hash, const Scene& scene) {
-                  add_value(hash, scene.steering.density_dependent_speed);
-                })}};
+        .keys = {custom_key<Scene>("model",
+                                   "steering model: " + steering_choices() + ", see docs/motion.md",
+                                   fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
+                     .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                       if (const auto found = fields.word("model", steering_names()))
+                         scene.steering.model = all_steering_kinds()[*found];
+                     })
+                     .with_hash([](Hasher& hash, const Scene& scene) {
+                       hash.add(name_of(scene.steering.model));
+                     }),
+                 custom_key<Scene>("density_dependent_speed",
+                                   "limit speeds by the density ahead (Weidmann 1993)", "false",
+                                   {.kind = Rule::Kind::kFlag})
+                     .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                       scene.steering.density_dependent_speed =
+                           fields.boolean_or("density_dependent_speed", false);
+                     })
+                     .with_hash([](Hasher& hash, const Scene& scene) {
+                       add_value(hash, scene.steering.density_dependent_speed);
+                     })}};
   }();
   return table;
 }
@@ -287,7 +286,7 @@ std::vector<Key<Scene>> rows_of_scenes() {
       part_key("contact detection: `part_volume` and `exact`", culling_keys()),
       flag("planted_feet",
            "feet stay in place on curves and while turning; false: they glide, which saves about "
-           "80 ns per person and frame ([motion](../motion.md))",
+           "80 ns per person and frame (docs/motion.md)",
            &Scene::planted_feet),
       part_key("steering: `model` and `density_dependent_speed`", steering_keys()),
       custom_key<Scene>(
@@ -337,8 +336,8 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   Key<Scene> separation =
       custom_key<Scene>("separation",
-                        "required separation of robots from people, see [contacts](../contacts.md)",
-                        "none", map_rule("separation"))
+                        "required separation of robots from people, see docs/contacts.md", "none",
+                        map_rule("separation"))
           .with_reader(read_separation)
           .with_hash([](Hasher& hash, const Scene& scene) {
             add_keys(separation_keys(), hash, *scene.separation);
@@ -363,8 +362,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
           "group_filter",
           "pairs of groups whose contacts and distances are found, such as `robots: people, "
           "people: doors`; a single name pairs with all; `people`, `robots`, `obstacles` and `all` "
-          "name bodies of a kind, `group:people` the group of that name; see "
-          "[contacts](../contacts.md)",
+          "name bodies of a kind, `group:people` the group of that name; see docs/contacts.md",
           &Scene::group_filter, pair_rules_of),
       pairs("part_filter",
             "pairs of parts whose contacts and distances are found, by words of their names, such "
@@ -372,7 +370,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             &Scene::part_filter, part_rules_of),
       number("proximity_m",
              "margin in metres: pairs of parts within it are reported with bounds of their "
-             "distance, see [contacts](../contacts.md); at most 100, 0: off",
+             "distance, see docs/contacts.md; at most 100, 0: off",
              &Scene::proximity_m, kProximityRange),
       number("closest_parts_m",
              "margin in metres: the closest parts of each two avatars within it are reported; at "
@@ -380,11 +378,11 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
              &Scene::closest_parts_m, kProximityRange),
       flag("contact_points",
            "report contact point, normal and penetration depth of every touching pair of parts; "
-           "requires `culling: {exact: true}`, see [contacts](../contacts.md)",
+           "requires `culling: {exact: true}`, see docs/contacts.md",
            &Scene::contact_points),
       flag("body_avoidance",
            "bodies adapt their posture to neighbours and walls; standing people breathe, sway and "
-           "hold their arms in several ways; requires `planted_feet` ([motion](../motion.md))",
+           "hold their arms in several ways; requires `planted_feet` (docs/motion.md)",
            &Scene::body_avoidance),
       doors,
       separation};
