@@ -166,6 +166,7 @@ struct Door {
   Eigen::Vector2d to_m = Eigen::Vector2d::Zero();
   std::vector<TriggerRule> opens;  ///< shut before the first of these; without any, open at first
   std::vector<TriggerRule> closes;
+  double thickness_m = kThickness_m;
 
   static constexpr double kThickness_m = 0.1;
 };

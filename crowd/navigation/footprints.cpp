@@ -109,7 +109,7 @@ double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Ve
 
 std::vector<Eigen::Vector2d> footprint_of(const Door& door) {
   const Eigen::Vector2d along = (door.to_m - door.from_m).normalized();
-  const Eigen::Vector2d aside = 0.5 * Door::kThickness_m * Eigen::Vector2d(-along.y(), along.x());
+  const Eigen::Vector2d aside = 0.5 * door.thickness_m * Eigen::Vector2d(-along.y(), along.x());
   return convex_hull(
       {door.from_m - aside, door.to_m - aside, door.to_m + aside, door.from_m + aside});
 }

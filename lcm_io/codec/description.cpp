@@ -163,6 +163,17 @@ std::vector<ColumnRange> column_ranges(const model_t& described) {
   return ranges;
 }
 
+Polygon to_polygon(const polygon_t& polygon) {
+  Polygon out;
+  size_t next = 0;
+  for (size_t ring = 0; ring < polygon.corners_of_ring.size(); ++ring) {
+    Polygon::Ring& corners = ring == 0 ? out.outline : out.holes.emplace_back();
+    for (int32_t i = 0; i < polygon.corners_of_ring[ring]; ++i, next += 2)
+      corners.emplace_back(&polygon.coordinates_m[next]);
+  }
+  return out;
+}
+
 run_description_t describe(const RunInfo& run) {
   const Scene& scene = *run.scene;
   run_description_t out{};

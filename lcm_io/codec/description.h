@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/polygon.h"
 #include "lcm_io/codec/channels.h"
 #include "lcm_io/codec/quantise.h"
 #include "scenes/run/sink.h"
@@ -40,6 +41,9 @@ bool has_pair(const run_description_t& run, PairKey pair);
 /// Returns why a received description cannot be used, or "" if it is sound. Indices must be in
 /// range, numbers finite, and joints a tree with unit axes.
 std::string defect_of(const run_description_t& description);
+
+/// Requires a description without defect.
+Polygon to_polygon(const polygon_t& described);
 
 /// Builds a model with the kinematics of the described one. Requires a description without defect.
 std::shared_ptr<const Model> to_model(const model_t& described);

@@ -52,17 +52,6 @@ void require_runnable(const std::filesystem::path& file, const run_description_t
   }
 }
 
-Polygon to_polygon(const polygon_t& polygon) {
-  Polygon out;
-  size_t next = 0;
-  for (size_t ring = 0; ring < polygon.corners_of_ring.size(); ++ring) {
-    Polygon::Ring& corners = ring == 0 ? out.outline : out.holes.emplace_back();
-    for (int32_t i = 0; i < polygon.corners_of_ring[ring]; ++i, next += 2)
-      corners.emplace_back(&polygon.coordinates_m[next]);
-  }
-  return out;
-}
-
 Mesh to_mesh(const mesh_t& mesh) {
   Mesh out;
   for (size_t i = 0; i + 2 < mesh.coordinates_m.size(); i += 3)

@@ -1,10 +1,14 @@
 // Keys of triggers and doors.
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "base/errors.h"
 #include "base/limits.h"
 #include "crowd/crowd_plan.h"
+#include "crowd/navigation/footprints.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {
@@ -48,10 +52,10 @@ void read_door_name(ReadContext& context, Fields& fields, Door& door) {
 
 Key<Door> end_key(const std::string& name, const std::string& meaning, Eigen::Vector2d Door::*end) {
   return custom_key<Door>(
-             name, meaning, "",
+             name, meaning, "required, or `area`",
              {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
-      .required()
       .with_reader([name, end](ReadContext&, Fields& fields, Door& door) {
+        if (fields.find("area") != nullptr) return;
         const std::vector<double> place = fields.numbers(name, 2, kPositionRange);
         door.*end = {place[0], place[1]};
       })
@@ -71,6 +75,51 @@ Key<Door> triggers_key(const std::string& name, const std::string& meaning,
         hash.add(uint64_t{(door.*triggers).size()});
         for (const TriggerRule& trigger : door.*triggers) add_trigger(hash, trigger);
       });
+}
+
+/// The leaf lies along the longer side of the narrowest rectangle around an area.
+void put_into(const Area& area, Door& door) {
+  Polygon::Ring corners;
+  for (const Polygon& polygon : area.polygons())
+    corners.insert(corners.end(), polygon.outline.begin(), polygon.outline.end());
+  const std::vector<Eigen::Vector2d> hull = convex_hull(std::move(corners));
+  double least_m2 = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < hull.size(); ++i) {
+    Eigen::Vector2d along = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
+    Eigen::Vector2d aside(-along.y(), along.x());
+    Rectangle span{{along.dot(hull[0]), aside.dot(hull[0])},
+                   {along.dot(hull[0]), aside.dot(hull[0])}};
+    for (const Eigen::Vector2d& corner : hull) {
+      const Eigen::Vector2d local(along.dot(corner), aside.dot(corner));
+      span.min_m = span.min_m.cwiseMin(local);
+      span.max_m = span.max_m.cwiseMax(local);
+    }
+    if (span.area_m2() >= least_m2 - 1e-9) continue;
+    least_m2 = span.area_m2();
+    const Eigen::Vector2d size = span.size_m(), middle = span.middle_m();
+    const Eigen::Vector2d centre = middle.x() * along + middle.y() * aside;
+    if (size.y() > size.x()) along = aside;
+    door.from_m = centre - 0.5 * size.maxCoeff() * along;
+    door.to_m = centre + 0.5 * size.maxCoeff() * along;
+    door.thickness_m = size.minCoeff();
+  }
+}
+
+Key<Door> door_area() {
+  Key<Door> key =
+      custom_key<Door>("area",
+                       "area of the leaf instead of its ends; the leaf is the narrowest rectangle "
+                       "around it",
+                       "none", map_rule("area"))
+          .with_reader([](ReadContext& context, Fields& fields, Door& door) {
+            const YamlNode* node = fields.find("area");
+            if (node == nullptr) return;
+            expect_keys_without({"from_m", "to_m"}, door_keys(), fields);
+            put_into(read_area(context, fields.file(), *node, "the area of a door"), door);
+          })
+          .with_hash(&Door::thickness_m);
+  key.is_default = [](const Door& door) { return door.thickness_m == Door::kThickness_m; };
+  return key;
 }
 
 void complete_door(ReadContext& context, const Fields& fields, Door& door) {
@@ -112,7 +161,9 @@ const KeyTable<TriggerRule>& trigger_keys() {
 
 const KeyTable<Door>& door_keys() {
   static const KeyTable<Door> table = {
-      .text = {.name = "door", .meaning = "A line segment that stops agents while it is closed"},
+      .text = {.name = "door",
+               .meaning = "A line segment that stops agents while it is closed",
+               .choices = {{"from_m", "to_m"}, {"area"}}},
       .title = "a door",
       .keys = {custom_key<Door>("name", "unique among the doors", "`door 1`, ...", {})
                    .with_reader(read_door_name)
@@ -123,6 +174,7 @@ const KeyTable<Door>& door_keys() {
                             &Door::opens),
                triggers_key("closes", "list of triggers that close the door", "never",
                             &Door::closes)},
+      .later = {door_area()},
       .complete = complete_door};
   return table;
 }

@@ -128,7 +128,7 @@ TEST(WalkableArea, IgnoresStripsTooNarrowForADisc) {
 
 TEST(WalkableArea, ContainsAnIslandInAHoleOfARecordedArea) {
   Scene scene = ground_of(5);
-  scene.area = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},
+  scene.floor = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},
                 {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, {}}};
   const auto area = walkable_area(scene);
   ASSERT_EQ(area.size(), 2u);

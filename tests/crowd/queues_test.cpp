@@ -72,7 +72,7 @@ struct Watch {
       const Eigen::Vector2d& at_m = world.crowd.positions_m()[id];
       double away_m = 1e9;
       for (size_t area = 0; area < inside.size(); ++area) {
-        const Rectangle& r = goal.areas[area];
+        const Rectangle& r = goal.areas[area].bounds();
         away_m = std::min(away_m, (at_m - at_m.cwiseMax(r.min_m).cwiseMin(r.max_m)).norm());
         inside[area] += was_out[id] == 0 && r.contains(at_m);
       }

@@ -98,7 +98,7 @@ TEST(FlowField, GivesStraightDistancesOnOpenGround) {
   scene.ground = {{0, 0}, {20, 10}};
   const Walkable walkable(scene);
   const FlowGrid grid(walkable);
-  const FlowField field(grid, {{15, 4}, {16, 6}});
+  const FlowField field(grid, Area({15, 4}, {16, 6}));
   for (int column = 0; column < 20; ++column)
     for (int row = 0; row < 13; ++row) {
       const Eigen::Vector2d point(0.6 + 0.7 * column, 0.6 + 0.7 * row);
@@ -120,7 +120,7 @@ TEST(FlowField, LeadsRoundWallsButNotOutOfAClosedCell) {
                      box(2, 4, 0.2, 4.2), box(6, 4, 0.2, 4.2)};
   const Walkable walkable(scene);
   const FlowGrid grid(walkable);
-  const FlowField field(grid, {{15, 1}, {18, 3}});
+  const FlowField field(grid, Area({15, 1}, {18, 3}));
   EXPECT_FALSE(field.reaches({4, 4})) << "a path leads out of a closed cell";
   Eigen::Vector2d point(8, 3);
   double path_m = 0;

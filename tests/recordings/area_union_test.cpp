@@ -409,7 +409,7 @@ class CutCorridor : public RecordingTest {
 TEST_F(CutCorridor, EndsWallsAtSharedCorners) {
   const Scene touching = scene("MULTIPOLYGON (((0 0, 6 0, 6 2, 0 2)), ((6 2, 9 2, 9 5, 6 5)))");
   ASSERT_EQ(touching.obstacles.size(), 8u);
-  const PolygonLocator area(touching.area);
+  const PolygonLocator area(touching.floor);
   for (const Obstacle& wall : touching.obstacles)
     for (const Eigen::Vector3f& vertex : wall.mesh.vertices) {
       const Eigen::Vector2d along(std::cos(wall.heading_rad), std::sin(wall.heading_rad));

@@ -102,7 +102,7 @@ TEST(BundledScenes, TicketOfficeKeepsLinesAndCapacity) {
       SmallWorld world(scene, 2);
       const Crowd& crowd = world.crowd;
       const QueuePlan& plan = world.map.queues()[0].plan;
-      const Rectangle& bakery = world.map.queues()[1].plan.areas[0];
+      const Rectangle& bakery = world.map.queues()[1].plan.areas[0].bounds();
       int max_inside = 0;
       std::vector<uint8_t> was_in(crowd.size(), 0), was_out(crowd.size(), 0);
       for (int step = 0; step < 300 * 60; ++step) {

@@ -23,6 +23,7 @@ namespace {
 const Eigen::Vector3f kSun = Eigen::Vector3f(-0.45F, -0.55F, 1.0F).normalized();  // towards the sun
 const Eigen::Vector3f kBackground(0.93F, 0.95F, 0.97F);
 const Eigen::Vector3f kGround(0.86F, 0.86F, 0.84F);
+constexpr float kOffFloor = 0.8F;
 constexpr float kShadow = 0.62F;  // remaining fraction of the ground's light
 constexpr float kClipPlane_m = 0.05F;
 constexpr float kGridLine_m = 0.02F;
@@ -80,6 +81,7 @@ struct Canvas {
   std::vector<Sample> samples;
   std::vector<TranslucentLayer> layers;  // empty if no item is translucent
   std::vector<uint8_t> shadow;
+  std::vector<uint8_t> floor;  ///< empty: everywhere
 
   /// Calls body(index, a, b, c) for the samples inside a triangle, with barycentric weights.
   template <typename Body>
@@ -194,6 +196,7 @@ class Painter {
     const size_t count = static_cast<size_t>(canvas_.width) * static_cast<size_t>(canvas_.height);
     canvas_.samples.resize(count);
     if (options.ground) canvas_.shadow.resize(count);
+    if (options.ground && options.floor != nullptr) mark_floor(*options.floor);
   }
 
   void draw(const RenderItem& item) {
@@ -257,6 +260,16 @@ class Painter {
   }
 
  private:
+  void mark_floor(const Mesh& floor) {
+    canvas_.floor.resize(canvas_.samples.size());
+    const auto corner = [&](int vertex) {
+      return Corner{view_.to_camera(floor.vertices[static_cast<size_t>(vertex)]), 0};
+    };
+    for (const Eigen::Vector3i& t : floor.triangles)
+      fill_clipped(canvas_, view_, {corner(t[0]), corner(t[1]), corner(t[2])},
+                   [&](size_t at, float, float) { canvas_.floor[at] = 1; });
+  }
+
   /// A corner with its light. At a sharp edge the adjacent faces do not share their light.
   Corner lit(size_t vertex, const Eigen::Vector3f& face) const {
     Corner corner = camera_[vertex];
@@ -292,13 +305,13 @@ class Painter {
       const Eigen::Vector3f ray = view_.ray(x, y);
       const float depth = -view_.eye.z() / ray.z();  // where the ray meets z = 0
       if (std::isfinite(depth) && depth > 0 && sample.inverse_depth * depth < 1)
-        return ground_colour(view_.eye + ray * depth, depth, canvas_.shadow[at] != 0);
+        return ground_colour(view_.eye + ray * depth, depth, at);
     }
     if (sample.inverse_depth > 0) return {sample.red, sample.green, sample.blue};
     return kBackground;
   }
 
-  Eigen::Vector3f ground_colour(const Eigen::Vector3f& p, float depth, bool in_shadow) const {
+  Eigen::Vector3f ground_colour(const Eigen::Vector3f& p, float depth, size_t at) const {
     // Lines at whole metres, softened to the width of a sample: they do not flicker far away.
     const float sample_m = depth / view_.focal;
     const auto line = [&](float s) {
@@ -307,7 +320,8 @@ class Painter {
       return std::clamp(1 - off / wide, 0.0F, 1.0F) * (kGridLine_m / wide);
     };
     float light = 1 - 0.22F * std::max(line(p.x()), line(p.y()));
-    if (in_shadow) light *= kShadow;
+    if (canvas_.shadow[at] != 0) light *= kShadow;
+    if (!canvas_.floor.empty() && canvas_.floor[at] == 0) light *= kOffFloor;
     const float fog = std::clamp((depth - options_.fog_start_m) / options_.fog_start_m, 0.0F, 1.0F);
     return kGround * light * (1 - fog) + kBackground * fog;
   }

@@ -32,9 +32,10 @@ struct RenderItem {
 struct RenderOptions {
   int width = 1280;
   int height = 720;
-  int samples = 2;          ///< samples per pixel and axis, averaged; 1 to 4
-  bool ground = true;       ///< draws the plane z = 0 with a grid of metres and shadows
-  float fog_start_m = 120;  ///< distance from which the ground fades into the background
+  int samples = 2;              ///< samples per pixel and axis, averaged; 1 to 4
+  bool ground = true;           ///< draws the plane z = 0 with a grid of metres and shadows
+  const Mesh* floor = nullptr;  ///< flat, its part of the ground is lighter; none: all of it
+  float fog_start_m = 120;      ///< distance from which the ground fades into the background
 };
 
 /// Rows from the top, 3 bytes (red, green, blue) per pixel.

@@ -204,21 +204,40 @@ RunGeometry::RunGeometry(RunReader& run) {
   }
 }
 
+namespace {
+
+json describe_floor(const run_description_t& run) {
+  json floor = json::array();
+  for (const polygon_t& polygon : run.floor) {
+    json& rings = floor.emplace_back(json::array());
+    const double* next = polygon.coordinates_m.data();
+    for (const int32_t corners : polygon.corners_of_ring) {
+      json& ring = rings.emplace_back(json::array());
+      for (int32_t i = 0; i < corners; ++i, next += 2) ring.push_back({next[0], next[1]});
+    }
+  }
+  return floor;
+}
+
+}  // namespace
+
 Bytes run_message(RunReader& run, const RunGeometry& geometry, ViewMode mode) {
   const run_description_t& description = *run.run();
   const int k = directions_of(description.part_volume);
   MeshSection section;
-  json text = {
-      {"mode", name_of(mode)},
-      {"scene", description.scene},
-      {"seed", description.seed},
-      {"run_id", fmt::format("{:016x}", static_cast<uint64_t>(run.run_id()))},
-      {"step_s", description.step_s},
-      {"part_volume", description.part_volume},
-      {"hull_directions", k},
-      {"exact", description.exact != 0},
-      {"ground", {{"min_m", description.ground_min_m}, {"max_m", description.ground_max_m}}},
-      {"avatars", description.avatar_count}};
+  json text = {{"mode", name_of(mode)},
+               {"scene", description.scene},
+               {"seed", description.seed},
+               {"run_id", fmt::format("{:016x}", static_cast<uint64_t>(run.run_id()))},
+               {"step_s", description.step_s},
+               {"part_volume", description.part_volume},
+               {"hull_directions", k},
+               {"exact", description.exact != 0},
+               {"ground",
+                {{"min_m", description.ground_min_m},
+                 {"max_m", description.ground_max_m},
+                 {"floor", describe_floor(description)}}},
+               {"avatars", description.avatar_count}};
   text["models"] = json::array();
   for (size_t m = 0; m < description.models.size(); ++m)
     text["models"].push_back(describe_model(description.models[m], geometry.spheres[m],

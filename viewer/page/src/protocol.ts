@@ -71,7 +71,8 @@ export interface Run {
   part_volume: string;
   hull_directions: number;
   exact: boolean;
-  ground: {min_m: [number, number]; max_m: [number, number]};
+  /** `floor`: polygons of the walkable part, each an outline and its holes; none: all of it. */
+  ground: {min_m: [number, number]; max_m: [number, number]; floor: [number, number][][][]};
   avatars: number;
   models: Model[];
   obstacles: Obstacle[];

@@ -6,10 +6,13 @@ import {
   GLSL3,
   Group,
   Mesh,
+  Path,
   PerspectiveCamera,
   PlaneGeometry,
   RawShaderMaterial,
   Scene,
+  Shape,
+  ShapeGeometry,
   Vector2,
   Vector3,
   Vector4,
@@ -83,6 +86,8 @@ export class Stage {
     uLine: {value: new Color()},
     uBounds: {value: new Vector4()},
   };
+  /** All of the floor is inside the bounds. */
+  private readonly floorColors = {...this.groundColors, uBounds: {value: new Vector4(-3e5, -3e5, 3e5, 3e5)}};
   private readonly solidColor = {uColor: {value: new Color()}};
 
   constructor(canvas: HTMLCanvasElement) {
@@ -139,11 +144,13 @@ export class Stage {
     this.scene.add(this.crowd.group);
     const {min_m, max_m} = run.ground;
     const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
-    this.groundColors.uBounds.value.set(min_m[0], min_m[1], max_m[0], max_m[1]);
+    if (run.ground.floor.length > 0) this.groundColors.uBounds.value.set(3e5, 3e5, -3e5, -3e5);
+    else this.groundColors.uBounds.value.set(min_m[0], min_m[1], max_m[0], max_m[1]);
     this.ground.scale.setScalar(20 * size + 800);
     this.ground.position.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2, 0);
     this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
     this.addSolids(run);
+    this.addFloor(run);
     this.overview();
     // Submits all shaders before waiting for the first one.
     this.renderer.compile(this.scene, this.camera);
@@ -167,6 +174,21 @@ export class Stage {
         this.solids.add(mesh);
       }
     }
+  }
+
+  private addFloor(run: Run): void {
+    if (run.ground.floor.length === 0) return;
+    const points = (ring: [number, number][]) => ring.map(([x, y]) => new Vector2(x, y));
+    const shapes = run.ground.floor.map(([outline, ...holes]) => {
+      const shape = new Shape(points(outline!));
+      shape.holes = holes.map((hole) => new Path(points(hole)));
+      return shape;
+    });
+    const material = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.floorColors);
+    material.depthWrite = false;
+    const floor = new Mesh(new ShapeGeometry(shapes), material);
+    floor.renderOrder = -0.5;
+    this.solids.add(floor);
   }
 
   /** Moves the camera to see the whole ground, from south-west and above. */
