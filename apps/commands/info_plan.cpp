@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "analysis/trajectories/walkable_area.h"
@@ -32,7 +33,7 @@ constexpr double kText_px = 12;
 constexpr double kPadding_px = 16;
 constexpr double kMaxPlot_px = 860;
 constexpr double kMinPlot_px = 90;
-/// Obstacles with names beside them; with more, only names that fit inside are written.
+/// Obstacles with names next to them; with more, only names that fit inside are written.
 constexpr size_t kMaxNamesBeside = 25;
 /// Limit of tooltips, which keeps scenes of 60 000 obstacles below 10 MB.
 constexpr size_t kMaxObstacleBytes = 7'000'000;
@@ -115,12 +116,14 @@ std::string tooltip(const std::string& text) { return "<title>" + xml_text(text)
 
 /// Upper bound of a text's width in a sans-serif font; wide scripts count two letters.
 double width_px(const std::string& text, double size_px = kText_px) {
+  constexpr std::string_view kNarrow = " .,:;ijlt|'()";
   double letters = 0;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if ((byte & 0xC0) != 0x80) letters += byte >= 0xE0 ? 2 : 1;
+    if ((byte & 0xC0) != 0x80)
+      letters += byte >= 0xE0 ? 2 : kNarrow.find(c) != std::string_view::npos ? 0.6 : 1;
   }
-  return 0.58 * size_px * letters;
+  return 0.63 * size_px * letters;
 }
 
 /// The beginning of a text that fits, ended by an ellipsis if something is missing.
@@ -161,10 +164,10 @@ class View {
       return std::min((width - 2 * kPadding_px) / size.x(), (height - 2 * kPadding_px) / size.y());
     };
     const double whole = kWidth_px - kLeft_px - kRight_px;
-    const double beside = scale_for(whole - kLegend_px, kMaxPlot_px);
+    const double at_side = scale_for(whole - kLegend_px, kMaxPlot_px);
     const double above = scale_for(whole, 0.8 * kMaxPlot_px);
-    legend_beside = beside >= above;
-    scale = legend_beside ? beside : above;
+    legend_beside = at_side >= above;
+    scale = legend_beside ? at_side : above;
     frame = {kLeft_px, kTop_px, kLeft_px + (legend_beside ? whole - kLegend_px : whole),
              kTop_px + std::max(kMinPlot_px, scale * size.y() + 2 * kPadding_px)};
     if (legend_beside)
@@ -336,9 +339,9 @@ class PlanDrawing {
     const Rectangle shown = view_.shown_m();
     for (int axis = 0; axis < 2; ++axis) {
       // 60 px hold seven digits.
-      const double least_m = (axis == 0 ? 60 : 40) / view_.scale;
-      double step_m = round_length(least_m);
-      while (step_m < least_m) step_m = round_length(2.6 * step_m);
+      const double spacing_m = (axis == 0 ? 60 : 40) / view_.scale;
+      double step_m = round_length(spacing_m);
+      while (step_m < spacing_m) step_m = round_length(2.6 * step_m);
       const auto last = static_cast<int64_t>(std::floor(shown.max_m[axis] / step_m));
       for (auto i = static_cast<int64_t>(std::ceil(shown.min_m[axis] / step_m)); i <= last; ++i) {
         Point at_m = shown.min_m;
@@ -671,7 +674,7 @@ class PlanDrawing {
   std::string route_of(size_t index) const {
     const Group& group = scene_.groups[index];
     if (!group.control_channel.empty()) return ", by channel " + group.control_channel;
-    if (group.recorded > 0) return ", on their tracks";
+    if (group.recorded > 0) return "";
     if (group.goals.empty()) return ", no goals";
     std::string text = ": ";
     const std::string letter = letter_of(index);

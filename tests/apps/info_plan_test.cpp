@@ -133,6 +133,22 @@ TEST(InfoPlan, ShowsWhatASceneHas) {
     EXPECT_THAT(svg, HasSubstr(text));
 }
 
+TEST(InfoPlan, ShowsRecordedPeople) {
+  const ScratchFolder folder;
+  std::string table = "id,frame,x,y\n";
+  for (int i = 0; i < 50; ++i)
+    table += fmt::format("1,{},{},2\n2,{},5,{}\n", i, i * 0.1, i, i * 0.1);
+  write_file(folder / "walk.csv", table);
+  write_file(folder / "s.yaml",
+             "name: s\nkind: recorded\nrecording: {file: walk.csv, fps: 25, unit_m: 1}\n");
+  const std::string svg = plan_of("s.yaml", folder);
+  EXPECT_EQ(defect_of_xml(svg), "");
+  for (const char* text : {"class=\"track\"", "bounds of 2 recorded people", ">A recorded</text>",
+                           ">2 recorded people</text>"})
+    EXPECT_THAT(svg, HasSubstr(text));
+  EXPECT_THAT(svg, Not(HasSubstr(">not walkable</text>")));
+}
+
 TEST(InfoPlan, IsToScale) {
   const ScratchFolder folder;
   for (const double size_m : {0.5, 2.0, 5.0, 36.0, 700.0, 3000.0}) {
