@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "base/xml_text.h"
 
 namespace throng {
 namespace {
@@ -14,21 +15,6 @@ namespace {
 constexpr size_t kPiece = 1 << 16;
 /// Frames at a whole second belong to the next second, regardless of the rounding of step_s.
 constexpr double kRounding_s = 1e-9;
-
-std::string xml_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 }  // namespace
 

@@ -9,7 +9,10 @@
 #include <optional>
 
 #include "apps/command.h"
+#include "apps/commands/info_plan.h"
 #include "apps/options/run_arguments.h"
+#include "apps/output/output_plan.h"
+#include "apps/output/text_file.h"
 #include "avatars/model/describe.h"
 #include "base/console.h"
 #include "base/errors.h"
@@ -26,10 +29,14 @@ A file whose root element is <robot> is a URDF, under any name. Otherwise the ex
 .tri, .yaml or .yml, .lcmlog. Any other file is read as a recording of people and identified by its content,
 see docs/recordings.md.
 
+--plan draws a scene from above before it runs: walkable ground, obstacles, doors, and start areas, goals and
+shortest paths of each group. Names without a place are tooltips; a browser shows them.
+
 Examples:
   throng info avatars/models/adult/head.tri
   throng info avatars/models/adult/adult.urdf
   throng info plaza
+  throng info plaza --plan plaza.svg
   throng info out/plaza.lcmlog
   throng info experiment.txt --fps 16 --unit cm
   throng info table.csv --columns id=pedID,t=time,x=posX,y=posY)";
@@ -39,6 +46,11 @@ std::string lower_extension(const fs::path& file) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
+}
+
+std::string description_of_scene(const std::string& name) {
+  const Scene scene = load_scene(name);
+  return describe_scene(scene, navigation_mesh_of(scene));
 }
 
 std::string description_of(const std::string& name, const RunOptions& options) {
@@ -51,16 +63,40 @@ std::string description_of(const std::string& name, const RunOptions& options) {
     require_no_recording_options(options, "a file that needs no options");
   if (extension == ".tri") return describe_tri(read_tri(file), name);
   if (extension == ".urdf") return describe_model(*load_model(file));
-  if (extension == ".yaml" || extension == ".yml") return describe_scene(name);
+  if (extension == ".yaml" || extension == ".yml") return description_of_scene(name);
   if (extension == ".lcmlog") return describe_log(file);
-  if (is_bundled) return describe_scene(name);  // throws with a suggestion if there is none
+  if (is_bundled) return description_of_scene(name);  // throws with a suggestion if there is none
   const std::optional<FileKind> kind = known_kind(file);
   if (kind && !kind->is_recording)
     throw InputError(name, "a .tri, .urdf, .yaml or .lcmlog file, or a recording", kind->what);
   return describe_recording(*read_recording(recording_options(file, options.recording)), name);
 }
 
-int describe(const std::string& name, const RunOptions& options) {
+/// Describes a scene and draws it.
+int describe_and_draw(const std::string& name, const RunOptions& options,
+                      const std::string& plan_file) {
+  require_no_recording_options(options,
+                               "a scene to draw; in a scene file these are keys of 'recording'");
+  require_no_other_kind(name);
+  const std::string extension = lower_extension(name);
+  if (!extension.empty() && extension != ".yaml" && extension != ".yml")
+    throw InputError(name, "a scene for --plan, a .yaml file or the name of a bundled scene",
+                     fmt::format("a '{}' file", extension));
+  OutputPlan outputs;
+  outputs.writes({.option = "--plan", .path = plan_file});
+  outputs.check();
+  const Scene scene = load_scene(name);
+  plan_inputs(scene, outputs);
+  outputs.check();
+  const std::optional<NavMesh> mesh = navigation_mesh_of(scene);
+  print_result("{}", describe_scene(scene, mesh));
+  write_text(plan_file, draw_plan(scene, mesh));
+  print_message("plan: {}\n", plan_file);
+  return kExitSuccess;
+}
+
+int describe(const std::string& name, const RunOptions& options, const std::string& plan_file) {
+  if (!plan_file.empty()) return describe_and_draw(name, options, plan_file);
   print_result("{}", description_of(name, options));
   return kExitSuccess;
 }
@@ -75,7 +111,9 @@ Command add_info_command(CommandLine& parent) {
   app->add_option("FILE", *file, "File or bundled scene to describe")->required();
   const auto options = std::make_shared<RunOptions>();
   add_recording_options(*app, *options);
-  return {app, [file, options] { return describe(*file, *options); }};
+  const auto plan = std::make_shared<std::string>();
+  app->add_option("--plan", *plan, "Draw a scene from above into this SVG file")->type_name("FILE");
+  return {app, [file, options, plan] { return describe(*file, *options, *plan); }};
 }
 
 }  // namespace throng

@@ -2,14 +2,20 @@
 // Invariant: the library's reader reads the whole file first; there are no partial descriptions.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "crowd/navigation/nav_mesh.h"
 #include "recordings/recording.h"
+#include "scenes/file/scene.h"
 
 namespace throng {
 
-/// Describes a scene file or a bundled scene. Lines end in a line feed. Throws InputError.
-std::string describe_scene(const std::string& path_or_name);
+/// The mesh on which agents find their paths while all doors are open; none if no agent steers.
+std::optional<NavMesh> navigation_mesh_of(const Scene& scene);
+
+/// Describes a scene with its navigation_mesh_of(). Lines end in a line feed. Throws InputError.
+std::string describe_scene(const Scene& scene, const std::optional<NavMesh>& mesh);
 
 /// `file` is the name as the user gave it.
 std::string describe_recording(const Recording& recording, const std::string& file);

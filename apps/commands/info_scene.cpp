@@ -160,8 +160,16 @@ void add_notes(std::string& text, const Scene& scene) {
 
 }  // namespace
 
-std::string describe_scene(const std::string& path_or_name) {
-  const Scene scene = load_scene(path_or_name);
+std::optional<NavMesh> navigation_mesh_of(const Scene& scene) {
+  const bool follows_recording = scene.recorded && scene.groups.size() == 1;
+  if (scene.box || follows_recording) return std::nullopt;
+  const Walkable walkable(scene);
+  const FlowGrid grid(walkable);
+  return NavMesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures(),
+                 scene.floor);
+}
+
+std::string describe_scene(const Scene& scene, const std::optional<NavMesh>& mesh) {
   std::string text;
   int people = 0;
   for (const Group& group : scene.groups) people += static_cast<int>(group.total());
@@ -184,18 +192,12 @@ std::string describe_scene(const std::string& path_or_name) {
     add_notes(text, scene);
     return text;
   }
-  // No paths if every agent follows a recording.
-  const bool steers = !scene.recorded || scene.groups.size() > 1;
   std::string groups;
-  if (steers) {
-    const Walkable walkable(scene);
-    const FlowGrid grid(walkable);
-    const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures(),
-                       scene.floor);
+  if (mesh) {
     append(text, "  paths      navigation mesh of {} polygons from voxels of {:.2g} m\n",
-           mesh.polygon_count(), mesh.voxel_m());
+           mesh->polygon_count(), mesh->voxel_m());
     for (const Group& group : scene.groups)
-      if (group.recorded == 0) add_group(groups, group, mesh);
+      if (group.recorded == 0) add_group(groups, group, *mesh);
   }
   if (scene.recorded) add_recorded(groups, scene);
   text += "\nGroups:\n" + groups;

@@ -6,6 +6,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "avatars/mesh/assimp_mesh.h"
 #include "avatars/mesh/tri.h"
@@ -115,7 +118,7 @@ Mesh unpacked(const std::vector<uint8_t>& bytes, const std::string& name, char& 
 }
 
 /// Checks the child's output like a file: a malicious file may control that process.
-Mesh checked(Mesh soup, const std::string& name) {
+Mesh checked(Mesh soup, const std::string& name, float scale, const char* remedy) {
   const auto count = static_cast<int>(soup.vertices.size());
   for (const Eigen::Vector3i& triangle : soup.triangles) {
     for (const int corner : triangle) {
@@ -123,9 +126,10 @@ Mesh checked(Mesh soup, const std::string& name) {
         throw InputError(name, fmt::format("vertex indices below {}", count),
                          fmt::format("{}", corner));
       const Eigen::Vector3f& v = soup.vertices[static_cast<size_t>(corner)];
-      if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kMaxCoordinate_m)
+      if (!v.allFinite() || !(scale * v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m))
         throw InputError(name, fmt::format("coordinates within {:g} m", kMaxCoordinate_m),
-                         fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z()));
+                         fmt::format("({:g}, {:g}, {:g}){}", v.x() * scale, v.y() * scale,
+                                     v.z() * scale, remedy));
     }
   }
   return soup;
@@ -137,12 +141,25 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-}  // namespace
+/// Up axis of meshes that assimp returns; `stated` is that of a Collada file.
+UpAxis up_of(const std::string& extension, char stated) {
+  // glTF, VRML and X3D define y; assimp turns the z of CAD formats to y.
+  constexpr std::string_view kY[] = {".gltf", ".glb",  ".wrl", ".x3d",
+                                     ".x3db", ".x3dv", ".3ds", ".dxf"};
+  if (stated == 'X') return UpAxis::kX;
+  const bool is_y =
+      stated == 'Y' || std::find(std::begin(kY), std::end(kY), extension) != std::end(kY);
+  return is_y ? UpAxis::kY : UpAxis::kZ;
+}
 
-Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits,
-               std::vector<std::string>* notes) {
-  const std::string extension = lower_case(file.extension().string());
-  if (extension == ".tri") return read_tri(file).mesh;
+struct AssimpMesh {
+  Mesh mesh;
+  char stated_up = 0;  ///< see ignored_up_axis()
+};
+
+/// `scale` and `remedy` belong to the check of coordinates.
+AssimpMesh read_by_assimp(const std::filesystem::path& file, const std::string& extension,
+                          const SandboxLimits& limits, float scale, const char* remedy) {
   const SandboxedParser assimp = {
       .library = "assimp",
       .expected = extension.empty() ? "a mesh file" : fmt::format("a {} mesh", extension.substr(1)),
@@ -151,17 +168,46 @@ Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits,
     return packed(triangles_by_assimp(opened, limits.max_file_bytes, kMaxVertices, kMaxTriangles),
                   extension == ".dae" ? ignored_up_axis(opened) : 0);
   };
-  char up_axis = 0;
-  Mesh mesh =
-      welded(checked(unpacked(parse_sandboxed(file, assimp, limits, parse), file.string(), up_axis),
-                     file.string()));
-  if (mesh.triangles.empty()) throw InputError(file.string(), "at least one triangle", "none");
-  if (notes != nullptr && (up_axis == 'X' || up_axis == 'Y'))
+  AssimpMesh out;
+  const std::string name = file.string();
+  out.mesh =
+      welded(checked(unpacked(parse_sandboxed(file, assimp, limits, parse), name, out.stated_up),
+                     name, scale, remedy));
+  if (out.mesh.triangles.empty()) throw InputError(name, "at least one triangle", "none");
+  return out;
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits,
+               std::vector<std::string>* notes) {
+  const std::string extension = lower_case(file.extension().string());
+  if (extension == ".tri") return read_tri(file).mesh;
+  AssimpMesh read = read_by_assimp(file, extension, limits, 1, "");
+  if (notes != nullptr && (read.stated_up == 'X' || read.stated_up == 'Y'))
     notes->push_back(
         fmt::format("mesh '{}' states {}_UP, which is ignored as in URDF viewers: z of its "
                     "coordinates is z of its frame",
-                    escaped(file.filename().string()), up_axis));
-  return mesh;
+                    escaped(file.filename().string()), read.stated_up));
+  return std::move(read.mesh);
+}
+
+Mesh read_upright_mesh(const std::filesystem::path& file, float scale, std::optional<UpAxis> up) {
+  const std::string extension = lower_case(file.extension().string());
+  AssimpMesh read;
+  if (extension == ".tri")
+    read.mesh = read_tri(file).mesh;
+  else
+    read = read_by_assimp(
+        file, extension, {}, scale,
+        "; set 'scale' to the metres per unit of the file, as 0.001 for millimetres");
+  const UpAxis axis = up.value_or(up_of(extension, read.stated_up));
+  for (Eigen::Vector3f& v : read.mesh.vertices) {
+    v *= scale;
+    if (axis == UpAxis::kX) v = Eigen::Vector3f(-v.y(), -v.z(), v.x());
+    if (axis == UpAxis::kY) v = Eigen::Vector3f(v.x(), -v.z(), v.y());
+  }
+  return std::move(read.mesh);
 }
 
 }  // namespace throng

@@ -73,6 +73,8 @@ struct ReadContext {
   std::set<std::string> group_names;
   std::set<std::string> obstacle_names;
   std::set<std::string> door_names;
+  /// Meshes of obstacles by file, scale and up axis: a file is parsed once for many chairs.
+  std::map<std::string, Mesh> meshes;
   /// Triggers and their places in the file ("file:line").
   std::vector<std::pair<std::string, TriggerRule>> triggers;
   /// Goals with a queue and their places in the file ("file:line").

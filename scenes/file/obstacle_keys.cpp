@@ -1,12 +1,14 @@
 // Keys of an obstacle: its shape and place.
 #include <algorithm>
+#include <map>
 #include <numbers>
 #include <utility>
 
+#include "avatars/mesh/mesh_file.h"
 #include "avatars/mesh/primitives.h"
-#include "avatars/mesh/tri.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "base/text.h"
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/key_tables.h"
 #include "scenes/file/polygon_values.h"
@@ -22,6 +24,30 @@ constexpr Range kTopRange{-9, 2000};
 constexpr Range kThicknessRange{1e-3, 100};
 constexpr double kWallThickness_m = 0.1;
 constexpr Range kHeadingRange{-360, 360};
+/// From micrometres to kilometres, with a margin.
+constexpr Range kMeshScaleRange{1e-7, 1e4};
+/// The unit of a mesh without `scale` is doubted if it is as high, so many times as wide as the
+/// ground, or as small.
+constexpr double kDoubtedHeight_m = 1000, kDoubtedGrounds = 4, kDoubtedSize_m = 0.02;
+constexpr const char* kScaleRemedy =
+    "; set 'scale' to the metres per unit of the file, as 0.001 for millimetres";
+
+/// Keys of a kind; all kinds have `name`, `kind` and `bottom_m`.
+const std::map<std::string, std::vector<std::string>>& keys_of_kinds() {
+  static const std::map<std::string, std::vector<std::string>> keys = {
+      {"box", {"position_m", "yaw_deg", "size_m"}},
+      {"cylinder", {"position_m", "yaw_deg", "diameter_m", "height_m"}},
+      {"mesh", {"position_m", "yaw_deg", "file", "scale", "up"}},
+      {"polygon", {"polygon", "holes", "top_m"}},
+      {"wall", {"line", "thickness_m", "top_m"}}};
+  return keys;
+}
+
+void expect_keys_of_kind(const Fields& fields) {
+  std::vector<std::string> keys = keys_of_kinds().at(fields.text("kind"));
+  keys.insert(keys.end(), {"name", "kind", "bottom_m"});
+  fields.expect_keys(keys);
+}
 
 double lowest_m(const Mesh& mesh) {
   float lowest = mesh.vertices.front().z();
@@ -46,29 +72,62 @@ void measure_mesh(const Fields& fields, Obstacle& obstacle) {
   if (!(static_cast<double>(farthest_m) <= kMaxDescribed))
     throw InputError(fields.where(),
                      fmt::format("a mesh within {:g} m of its origin", kMaxDescribed),
-                     fmt::format("a vertex at {:g} m", farthest_m));
+                     fmt::format("a vertex at {:g} m{}", farthest_m, kScaleRemedy));
   obstacle.size_m = (high - low).cast<double>();
   if (footprint_of(obstacle).size() < 3 || !(obstacle.size_m.maxCoeff() <= kSizeRange.max))
     throw InputError(fields.where(),
                      fmt::format("a mesh that covers some ground, at most {} m", kSizeRange.max),
-                     fmt::format("one of {} x {} x {} m", obstacle.size_m.x(), obstacle.size_m.y(),
-                                 obstacle.size_m.z()));
+                     fmt::format("one of {} x {} x {} m{}", obstacle.size_m.x(),
+                                 obstacle.size_m.y(), obstacle.size_m.z(), kScaleRemedy));
 }
 
-void make_shape(const ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+/// Checks the size of a mesh whose unit is assumed to be the metre.
+void doubt_unit(ReadContext& context, const Fields& fields, const Obstacle& obstacle) {
+  const Eigen::Vector3d& size = obstacle.size_m;
+  const std::string found = fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x(), size.y(), size.z());
+  const double widest_m = kDoubtedGrounds * context.scene.ground.size_m().maxCoeff();
+  if (size.z() > kDoubtedHeight_m || size.head<2>().maxCoeff() > widest_m)
+    throw InputError(
+        fields.where(),
+        fmt::format("a mesh at most {:g} m high and {:g} m wide, or 'scale' with it",
+                    kDoubtedHeight_m, widest_m),
+        fmt::format("one of {}; set 'scale: 0.001' if the file is in millimetres, or 'scale: 1'",
+                    found));
+  if (size.maxCoeff() < kDoubtedSize_m)
+    context.scene.notes.push_back(fmt::format(
+        "obstacle '{}' is {}: if the unit of '{}' is not the metre, set 'scale' to the metres per "
+        "unit",
+        obstacle.name, found, escaped(obstacle.mesh_file.filename().string())));
+}
+
+void read_mesh_obstacle(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  const std::vector<std::string> axes = {"x", "y", "z"};  // in the order of UpAxis
+  std::optional<UpAxis> up;
+  const std::optional<size_t> axis = fields.word("up", axes);
+  if (axis) up = static_cast<UpAxis>(*axis);
+  obstacle.mesh_file = existing_file(context, fields, fields.require("file"), "a mesh file");
+  const double scale = fields.number_or("scale", kMeshScaleRange, 1);
+  const std::string key =
+      fmt::format("{} {} {}", scale, axis ? axes[*axis] : "-", obstacle.mesh_file.string());
+  auto known = context.meshes.find(key);
+  if (known == context.meshes.end())
+    known = context.meshes
+                .emplace(key, read_upright_mesh(obstacle.mesh_file, static_cast<float>(scale), up))
+                .first;
+  obstacle.mesh = known->second;
+  measure_mesh(fields, obstacle);
+  if (fields.find("scale") == nullptr) doubt_unit(context, fields, obstacle);
+}
+
+void make_shape(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
   switch (obstacle.kind) {
     case Obstacle::Kind::kBox: {
-      expect_keys_without(
-          {"diameter_m", "height_m", "file", "polygon", "holes", "line", "thickness_m", "top_m"},
-          obstacle_keys(), fields);
       const std::vector<double> size = fields.numbers("size_m", 3, kSizeRange);
       obstacle.size_m = {size[0], size[1], size[2]};
       obstacle.mesh = box_mesh(obstacle.size_m);
       break;
     }
     case Obstacle::Kind::kCylinder: {
-      expect_keys_without({"size_m", "file", "polygon", "holes", "line", "thickness_m", "top_m"},
-                          obstacle_keys(), fields);
       const double diameter_m = fields.number("diameter_m", kSizeRange);
       obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
       obstacle.mesh = cylinder_mesh(0.5 * diameter_m, obstacle.size_m.z());
@@ -77,12 +136,7 @@ void make_shape(const ReadContext& context, const Fields& fields, Obstacle& obst
     case Obstacle::Kind::kPolygon:
       break;  // made of pieces, see make_pieces()
     case Obstacle::Kind::kMesh: {
-      expect_keys_without(
-          {"size_m", "diameter_m", "height_m", "polygon", "holes", "line", "thickness_m", "top_m"},
-          obstacle_keys(), fields);
-      obstacle.mesh_file = existing_file(context, fields, fields.require("file"), "a .tri file");
-      obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
-      measure_mesh(fields, obstacle);
+      read_mesh_obstacle(context, fields, obstacle);
       break;
     }
   }
@@ -130,14 +184,8 @@ std::vector<Polygon::Ring> wall_rings(const Fields& fields) {
 void make_pieces(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
   std::vector<Polygon::Ring> rings;
   if (is_wall(fields)) {
-    expect_keys_without(
-        {"size_m", "diameter_m", "height_m", "file", "polygon", "holes", "position_m", "yaw_deg"},
-        obstacle_keys(), fields);
     rings = wall_rings(fields);
   } else {
-    expect_keys_without({"size_m", "diameter_m", "height_m", "file", "line", "thickness_m",
-                         "position_m", "yaw_deg"},
-                        obstacle_keys(), fields);
     rings = convex_pieces_of(read_polygon(context, fields, obstacle.name));
   }
   const auto [bottom_m, top_m] = read_heights(fields);
@@ -156,6 +204,7 @@ void make_pieces(ReadContext& context, const Fields& fields, Obstacle& obstacle)
 }
 
 void complete_obstacle(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  expect_keys_of_kind(fields);
   if (obstacle.kind == Obstacle::Kind::kPolygon) {
     const size_t first = context.more_obstacles.size();
     make_pieces(context, fields, obstacle);
@@ -248,8 +297,11 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
       custom_key<Obstacle>("diameter_m", "cylinder: diameter", "required of a cylinder",
                            size_rule(1)),
       custom_key<Obstacle>("height_m", "cylinder: length", "required of a cylinder", size_rule(1)),
-      custom_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
-                           "required of a mesh", {})
+      custom_key<Obstacle>(
+          "file",
+          "mesh: a mesh file relative to the scene file: `.tri`, `.stl`, `.obj`, `.dae`, "
+          "`.ply` and many others, see reliability",
+          "required of a mesh", {})
           .with_hash(add_mesh),
       custom_key<Obstacle>("polygon",
                            "polygon: corners `[x, y]`; a concave outline is divided into convex "
@@ -270,6 +322,18 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
                            {.kind = Rule::Kind::kNumber, .range = kTopRange})};
 }
 
+/// The hash of a mesh covers these keys: it is that of the scaled and turned vertices.
+std::vector<Key<Obstacle>> later_rows_of_obstacles() {
+  return {custom_key<Obstacle>("scale", "mesh: metres per unit of the file, 0.001 for millimetres",
+                               "1", {.kind = Rule::Kind::kNumber, .range = kMeshScaleRange}),
+          custom_key<Obstacle>(
+              "up",
+              "mesh: axis of the file that points up; with `y`, its x stays x; with `x`, its -y "
+              "becomes x",
+              "the axis that a `.dae` file states; `y` for glTF, VRML and X3D; otherwise `z`",
+              {.kind = Rule::Kind::kWord, .words = {"z", "y", "x"}})};
+}
+
 }  // namespace
 
 const KeyTable<Obstacle>& obstacle_keys() {
@@ -277,6 +341,7 @@ const KeyTable<Obstacle>& obstacle_keys() {
       .text = {.name = "obstacle", .meaning = "A solid body that does not move"},
       .title = "an obstacle",
       .keys = rows_of_obstacles(),
+      .later = later_rows_of_obstacles(),
       .complete = complete_obstacle};
   return table;
 }

@@ -129,7 +129,7 @@ TEST(WalkableArea, IgnoresStripsTooNarrowForADisc) {
 TEST(WalkableArea, ContainsAnIslandInAHoleOfARecordedArea) {
   Scene scene = ground_of(5);
   scene.floor = {{{{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}, {{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}}},
-                {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, {}}};
+                 {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, {}}};
   const auto area = walkable_area(scene);
   ASSERT_EQ(area.size(), 2u);
   EXPECT_NEAR(signed_area_m2(area[0].outline) + signed_area_m2(area[0].holes.at(0)), 48, 1e-3);

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -244,7 +246,7 @@ TEST_F(SceneFile, ReportsErrorsWithFileAndLine) {
        "s.yaml:8: expected a key of an obstacle, found 'diameter_m'"},
       {"no such mesh",
        kGround + kGroup + "obstacles:\n  - {kind: mesh, position_m: [5, 5], file: no.tri}\n",
-       "s.yaml:8: expected a .tri file, found 'no.tri', and no such file at "},
+       "s.yaml:8: expected a mesh file, found 'no.tri', and no such file at "},
       {"unknown volume", kGround + "culling: {part_volume: ordop27}\n" + kGroup,
        "s.yaml:2: expected part_volume: sphere, aabb, obb, kdop14, kdop18, kdop26, ordop14, "
        "ordop18"},
@@ -340,6 +342,159 @@ TEST_F(SceneFile, RejectsTooSmallGroundsAndBoxes) {
   EXPECT_THAT(complaint(kGround + kGroup +
                         "obstacles: [{kind: box, position_m: [9, 9], size_m: [1e-300, 1, 1]}]\n"),
               testing::HasSubstr("'size_m' from 0.001 to 10000"));
+}
+
+/// A wedge, 1 x 2 x 3 units, as the text of mesh files. No axis or side can be confused with
+/// another.
+struct Wedge {
+  static constexpr float kCorners[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0},
+                                           {1, 2, 0}, {0, 0, 3}, {0, 2, 3}};
+  static constexpr int kTriangles[8][3] = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {2, 5, 3},
+                                           {0, 4, 2}, {2, 4, 5}, {1, 3, 4}, {3, 5, 4}};
+
+  static std::string text(const std::string& format, float factor, const std::string& up = "Z_UP") {
+    std::string v, f, soup;
+    for (const auto& c : kCorners)
+      v += fmt::format("{}{} {} {}\n", format == "obj" ? "v " : "", factor * c[0], factor * c[1],
+                       factor * c[2]);
+    const int first = format == "obj" ? 1 : 0;
+    for (const auto& t : kTriangles) {
+      f += fmt::format("{}{} {} {}\n",
+                       format == "obj"   ? "f "
+                       : format == "ply" ? "3 "
+                                         : "",
+                       t[0] + first, t[1] + first, t[2] + first);
+      soup += "facet normal 0 0 0\nouter loop\n";
+      for (const int i : t)
+        soup += fmt::format("vertex {} {} {}\n", factor * kCorners[i][0], factor * kCorners[i][1],
+                            factor * kCorners[i][2]);
+      soup += "endloop\nendfacet\n";
+    }
+    if (format == "tri") return "6\n" + v + "8\n" + f;
+    if (format == "obj") return v + f;
+    if (format == "stl") return "solid wedge\n" + soup + "endsolid wedge\n";
+    if (format == "ply")
+      return "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 8\nproperty list uchar int vertex_indices\n"
+             "end_header\n" +
+             v + f;
+    return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+           "version=\"1.4.1\"><asset><unit meter=\"1\" name=\"meter\"/><up_axis>" +
+           up +
+           "</up_axis></asset><library_geometries><geometry id=\"g\"><mesh><source id=\"p\">"
+           "<float_array id=\"a\" count=\"18\">" +
+           v +
+           "</float_array><technique_common><accessor source=\"#a\" count=\"6\" stride=\"3\">"
+           "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" "
+           "type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input "
+           "semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"8\"><input "
+           "semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
+           f +
+           "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes>"
+           "<visual_scene id=\"s\"><node id=\"n\"><instance_geometry url=\"#g\"/></node>"
+           "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/>"
+           "</scene></COLLADA>\n";
+  }
+};
+
+std::string wedge_scene(const std::string& keys) {
+  return kGround + kGroup + "obstacles:\n  - {name: w, kind: mesh, position_m: [9, 5], " + keys +
+         "}\n";
+}
+
+std::vector<std::array<float, 3>> sorted_corners(const Mesh& mesh) {
+  std::vector<std::array<float, 3>> out;
+  for (const Eigen::Vector3f& v : mesh.vertices) out.push_back({v.x(), v.y(), v.z()});
+  for (auto& corner : out)
+    for (float& value : corner) value = std::round(1e4f * value) / 1e4f + 0.0f;
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST_F(SceneFile, ReadsTheSameObstacleFromEveryMeshFormat) {
+  write("w.tri", Wedge::text("tri", 1));
+  const Scene expected = load(wedge_scene("file: w.tri"));
+  EXPECT_NEAR(signed_volume_m3(expected.obstacles[0].mesh), 3, 1e-5);
+  for (const std::string format : {"tri", "stl", "obj", "ply", "dae"})
+    for (const bool in_millimetres : {false, true}) {
+      SCOPED_TRACE(format);
+      write("w." + format, Wedge::text(format, in_millimetres ? 1000.0f : 1.0f));
+      const Scene read =
+          load(wedge_scene("file: w." + format + (in_millimetres ? ", scale: 0.001" : "")));
+      const Obstacle& obstacle = read.obstacles[0];
+      EXPECT_EQ(sorted_corners(obstacle.mesh), sorted_corners(expected.obstacles[0].mesh));
+      EXPECT_NEAR(signed_volume_m3(obstacle.mesh), 3, 1e-4);
+      EXPECT_TRUE(is_closed(obstacle.mesh));
+      EXPECT_TRUE(obstacle.size_m.isApprox(Eigen::Vector3d(1, 2, 3), 1e-6));
+      EXPECT_NEAR(obstacle.centre_m.z(), 0, 1e-6);
+      EXPECT_TRUE(read.notes.empty());
+    }
+}
+
+TEST_F(SceneFile, TurnsMeshesUpright) {
+  const auto corners = [&](const std::string& keys) {
+    const Obstacle obstacle = load(wedge_scene(keys)).obstacles[0];
+    EXPECT_NEAR(signed_volume_m3(obstacle.mesh), 3, 1e-5) << "turned, not mirrored";
+    return sorted_corners(obstacle.mesh);
+  };
+  // The wedge stands on its long edge: y up puts (0, 2, 3) at (0, -3, 2).
+  Mesh y_up, x_up;
+  for (const auto& c : Wedge::kCorners) {
+    y_up.vertices.emplace_back(c[0], -c[2], c[1]);
+    x_up.vertices.emplace_back(-c[1], -c[2], c[0]);
+  }
+  for (const std::string format : {"tri", "stl", "obj", "dae"}) {
+    SCOPED_TRACE(format);
+    write("w." + format, Wedge::text(format, 1));
+    EXPECT_EQ(corners("up: y, file: w." + format), sorted_corners(y_up));
+    EXPECT_EQ(corners("up: x, file: w." + format), sorted_corners(x_up));
+    EXPECT_EQ(corners("up: z, file: w." + format), corners("file: w." + format));
+  }
+  // A statement of the file is honoured; the key decides against it.
+  write("y.dae", Wedge::text("dae", 1, "Y_UP"));
+  write("x.DAE", Wedge::text("dae", 1, "X_UP"));
+  EXPECT_EQ(corners("file: y.dae"), sorted_corners(y_up));
+  EXPECT_EQ(corners("file: x.DAE"), sorted_corners(x_up));
+  EXPECT_EQ(corners("up: z, file: y.dae"), corners("file: w.dae"));
+}
+
+TEST_F(SceneFile, DoubtsTheUnitOfAMesh) {
+  write("mm.stl", Wedge::text("stl", 1000));
+  EXPECT_THAT(complaint(wedge_scene("file: mm.stl")),
+              testing::AllOf(testing::HasSubstr("s.yaml:8: expected a mesh at most 1000 m high"),
+                             testing::HasSubstr("found one of 1000 x 2000 x 3000 m; set 'scale: "
+                                                "0.001' if the file is in millimetres")));
+  write("house.stl", Wedge::text("stl", 9000));
+  EXPECT_THAT(complaint(wedge_scene("file: house.stl")),
+              testing::HasSubstr("house.stl: expected coordinates within 10000 m, found"));
+  EXPECT_THAT(complaint(wedge_scene("file: house.stl")), testing::HasSubstr("set 'scale'"));
+  EXPECT_EQ(load(wedge_scene("file: house.stl, scale: 0.0001")).obstacles.size(), 1u);
+  write("km.stl", Wedge::text("stl", 0.001f));
+  const Scene tiny = load(wedge_scene("file: km.stl"));
+  ASSERT_EQ(tiny.notes.size(), 1u);
+  EXPECT_THAT(tiny.notes[0], testing::HasSubstr("if the unit of 'km.stl' is not the metre, set"));
+  EXPECT_TRUE(load(wedge_scene("file: km.stl, scale: 1000")).notes.empty());
+  for (const char* scale : {"0", "-1", "1e9"})
+    EXPECT_THAT(complaint(wedge_scene(fmt::format("file: km.stl, scale: {}", scale))),
+                testing::HasSubstr("s.yaml:8: expected 'scale' from 1e-07 to 10000, found"))
+        << scale;
+  EXPECT_THAT(complaint(wedge_scene("file: km.stl, up: w")),
+              testing::HasSubstr("s.yaml:8: expected up: x, y or z, found 'w'"));
+  for (const char* key : {"scale: 2", "up: y"})
+    EXPECT_THAT(complaint(kGround + kGroup +
+                          "obstacles:\n  - {kind: box, position_m: [9, 5], size_m: [1, 1, 1], " +
+                          key + "}\n"),
+                testing::HasSubstr("expected a key of an obstacle, found"));
+}
+
+TEST_F(SceneFile, RejectsBrokenMeshesInOneLine) {
+  for (const std::string file : {"a.stl", "a.obj", "a.dae", "a.ply", "a.tri", "a.mesh", "a"}) {
+    write(file, "ply\nformat ascii 1.0\nelement vertex 99999999\n");
+    const std::string message = complaint(wedge_scene("file: " + file));
+    EXPECT_THAT(message, testing::HasSubstr(file)) << message;
+    EXPECT_THAT(message, testing::HasSubstr(": expected ")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
 }
 
 TEST_F(SceneFile, PlacesMeshesByTheirLowestVertex) {
