@@ -530,16 +530,16 @@ class PlanDrawing {
                line, arrow_on(path.corners_m, colour_of(group)));
         has_route_ = true;
       }
-      return path.corners_m.empty() ? bounds_of(polygons_of(areas.front())).middle_m()
+      return path.corners_m.empty() ? areas.front().middle_m()
                                     : path.corners_m.back();
     };
     for (size_t i = 0; i < scene_.groups.size(); ++i) {
       const Group& group = scene_.groups[i];
       if (group.goals.empty() || !group.control_channel.empty() || group.recorded > 0) continue;
       std::vector<Point> starts;
-      if (group.count > 0) starts.push_back(bounds_of(polygons_of(group.spawn)).middle_m());
+      if (group.count > 0) starts.push_back(group.spawn.middle_m());
       for (const Source& source : group.sources)
-        starts.push_back(bounds_of(polygons_of(source.area)).middle_m());
+        starts.push_back(source.area.middle_m());
       std::optional<Point> at;
       for (const Point& start : starts) {
         const Point end = draw_leg(i, start, group.goals.front().areas);
@@ -738,7 +738,7 @@ class PlanDrawing {
     add(has_shut_, door("shut"), "door, shut at first");
     add(has_open_, door("open"), "door, open at first");
     add(!scene_.box, rect(" id=\"walkable-key\" fill=\"#fff\" stroke=\"#999\""), "walkable ground");
-    add(!scene_.area.empty(), rect(" fill=\"url(#blocked)\" stroke=\"#999\""), "not walkable");
+    add(!scene_.floor.empty(), rect(" fill=\"url(#blocked)\" stroke=\"#999\""), "not walkable");
   }
 
   /// Draws the legend; returns its lower end.
