@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -15,12 +16,14 @@ namespace throng {
 
 /// Number of vertices of a plan at most.
 inline constexpr size_t kMaxPlanVertices = 100'000;
+/// Bytes of a plan at most.
+inline constexpr uint64_t kMaxPlanBytes = 64 << 20;
 /// Bytes at the beginning of a file that decide its kind.
 inline constexpr size_t kPlanHeadBytes = 64 << 10;
 
 // Each is_...() decides by the first kPlanHeadBytes of a file. Each read_...() returns coordinates
-// in units of the file, and the unit if the file states one; it opens options.file itself, ignores
-// options.unit_m and reads through read_plan_sandboxed().
+// in units of the file, and the unit if the file states one; it opens options.file itself and reads
+// through read_plan_sandboxed(). options.unit_m serves tolerances only.
 
 bool is_wkt_plan(std::string_view head);
 ImportedPlan read_wkt_plan(const ImportOptions& options);
@@ -52,7 +55,9 @@ ImportedPlan read_vadere_scenario(const ImportOptions& options);
 ImportedPlan read_plan_sandboxed(const RegularFile& file, const SandboxedParser& parser,
                                  const std::function<ImportedPlan(const RegularFile&)>& parse);
 
-/// Content of a text file, at most 64 MiB. Throws ParseFailure for a text that is not UTF-8.
+/// Content of a file.
+std::string plan_bytes(const RegularFile& file);
+/// Content of a text file without byte order mark. Throws ParseFailure unless it is UTF-8.
 std::string plan_text(const RegularFile& file, std::string_view expected);
 
 }  // namespace throng
