@@ -1,5 +1,5 @@
 // Limits on scenes, models and messages, shared by writers and readers.
-// Invariant: whatever loads can be written to a log, and whatever is written can be read.
+// Invariant: every scene that loads can be written to a log, and every written log can be read.
 #pragma once
 
 #include <cstddef>

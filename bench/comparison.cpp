@@ -71,7 +71,7 @@ PlazaCrowd::PlazaCrowd(std::unique_ptr<Simulation> simulation)
   if (simulation_->info().models.size() != 1)
     throw InputError("plaza", "one model for all people", "several");
   scales_ = simulation_->info().scale_of_avatar;
-  per_m2_ = count() / simulation_->scene().ground.area_m2();
+  per_m2_ = count() / ground_area_m2(simulation_->scene());
   take(simulation_->step());
 }
 

@@ -215,11 +215,39 @@ void Avoidance::find_walls(size_t slot, Walls& walls) {
   add(Eigen::Vector2d::UnitY(), low.y());
   add(-Eigen::Vector2d::UnitX(), high.x());
   add(-Eigen::Vector2d::UnitY(), high.y());
+  walls.pieces.clear();
   for (const uint32_t footprint : walkable_.nearby_footprints(position)) {
     const Walkable::Nearest wall = walkable_.nearest(footprint, position);
-    add(wall.normal, wall.distance_m);
+    const uint32_t surface = walkable_.surface_of(footprint);
+    if (surface == 0)
+      add(wall.normal, wall.distance_m);
+    else if (wall.distance_m < Walkable::kReach_m)
+      walls.pieces.push_back({wall.distance_m, footprint, surface, wall.normal,
+                              position - wall.distance_m * wall.normal});
   }
+  keep_foremost(walls.pieces);
+  for (const SurfacePoint& piece : walls.pieces) add(piece.normal, piece.distance_m);
   state_.agents[slot].clearance_m = clearance_m;
+}
+
+/// A long or curved wall has many pieces. One counts only if its nearest point lies before the
+/// planes of all nearer ones: without this a wall in ten pieces would push ten times.
+void Avoidance::keep_foremost(std::vector<SurfacePoint>& pieces) {
+  constexpr double kBefore_m = 0.02;
+  std::sort(pieces.begin(), pieces.end(), [](const SurfacePoint& a, const SurfacePoint& b) {
+    return std::tie(a.distance_m, a.footprint) < std::tie(b.distance_m, b.footprint);
+  });
+  size_t kept = 0;
+  for (size_t i = 0; i < pieces.size() && kept < kMaxWalls; ++i) {
+    const SurfacePoint piece = pieces[i];
+    const bool is_behind = std::any_of(
+        pieces.begin(), pieces.begin() + static_cast<ptrdiff_t>(kept), [&](const auto& nearer) {
+          return nearer.surface == piece.surface &&
+                 nearer.normal.dot(piece.point_m - nearer.point_m) <= kBefore_m;
+        });
+    if (!is_behind) pieces[kept++] = piece;
+  }
+  pieces.resize(kept, pieces.empty() ? SurfacePoint{} : pieces.front());
 }
 
 }  // namespace throng

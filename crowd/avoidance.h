@@ -43,11 +43,19 @@ class Avoidance {
 
  private:
   /// Walls near one block of agents; one per worker.
+  /// Nearest point of a piece of a surface.
+  struct SurfacePoint {
+    double distance_m;
+    uint32_t footprint, surface;
+    Eigen::Vector2d normal, point_m;
+  };
   struct Walls {
     std::vector<float> x, y, clearance_m;
     std::vector<uint32_t> starts;
+    std::vector<SurfacePoint> pieces;  ///< of the agent in turn
   };
 
+  static void keep_foremost(std::vector<SurfacePoint>& pieces);
   void limit(SteeringState::Slots slots, Walls& walls);
   void limit_to_gap(size_t slot);
   void limit_to_density(const SteeringView& people, size_t i, uint32_t slot);

@@ -125,7 +125,7 @@ void Crowd::archive(Archive& a) {
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
       if (journeys_.is_present(id) && !map_.walkable().ground().contains(state_.positions_m[id]))
-        a.refuse("a place on the ground", "one outside");
+        a.reject("a place on the ground", "one outside");
     std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
     state_.grid.rebuild_as_read(state_.positions_m);
     assign_slots();

@@ -6,6 +6,13 @@
 
 namespace throng {
 
+double ground_area_m2(const CrowdPlan& plan) {
+  if (plan.floor.empty()) return plan.ground.area_m2();
+  double sum_m2 = 0;
+  for (const Polygon& polygon : plan.floor) sum_m2 += area_m2(polygon);
+  return sum_m2;
+}
+
 bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }
 
 void keep_own_size(Group& group) {

@@ -16,6 +16,8 @@
 #include "base/rectangle.h"
 #include "crowd/people.h"
 #include "culling/pair.h"
+#include "geometry/area.h"
+#include "geometry/polygon.h"
 
 namespace throng {
 
@@ -48,13 +50,13 @@ struct QueueRule {
 /// A goal: any of its areas, by default the one with the shortest path.
 struct Goal {
   Goal() = default;
-  Goal(const Rectangle& area) : areas{area} {}
+  Goal(const Area& area) : areas{area} {}
 
-  std::vector<Rectangle> areas;  ///< at least one
-  Distribution wait_s{};         ///< waiting time at the goal
-  bool waypoint = false;         ///< reached on entry; otherwise agents walk to a place inside
-  int capacity = 0;              ///< maximum number of agents inside each area; 0: unlimited
-  bool has_queue = false;        ///< requested in the scene file; a capacity also implies a queue
+  std::vector<Area> areas;  ///< at least one
+  Distribution wait_s{};    ///< waiting time at the goal
+  bool waypoint = false;    ///< reached on entry; otherwise agents walk to a place inside
+  int capacity = 0;         ///< maximum number of agents inside each area; 0: unlimited
+  bool has_queue = false;   ///< requested in the scene file; a capacity also implies a queue
   QueueRule queue{};
 
   /// Returns whether agents enter one after another, in the order of arrival.
@@ -63,7 +65,7 @@ struct Goal {
   int max_inside() const { return capacity > 0 ? capacity : 1; }
 
   bool contains(const Eigen::Vector2d& point) const {
-    for (const Rectangle& area : areas)
+    for (const Area& area : areas)
       if (area.contains(point)) return true;
     return false;
   }
@@ -93,7 +95,7 @@ struct SocialGroupRule {
 
 /// An area where agents of a group enter during the run.
 struct Source {
-  Rectangle area;
+  Area area;
   int count = 0;            ///< total number of agents; each has an id from the start
   double rate_per_s = 0;    ///< positive
   double start_s = 0;       ///< time of the first entry
@@ -112,7 +114,7 @@ struct Group {
   /// Density on the free ground of the spawn area at the start (per m2), places bodies instead of
   /// discs. It determines `count`, see count_by_density(). 0: random placement of discs.
   double density_per_m2 = 0;
-  Rectangle spawn;                         ///< start area
+  Area spawn;                              ///< start area
   std::vector<Source> sources;             ///< areas where agents enter later
   std::vector<Goal> goals;                 ///< visited in order
   Distribution premovement_s{0, 0, 0, 0};  ///< standing time before setting out
@@ -142,7 +144,7 @@ struct Group {
 };
 
 struct Obstacle {
-  enum class Kind { kBox, kCylinder, kMesh };
+  enum class Kind { kBox, kCylinder, kMesh, kPolygon };
   std::string name;
   Kind kind = Kind::kBox;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< a mesh: its origin
@@ -151,6 +153,10 @@ struct Obstacle {
       Eigen::Vector3d::Ones();  ///< box: edges; cylinder: diameter, diameter, height; mesh: extent
   std::filesystem::path mesh_file;
   Mesh mesh;  ///< solid in the obstacle frame, for every kind
+  /// Number shared by the pieces of a polygon or wall, from 1; 0: no other piece.
+  uint32_t surface = 0;
+  /// Wall along an edge of the floor, which stops agents with or without it.
+  bool lines_floor = false;
 };
 
 /// A door leaf that agents pass while it is open. It is no body and never shuts on an agent.
@@ -166,13 +172,18 @@ struct Door {
 
 struct CrowdPlan {
   uint64_t seed = 1;
-  Rectangle ground;
+  Rectangle ground;  ///< holds everything
+  /// Walkable part of the ground; polygons do not overlap. Empty: all of the ground.
+  std::vector<Polygon> floor;
   std::vector<Group> groups;
   std::vector<Obstacle> obstacles;
   std::vector<Door> doors;
   /// Height of the tallest avatar in a scene without groups; 0: kMaxPerson_m.
   double tallest_m = 0;
 };
+
+/// Area of the ground, or of its floor.
+double ground_area_m2(const CrowdPlan& plan);
 
 /// Returns whether a group has people; a group without a body counts as people.
 bool has_people(const Group& group);

@@ -100,7 +100,8 @@ class DensePlacement {
     }
     body_scale_ =
         std::clamp(std::sqrt(kCoverage * free_area_m2_ / covered_m2), kMinBodyScale, kMaxBodyScale);
-    CellLists lists(where_.area, 2 * body_scale_ * StandingBody::kHalfWidth_m * largest + 0.1);
+    CellLists lists(where_.area.bounds(),
+                    2 * body_scale_ * StandingBody::kHalfWidth_m * largest + 0.1);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       if (sweep % kSweepsPerList == 0) {
         face();
@@ -126,7 +127,6 @@ class DensePlacement {
   }
 
   void place_evenly() {
-    const Eigen::Vector2d size = where_.area.size_m();
     const RandomKey first{seed_, 0, 0, Purpose::kSpawnPosition};
     const Eigen::Vector2d start(random_uniform(first, 2), random_uniform(first, 3));
     std::vector<size_t> placed;
@@ -134,7 +134,7 @@ class DensePlacement {
     for (size_t i = 0; i < bodies_.size(); ++i) {
       for (uint32_t attempt = 0; attempt < kTriesEach; ++attempt) {
         const Eigen::Vector2d share = even_point(tries++, start);
-        const Eigen::Vector2d point = where_.area.min_m + size.cwiseProduct(share);
+        const Eigen::Vector2d point = where_.area.at(share);
         if (!is_ground(point)) continue;
         bodies_[i].place_m = point;
         placed.push_back(i);

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "base/rectangle.h"
 #include "crowd/navigation/walkable.h"
+#include "geometry/area.h"
 
 namespace throng {
 
@@ -44,7 +44,7 @@ struct StandingDisc {
 
 struct StandingArea {
   const Walkable& walkable;
-  Rectangle area;
+  Area area;
   double wall_gap_m = 0;  ///< minimum distance of middles to obstacles
   std::span<const StandingDisc> others = {};
   /// Returns the unit vector that a body at a place faces.

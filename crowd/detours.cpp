@@ -89,12 +89,12 @@ void Detours::archive(Archive& a) {
   for (const CellDensity& present : present_)
     for (const DirectionBin& bin : present) {
       if (!(bin.people >= 0 && bin.people < kNoPath_m))
-        a.refuse("a number of agents per cell", "another value");
-      if (!(bin.velocity_sum.norm() < kNoPath_m)) a.refuse("a sum of velocities", "another value");
+        a.reject("a number of agents per cell", "another value");
+      if (!(bin.velocity_sum.norm() < kNoPath_m)) a.reject("a sum of velocities", "another value");
     }
   for (const DetourField& detour : fields_)
     for (const Eigen::Vector2f& slope : detour.slopes)
-      if (!(slope.norm() < kNoPath_m)) a.refuse("a slope of the delay", "another value");
+      if (!(slope.norm() < kNoPath_m)) a.reject("a slope of the delay", "another value");
 }
 
 void Detours::clear_counts() { std::fill(counted_.begin(), counted_.end(), CellDensity{}); }

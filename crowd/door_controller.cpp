@@ -28,9 +28,9 @@ void DoorController::archive(Archive& a) {
   a(states_, last_changes_s_);
   if (!a.is_reading()) return;
   for (const DoorState state : states_)
-    if (state > DoorState::kShut) a.refuse("a door open, closing or shut", "another value");
+    if (state > DoorState::kShut) a.reject("a door open, closing or shut", "another value");
   for (const double last_change_s : last_changes_s_)
-    if (!(last_change_s >= kBefore)) a.refuse("the time of a door's last change", "another value");
+    if (!(last_change_s >= kBefore)) a.reject("the time of a door's last change", "another value");
   map_.set_doors(states_, workers_);
 }
 

@@ -63,13 +63,13 @@ void Exits::archive(Archive& a) {
   // Negated to reject NaN as well.
   for (const State& state : states_)
     if (!(state.flow_per_s >= tuning::kMinFlow_per_s && state.flow_per_s <= kMaxFlow_per_s))
-      a.refuse("a flow through an exit", "another value");
+      a.reject("a flow through an exit", "another value");
   for (const float distance_m : distances_m_)
     if (!(distance_m >= 0 && distance_m < kUnreachable_m))
-      a.refuse("a path length", "another value");
+      a.reject("a path length", "another value");
   for (const uint32_t exit : last_exits_)
     if (exit < Journeys::kOpen && exit >= states_.size())
-      a.refuse("an index of an exit", "another value");
+      a.reject("an index of an exit", "another value");
 }
 
 void Exits::choose(uint64_t decision, std::span<const Eigen::Vector2d> positions_m,

@@ -63,31 +63,31 @@ void Journeys::archive(Archive& a) {
   a(journeys_, until_s_, visits_, targets_m_, areas_, guides_, departures_s_);
   if (!a.is_reading()) return;
   for (const double time_s : departures_s_)
-    if (!(time_s >= 0)) a.refuse("a time from the start on", "another value");
+    if (!(time_s >= 0)) a.reject("a time from the start on", "another value");
   for (uint32_t id = 0; id < journeys_.size(); ++id) {
     if (journeys_[id].state > JourneyState::kGone || journeys_[id].next > JourneyState::kGone)
-      a.refuse("a state of a journey", "another value");
+      a.reject("a state of a journey", "another value");
     // Externally controlled agents have no route.
     if (journeys_[id].stop >= std::max<size_t>(1, map_.route(journeys_[id].group).size()))
-      a.refuse("an index of a stop of the route", "another value");
+      a.reject("an index of a stop of the route", "another value");
     if (journeys_[id].exit != kNoExit &&
         (journeys_[id].state != JourneyState::kWalking || stop(id).exits == 0))
-      a.refuse("an exit only of agents that walk to one", "an exit of another agent");
+      a.reject("an exit only of agents that walk to one", "an exit of another agent");
     if (journeys_[id].exit < kOpen && journeys_[id].exit - stop(id).first_exit >= stop(id).exits)
-      a.refuse("an exit of the goal", "another exit");
+      a.reject("an exit of the goal", "another exit");
     if (journeys_[id].state == JourneyState::kQueuing && (areas_.empty() || !stop(id).queue))
-      a.refuse("queuing agents only at goals with a queue", "one at another goal");
+      a.reject("queuing agents only at goals with a queue", "one at another goal");
     if (is_admitted(id) && (journeys_[id].state != JourneyState::kWalking || !stop(id).queue ||
                             areas_[id] >= stop(id).goal.areas.size()))
-      a.refuse("an area of a goal with a queue", "another area");
+      a.reject("an area of a goal with a queue", "another area");
     // Negated to reject NaN as well.
     if (!guides_.empty() && stop(id).queue &&
         (!(guides_[id].path_direction.norm() <= 1.001) ||
          (guides_[id].corner != kNoCorner &&
           guides_[id].corner >= map_.queues()[*stop(id).queue].to_corners.size())))
-      a.refuse("a direction to a queue of length up to 1", "another vector");
+      a.reject("a direction to a queue of length up to 1", "another vector");
     if (!(targets_m_[id].cwiseAbs().maxCoeff() <= kMaxTarget_m))
-      a.refuse("a target in the scene", "one beyond the largest coordinate");
+      a.reject("a target in the scene", "one beyond the largest coordinate");
   }
 }
 
@@ -118,31 +118,31 @@ void Journeys::admit(uint32_t id, uint32_t area, const Eigen::Vector2d& position
 }
 
 /// Areas that the agent may enter now.
-std::span<const Rectangle> Journeys::areas_of_goal(uint32_t id) const {
+std::span<const Area> Journeys::areas_of_goal(uint32_t id) const {
   const Stop& to = stop(id);
-  const std::span<const Rectangle> all(to.goal.areas);
+  const std::span<const Area> all(to.goal.areas);
   if (areas_.empty() || !to.queue) return all;
   return is_admitted(id) ? all.subspan(areas_[id], 1) : all.first(0);
 }
 
 bool Journeys::is_at_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return has_reached(map_.walkable(), area, position_m, radii_m_[id]);
   });
 }
 
 bool Journeys::is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return area.size_m().maxCoeff() <= tuning::kSmallGoal_m &&
            is_beside(map_.walkable(), area, position_m, tuning::kAroundSmall_m);
   });
 }
 
 bool Journeys::is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const {
-  const std::span<const Rectangle> areas = areas_of_goal(id);
-  return std::any_of(areas.begin(), areas.end(), [&](const Rectangle& area) {
+  const std::span<const Area> areas = areas_of_goal(id);
+  return std::any_of(areas.begin(), areas.end(), [&](const Area& area) {
     return is_beside(map_.walkable(), area, position_m, radii_m_[id] + kMaxWallOffset_m);
   });
 }
@@ -161,15 +161,12 @@ const FlowField& Journeys::queue_field(uint32_t id) const {
 
 void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Stop& to = stop(id);
-  const Rectangle* area =
-      is_admitted(id) ? &to.goal.areas[areas_[id]] : &to.nearest_area(position_m);
-  const Eigen::Vector2d rim = (0.25 * area->size_m()).cwiseMin(kRim_m);
+  const Area* area = is_admitted(id) ? &to.goal.areas[areas_[id]] : &to.nearest_area(position_m);
   const uint32_t first = first_members_[id];
   for (uint32_t attempt = 0; attempt < kPlaceTries; ++attempt) {
     const RandomKey key{seed_, first, visits_[id], Purpose::kGoal};
-    targets_m_[id] = {
-        random_uniform(key, area->min_m.x() + rim.x(), area->max_m.x() - rim.x(), 2 * attempt),
-        random_uniform(key, area->min_m.y() + rim.y(), area->max_m.y() - rim.y(), 2 * attempt + 1)};
+    targets_m_[id] =
+        area->at({random_uniform(key, 2 * attempt), random_uniform(key, 2 * attempt + 1)}, kRim_m);
     if (to.field->reaches(targets_m_[id])) break;
   }
   if (id == first) return;
@@ -178,10 +175,9 @@ void Journeys::choose_target(uint32_t id, const Eigen::Vector2d& position_m) {
   const Eigen::Vector2d step(std::copysign(kPlacesApart_m, inwards.x()),
                              std::copysign(kPlacesApart_m, inwards.y()));
   const uint32_t corner = id - first;
-  const Eigen::Vector2d neighbour_place =
-      (targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0))
-          .cwiseMax(area->min_m + rim)
-          .cwiseMin(area->max_m - rim);
+  const Eigen::Vector2d neighbour_place = area->nearest_inside_m(
+      targets_m_[id] + Eigen::Vector2d(corner != 2 ? step.x() : 0, corner != 1 ? step.y() : 0),
+      kRim_m);
   if (to.field->reaches(neighbour_place)) targets_m_[id] = neighbour_place;
 }
 

@@ -175,7 +175,7 @@ class Journeys {
  private:
   void set_out(uint32_t id, const Eigen::Vector2d& position_m);
   void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
-  std::span<const Rectangle> areas_of_goal(uint32_t id) const;
+  std::span<const Area> areas_of_goal(uint32_t id) const;
   bool is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
   bool is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
   bool is_last_stop(uint32_t id) const {

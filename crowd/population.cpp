@@ -16,12 +16,12 @@ constexpr double kJoin_m = 1;
 
 /// Returns whether a path leads to the stop from some part of an area. Without one, agents enter
 /// nevertheless and are reported as stranded.
-bool has_path(const Stop& stop, const Rectangle& area) {
+bool has_path(const Stop& stop, const Area& area) {
   constexpr int kSamples = 24;
   for (int i = 0; i <= kSamples; ++i)
     for (int j = 0; j <= kSamples; ++j) {
       const Eigen::Vector2d share(i / double{kSamples}, j / double{kSamples});
-      if (stop.field->reaches(area.min_m + area.size_m().cwiseProduct(share))) return true;
+      if (stop.field->reaches(area.at(share))) return true;
     }
   return false;
 }
@@ -30,7 +30,7 @@ bool has_path(const Stop& stop, const Rectangle& area) {
 
 Population::Population(const NavigationMap& map, std::span<const AgentSpec> people, uint64_t seed)
     : map_(map), seed_(seed) {
-  for (const Rectangle& area : map.entrances()) entrances_.push_back({area, false, 0, 0});
+  for (const Area& area : map.entrances()) entrances_.push_back({area, false, 0, 0});
   uint64_t outside = 0, external = 0;
   for (uint32_t id = 0; id < people.size(); ++id) {
     const AgentSpec& person = people[id];
@@ -67,7 +67,7 @@ void Population::archive(Archive& a) {
     const uint32_t first = entrance.next;  // set by the constructor when reading
     a(entrance.next);
     if (entrance.next < first || entrance.next > entrance.end)
-      a.refuse("an agent of the entrance", "another agent");
+      a.reject("an agent of the entrance", "another agent");
   }
 }
 
@@ -89,7 +89,7 @@ bool Population::has_due(double now_s) const {
 
 void Population::list_nearby(const Entrance& entrance,
                              std::span<const Eigen::Vector2d> positions_m) {
-  const Rectangle around = entrance.area.grown(2 * max_radius_m_ + kEntryGap_m);
+  const Rectangle around = entrance.area.bounds().grown(2 * max_radius_m_ + kEntryGap_m);
   nearby_.clear();
   for (uint32_t id = 0; id < present_.size(); ++id)
     if (present_[id] != 0 && around.contains(positions_m[id])) nearby_.push_back(id);
@@ -101,16 +101,20 @@ bool Population::find_place(const Entrance& entrance, std::span<Eigen::Vector2d>
   const Stop& goal = map_.route(groups_[id]).front();
   for (uint32_t attempt = 0; attempt < kEntryTries; ++attempt) {
     const RandomKey key{seed_, id, decision, Purpose::kEmission};
-    Rectangle where = entrance.area;
+    Rectangle where = entrance.area.bounds();
     // Two thirds of the attempts.
-    if (follows_previous_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kEntryTries / 3) {
-      const Eigen::Vector2d near = where.nearest_m(positions_m[id - 1]);
+    const bool joins =
+        follows_previous_[id] != 0 && present_[id - 1] != 0 && attempt < 2 * kEntryTries / 3;
+    if (joins) {
+      const Eigen::Vector2d near = entrance.area.nearest_m(positions_m[id - 1]);
       where.min_m = where.min_m.cwiseMax(near - Eigen::Vector2d::Constant(kJoin_m));
       where.max_m = where.max_m.cwiseMin(near + Eigen::Vector2d::Constant(kJoin_m));
     }
-    const Eigen::Vector2d point(
-        random_uniform(key, where.min_m.x(), where.max_m.x(), 2 * attempt + 1),
-        random_uniform(key, where.min_m.y(), where.max_m.y(), 2 * attempt + 2));
+    const Eigen::Vector2d share(random_uniform(key, 2 * attempt + 1),
+                                random_uniform(key, 2 * attempt + 2));
+    const Eigen::Vector2d point =
+        joins ? where.min_m + where.size_m().cwiseProduct(share) : entrance.area.at(share);
+    if (joins && !entrance.area.contains(point)) continue;
     const bool is_taken = std::any_of(nearby_.begin(), nearby_.end(), [&](uint32_t other) {
       const double apart_m = radii_m_[id] + radii_m_[other] + kEntryGap_m;
       return (positions_m[other] - point).squaredNorm() < apart_m * apart_m;

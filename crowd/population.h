@@ -42,7 +42,7 @@ class Population {
  private:
   /// Agents of one entrance have consecutive ids and ascending times.
   struct Entrance {
-    Rectangle area;
+    Area area;
     bool has_path = false;  ///< whether some part of the area has a path to the first goal
     uint32_t next = 0;
     uint32_t end = 0;

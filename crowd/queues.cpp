@@ -71,31 +71,31 @@ void Queues::check_read(Archive& a, const Journeys& journeys) const {
   const auto take = [&](uint32_t id) {
     if (id >= is_known.size() || is_known[id] != 0 ||
         !std::binary_search(queuers_.begin(), queuers_.end(), id))
-      a.refuse("each queuing agent in one place", "an agent in two places");
+      a.reject("each queuing agent in one place", "an agent in two places");
     is_known[id] = 1;
   };
   for (uint32_t q = 0; q < queues_.size(); ++q)
     for (const uint32_t id : queues_[q].waiting) {
       take(id);
       if (journeys.state(id) != JourneyState::kQueuing || journeys.stop(id).queue != q)
-        a.refuse("queuing agents only in a queue", "an agent that does not queue");
+        a.reject("queuing agents only in a queue", "an agent that does not queue");
       const size_t overflow_count = queues_[q].is_taken.size();
       if (!(along_m_[id] >= 0) || !(along_m_[id] <= map_.queues()[q].plan.line.length_m()) ||
           (overflow_[id] != kNoOverflow && overflow_[id] >= overflow_count))
-        a.refuse("a position in the queue", "another value");
+        a.reject("a position in the queue", "another value");
     }
   for (const uint32_t id : queuers_)
     if (journeys.state(id) == JourneyState::kQueuing && is_known[id] == 0)
-      a.refuse("each queuing agent in a queue", "one in no queue");
+      a.reject("each queuing agent in a queue", "one in no queue");
   for (const Eigen::Vector2d& facing : facings_)
-    if (!(facing.norm() <= 1.001)) a.refuse("a direction of length up to 1", "another vector");
+    if (!(facing.norm() <= 1.001)) a.reject("a direction of length up to 1", "another vector");
   // An agent that waits again may still be on its way out.
   for (uint32_t q = 0; q < queues_.size(); ++q) {
     std::fill(is_known.begin(), is_known.end(), uint8_t{0});
     for (const ServedAgent& agent : queues_[q].served) {
       take(agent.id);
       if (agent.area >= queues_[q].served_counts.size())
-        a.refuse("an area of the goal", "another area");
+        a.reject("an area of the goal", "another area");
     }
   }
 }
@@ -134,7 +134,7 @@ void Queues::follow(std::span<const uint8_t> present, std::span<const Eigen::Vec
 void Queues::release_served(uint32_t queue, std::span<const uint8_t> present,
                             std::span<const Eigen::Vector2d> positions_m,
                             const Journeys& journeys) {
-  const std::vector<Rectangle>& areas = map_.queues()[queue].plan.areas;
+  const std::vector<Area>& areas = map_.queues()[queue].plan.areas;
   Queue& q = queues_[queue];
   std::erase_if(q.served, [&](const ServedAgent& agent) {
     const uint32_t id = agent.id;
@@ -143,9 +143,8 @@ void Queues::release_served(uint32_t queue, std::span<const uint8_t> present,
     const bool is_served = stands && journeys.visits(id) == agent.visits + 1;
     const bool goes_in = journeys.is_admitted(id) && journeys.stop(id).queue == queue;
     if (is_served) facings_[id] = map_.queues()[queue].plan.fronts[agent.area];
-    const Rectangle around = areas[agent.area].grown(stands ? 0 : kOut_m);
-    if (present[id] != 0 && (goes_in || is_served || around.contains(positions_m[id])))
-      return false;
+    const bool is_around = areas[agent.area].contains(positions_m[id], stands ? 0 : kOut_m);
+    if (present[id] != 0 && (goes_in || is_served || is_around)) return false;
     --q.served_counts[agent.area];
     facings_[id].setZero();
     return true;
@@ -162,7 +161,7 @@ void Queues::find_joiners(std::span<const Eigen::Vector2d> positions_m, const Jo
     double away_m = (end - at_m).norm();
     bool joins = away_m < kJoins_m && sees(queue, at_m, end), goes_in = false;
     if (!joins && queues_[queue].waiting.empty() && has_free_area(queue)) {
-      const Rectangle& area = journeys.stop(id).nearest_area(at_m);
+      const Area& area = journeys.stop(id).nearest_area(at_m);
       const Eigen::Vector2d rim = area.nearest_m(at_m);
       away_m = (rim - at_m).norm();
       joins = goes_in = away_m < kJoins_m && sees(queue, at_m, rim);
@@ -299,7 +298,7 @@ void Queues::face(uint32_t queue, size_t place, std::span<const Eigen::Vector2d>
   } else if (place > 0) {
     to_m = positions_m[waiting[place - 1]];
   } else {
-    for (const Rectangle& area : plan.areas)
+    for (const Area& area : plan.areas)
       to_m += area.middle_m() / static_cast<double>(plan.areas.size());
   }
   const Eigen::Vector2d direction = to_m - positions_m[id];
@@ -334,14 +333,19 @@ Eigen::Vector2d Queues::keep_out(uint32_t id, const Eigen::Vector2d& from_m,
   if (journeys.state(id) != JourneyState::kQueuing && !journeys.seeks_queue(id) && !is_admitted)
     return to_m;
   Eigen::Vector2d tail_m = to_m;
-  const std::vector<Rectangle>& areas = journeys.stop(id).goal.areas;
+  const std::vector<Area>& areas = journeys.stop(id).goal.areas;
   for (uint32_t i = 0; i < areas.size(); ++i) {
-    const Rectangle& area = areas[i];
+    const Area& area = areas[i];
     if (is_admitted && journeys.area(id) == i) continue;
     if (!area.contains(tail_m) || area.contains(from_m)) continue;
+    if (!area.is_rectangle()) {
+      tail_m = area.nearest_edge_m(tail_m);
+      continue;
+    }
     // Along the side that the agent comes from.
+    const Rectangle& bounds = area.bounds();
     for (int axis = 0; axis < 2; ++axis)
-      if (from_m[axis] < area.min_m[axis] || from_m[axis] > area.max_m[axis])
+      if (from_m[axis] < bounds.min_m[axis] || from_m[axis] > bounds.max_m[axis])
         tail_m[axis] = from_m[axis];
   }
   return tail_m;
@@ -374,7 +378,7 @@ bool Queues::sees(uint32_t queue, const Eigen::Vector2d& from_m,
                   const Eigen::Vector2d& to_m) const {
   const int pieces = static_cast<int>(std::ceil((to_m - from_m).norm() / kSample_m));
   if (!map_.walkable().is_clear_between(from_m, to_m, kPathClearance_m, pieces)) return false;
-  for (const Rectangle& area : map_.queues()[queue].plan.areas)
+  for (const Area& area : map_.queues()[queue].plan.areas)
     for (int i = 1; i < pieces; ++i)
       if (area.contains(from_m + (i / double(pieces)) * (to_m - from_m))) return false;
   return true;

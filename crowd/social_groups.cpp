@@ -164,7 +164,7 @@ void SocialGroups::archive(Archive& a) {
   // Negated to reject NaN as well.
   for (size_t id = 0; id < visits_.size(); ++id)
     if (!(min_distances_m_[id] >= 0) || !(since_s_[id] >= 0) || since_s_[id] == kFar)
-      a.refuse("progress of a member of a social group", "another value");
+      a.reject("progress of a member of a social group", "another value");
 }
 
 Eigen::Vector2d SocialGroups::group_direction(uint32_t id) const {

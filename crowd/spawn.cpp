@@ -107,9 +107,8 @@ bool find_place(const CrowdPlan& plan, const Group& group, const NavigationMap& 
   for (const double gap_m : kGaps_m) {
     for (uint32_t attempt = 0; attempt < kDarts; ++attempt, ++dart) {
       const RandomKey key{plan.seed, id, dart, Purpose::kSpawnPosition};
-      const Eigen::Vector2d point(
-          random_uniform(key, group.spawn.min_m.x(), group.spawn.max_m.x(), 0),
-          random_uniform(key, group.spawn.min_m.y(), group.spawn.max_m.y(), 1));
+      const Eigen::Vector2d point =
+          group.spawn.at({random_uniform(key, 0), random_uniform(key, 1)});
       if (!places.is_free(point, person.radius_m, gap_m, people)) continue;
       if (map.walkable().clearance_m(point) < wall_gap_m(person.radius_m, person.height_m))
         continue;
@@ -243,7 +242,7 @@ int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap
     bodies.emplace_back().size = requested.back().height_m / kReferenceHeight_m;
     gap_m = std::max(gap_m, wall_gap_m(requested.back().radius_m, requested.back().height_m));
   }
-  const std::vector<StandingDisc> others = discs_near(group.spawn, people);
+  const std::vector<StandingDisc> others = discs_near(group.spawn.bounds(), people);
   const Stop& goal = map.route(group_index).front();
   const StandingArea where{map.walkable(), group.spawn, gap_m, others,
                            [&](size_t i, const Eigen::Vector2d& place_m) {

@@ -29,10 +29,10 @@ void archive_by_id(Archive& a, const SteeringState& state, const At& at) {
 void check_read(Archive& a, SteeringState& state) {
   const auto check_head_yaw = [&](float head_yaw_rad) {
     if (!(std::abs(head_yaw_rad) <= Gait::kMaxHeadYaw_rad))
-      a.refuse("a head yaw within its limits", "another value");
+      a.reject("a head yaw within its limits", "another value");
   };
   const auto check_speed = [&](const Eigen::Vector2d& speed) {
-    if (!(speed.norm() <= kMaxSpeed_mps)) a.refuse("the speed of an agent", "another value");
+    if (!(speed.norm() <= kMaxSpeed_mps)) a.reject("the speed of an agent", "another value");
   };
   for (const float head_yaw_rad : state.head_yaws_rad) check_head_yaw(head_yaw_rad);
   for (const auto* speeds : {&state.velocities_mps, &state.headings})
@@ -44,18 +44,18 @@ void check_read(Archive& a, SteeringState& state) {
       using Value = std::remove_cvref_t<decltype(value)>;
       if constexpr (std::is_same_v<Value, double>) {
         if (check == FieldCheck::kTurnRate && !(std::abs(value) <= 1.001 * tuning::kMaxTurn_radps))
-          a.refuse("a turn rate within its limits", "another value");
+          a.reject("a turn rate within its limits", "another value");
       } else if constexpr (std::is_same_v<Value, float>) {
         if (check == FieldCheck::kHeadYaw) check_head_yaw(value);
         if (check == FieldCheck::kHeadYawRate && !(std::abs(value) <= kMaxHeadYaw_radps))
-          a.refuse("a head yaw rate within its limits", "another value");
+          a.reject("a head yaw rate within its limits", "another value");
         if (check == FieldCheck::kShare && !(value > 0 && value <= 1))
-          a.refuse("a radius scale above 0 and up to 1", "another value");
+          a.reject("a radius scale above 0 and up to 1", "another value");
         if (check == FieldCheck::kUnitInterval && !(value >= 0 && value <= 1))
-          a.refuse("a share from 0 to 1", "another value");
+          a.reject("a share from 0 to 1", "another value");
         if (check == FieldCheck::kSpeedComponent &&
             !(std::abs(value) <= static_cast<float>(kMaxSpeed_mps)))
-          a.refuse("the speed of an agent", "another value");
+          a.reject("the speed of an agent", "another value");
       } else if constexpr (std::is_same_v<Value, Eigen::Vector2d>) {
         if (check == FieldCheck::kSpeed) check_speed(value);
       }

@@ -26,7 +26,7 @@ void Triggers::archive(Archive& a) {
   a(times_s_);
   // Negated to reject NaN as well.
   for (const double time_s : times_s_)
-    if (!(time_s >= 0)) a.refuse("a time from the start on", "another value");
+    if (!(time_s >= 0)) a.reject("a time from the start on", "another value");
 }
 
 void Triggers::watch(const Journeys& journeys, double now_s) {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kOnEdge_m = 1e-3;
 
-double squared_distance(const Eigen::Vector2d& p, const Eigen::Vector2d& from,
-                        const Eigen::Vector2d& to) {
+double squared_distance_to_segment_m2(const Eigen::Vector2d& p, const Eigen::Vector2d& from,
+                                      const Eigen::Vector2d& to) {
   const Eigen::Vector2d along = to - from;
   const double length2 = along.squaredNorm();
   const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
@@ -26,6 +26,62 @@ double doubled_area(const Polygon::Ring& ring) {
     sum += ring[i].x() * next.y() - ring[i].y() * next.x();
   }
   return sum;
+}
+
+double area_m2(const Polygon& polygon) {
+  double doubled_m2 = std::abs(doubled_area(polygon.outline));
+  for (const Polygon::Ring& hole : polygon.holes) doubled_m2 -= std::abs(doubled_area(hole));
+  return 0.5 * doubled_m2;
+}
+
+size_t vertex_count(const std::vector<Polygon>& polygons) {
+  size_t count = 0;
+  for (const Polygon& polygon : polygons) {
+    count += polygon.outline.size();
+    for (const Polygon::Ring& hole : polygon.holes) count += hole.size();
+  }
+  return count;
+}
+
+Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points) {
+  Rectangle bounds{points.front(), points.front()};
+  for (const Eigen::Vector2d& point : points) {
+    bounds.min_m = bounds.min_m.cwiseMin(point);
+    bounds.max_m = bounds.max_m.cwiseMax(point);
+  }
+  return bounds;
+}
+
+Rectangle bounds_of(const std::vector<Polygon>& polygons) {
+  Rectangle bounds = bounds_of(polygons.front().outline);
+  for (const Polygon& polygon : polygons) {
+    const Rectangle own = bounds_of(polygon.outline);
+    bounds.min_m = bounds.min_m.cwiseMin(own.min_m);
+    bounds.max_m = bounds.max_m.cwiseMax(own.max_m);
+  }
+  return bounds;
+}
+
+Polygon polygon_of(const Rectangle& r) {
+  return {{r.min_m, {r.max_m.x(), r.min_m.y()}, r.max_m, {r.min_m.x(), r.max_m.y()}}, {}};
+}
+
+std::optional<Rectangle> rectangle_of(const Polygon& polygon) {
+  const Polygon::Ring& ring = polygon.outline;
+  if (ring.size() != 4 || !polygon.holes.empty()) return std::nullopt;
+  const Rectangle bounds = bounds_of(ring);
+  for (size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d &from = ring[i], &to = ring[(i + 1) % 4];
+    if ((from.x() == to.x()) == (from.y() == to.y())) return std::nullopt;
+  }
+  // Edges along x and y that turn back would leave a side of the bounds out.
+  return std::abs(doubled_area(ring)) > 0 && bounds.size_m().minCoeff() > 0 ? std::optional(bounds)
+                                                                            : std::nullopt;
+}
+
+double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& from,
+                             const Eigen::Vector2d& to) {
+  return std::sqrt(squared_distance_to_segment_m2(point, from, to));
 }
 
 PolygonLocator::PolygonLocator(const std::vector<Polygon>& polygons) {
@@ -82,7 +138,7 @@ bool PolygonLocator::contains(const Eigen::Vector2d& point) const {
   for (uint32_t i = slab_begin_[slab]; i < slab_begin_[slab + 1]; ++i) {
     const Edge& edge = edges_[i];
     if (i > slab_begin_[slab] && edge.polygon != edges_[i - 1].polygon && is_inside) return true;
-    nearest2 = std::min(nearest2, squared_distance(point, edge.from, edge.to));
+    nearest2 = std::min(nearest2, squared_distance_to_segment_m2(point, edge.from, edge.to));
     if ((edge.from.y() > point.y()) == (edge.to.y() > point.y())) continue;
     const double x = edge.from.x() + (point.y() - edge.from.y()) / (edge.to.y() - edge.from.y()) *
                                          (edge.to.x() - edge.from.x());

@@ -426,6 +426,34 @@ class Joiner {
 
 }  // namespace
 
+std::vector<Polygon> united(const std::vector<Polygon::Ring>& rings) {
+  GridSet all;
+  for (const Polygon::Ring& ring : rings) {
+    Polygon::Ring counter_clockwise = ring;
+    if (doubled_area(ring) < 0) std::reverse(counter_clockwise.begin(), counter_clockwise.end());
+    all.insert(grid_polygon(counter_clockwise));
+  }
+  std::vector<GridShape> shapes;
+  all.get(shapes);
+  std::vector<Polygon> out;
+  const auto ring_of = [](const auto& points) {
+    Polygon::Ring ring;
+    for (const GridPoint& point : points)
+      if (ring.empty() || ring.back() != metres(point)) ring.push_back(metres(point));
+    while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+    return ring;
+  };
+  for (const GridShape& shape : shapes) {
+    Polygon polygon{ring_of(shape), {}};
+    if (polygon.outline.size() < 3) continue;
+    for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
+      if (Polygon::Ring ring = ring_of(*hole); ring.size() >= 3)
+        polygon.holes.push_back(std::move(ring));
+    out.push_back(std::move(polygon));
+  }
+  return out;
+}
+
 JoinedArea join(std::vector<Polygon> polygons, const std::string& where) {
   return Joiner(polygons, where).join();
 }
@@ -436,10 +464,6 @@ namespace {
 constexpr double kOverlap_m = 3 * kAreaUnit_m;
 /// Cosine for edges of a gap that are antiparallel within 20 degrees.
 constexpr double kOppositeCosine = -0.94;
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 struct SeamEnd {
   Eigen::Vector2d point;

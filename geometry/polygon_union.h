@@ -21,6 +21,11 @@ struct JoinedArea {
   Eigen::Vector2d max_gap_at_m = Eigen::Vector2d::Zero();
 };
 
+/// Union of rings on the grid of 0.1 mm, as polygons that do not overlap. Rings without area are
+/// ignored. Throws nothing.
+/// @pre No coordinate is beyond 100 km.
+std::vector<Polygon> united(const std::vector<Polygon::Ring>& rings);
+
 /// Joins polygons in metres. Slits of up to 1 mm within a ring are closed like gaps between
 /// polygons. A hole that is this narrow everywhere is an obstacle and stays. Corners keep their
 /// coordinates. Crossings of edges become new corners, exact to 0.1 mm. Corners created by the cut

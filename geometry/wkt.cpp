@@ -15,7 +15,6 @@
 namespace throng {
 namespace {
 
-constexpr size_t kMaxVertices = 100'000;
 constexpr int kMaxDepth = 8;
 constexpr double kMaxCoordinate = 1e12;
 

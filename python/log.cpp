@@ -101,7 +101,7 @@ class LogRecorder {
       case Channel::kEvents:
         return decode(bytes, events_).empty() && store_events();
       case Channel::kRun:
-        return reader_.take(name_of(channel), bytes) != RunReader::Update::kRefused;
+        return reader_.take(name_of(channel), bytes) != RunReader::Update::kRejected;
       case Channel::kStates:
         return store_positions(header, bytes);
       case Channel::kFrameStats:
@@ -142,7 +142,7 @@ class LogRecorder {
               position_row(crowd.frame, static_cast<double>(crowd.utime_us) * 1e-6,
                            static_cast<uint32_t>(i), crowd.roots[i], crowd.speeds_mps[i]));
     }
-    return update != RunReader::Update::kRefused;
+    return update != RunReader::Update::kRejected;
   }
   int64_t every() const {
     return fps_ ? std::max<int64_t>(1, std::llround(1 / (*fps_ * reader_.run()->step_s))) : 1;

@@ -10,35 +10,19 @@ Exit code 1 if the program prints a key or a column whose meaning scripts/refere
 import argparse
 import ast
 import inspect
-import json
-import os
 import pathlib
 import re
 import sqlite3
 import struct
-import subprocess
 import sys
 import tempfile
 import textwrap
 
+import printed_names
 import reference_texts as texts
+from printed_names import TOP
 
-TOP = pathlib.Path(__file__).resolve().parent.parent
 GENERATED = "<!-- Generated: scripts/docs.sh --update writes this page. -->\n"
-
-SCENE = """name: reference
-step_s: 1/30
-duration_s: 1/2
-proximity_m: 1.2
-closest_parts_m: 1
-ground: {min_m: [-3, -2], max_m: [3, 2]}
-groups:
-  - {name: picker, model: PICKER, count: 1, radius_m: 0.5, control_channel: PICKER,
-     spawn: {min_m: [-0.5, -0.5], max_m: [0.5, 0.5]}}
-  - {name: people, count: 12, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [2, -2], max_m: [3, 2]}]}
-separation: {reaction_s: 0.1, stopping_s: 0.1}
-"""
-RECORDING = "id,t,x,y\n" + "".join(f"1,{i / 10},{i / 10},0\n" for i in range(8))
 
 
 class Unknown(Exception):
@@ -72,8 +56,7 @@ def cli(program):
         "Each section is the output of `throng COMMAND --help`. A default is in square brackets at the end of a line."
     )
     text += f"\n## throng\n\n```text\n{top.strip()}\n```\n"
-    commands = re.findall(r"^  (\w+) {2,}", top.split("Subcommands:")[1].split("Examples:")[0], re.M)
-    for command in commands:
+    for command in printed_names.commands(program):
         if command != "help":
             text += f"\n## throng {command}\n\n```text\n{program(command, '--help').strip()}\n```\n"
     return text
@@ -123,11 +106,15 @@ def value_of(rule):
     return names.get(kind, kind) + (limits(rule) if kind in ("integer", "number") else "")
 
 
+def links(text):
+    """Return text with a link for each document that it names: docs/scenes.md, docs/scenes.md#doors."""
+    return re.sub(r"docs/(\w+)\.md(#[\w-]+)?", r"[\1](../\1.md\2)", text)
+
+
 def keys_of(rule):
     """Return the table of the keys of a map, and what may replace the map."""
-    either = next((each for each in rule.get("anyOf", []) if "properties" in each), None)
     instead = [each for each in rule.get("anyOf", []) if "properties" not in each and "required" not in each]
-    maps = either or rule
+    maps = printed_names.map_rule(rule)
     text = ""
     if instead:
         text += "\n" + prose(f"Instead of the map: {value_of(instead[0])}.")
@@ -136,7 +123,7 @@ def keys_of(rule):
         meaning, found, default = value["description"].rpartition("; without it: ")
         if not found:
             meaning, default = default.removesuffix("; required"), "required"
-        rows.append((code(key), meaning, value_of(value), default))
+        rows.append((code(key), links(meaning), value_of(value), default))
     if rows:
         text += "\n" + table(("key", "meaning", "values", "default"), rows)
     if isinstance(maps.get("additionalProperties"), dict):
@@ -148,16 +135,13 @@ def keys_of(rule):
 
 
 def scene_keys(program):
-    schema = json.loads(program("scenes", "--schema"))
     text = "# Scene keys\n\n" + prose(
         "A scene file is a YAML map with these keys. [Describe a scene](../scenes.md) shows how to use them. "
         "A number may be written as a fraction: `1/60`. An unknown key is an error. "
         "[scene.schema.json](../../scenes/scene.schema.json) states the same for editors."
     )
-    text += "\n## scene\n\n" + prose(schema["description"] + ".") + keys_of(schema)
-    for name, rule in schema["$defs"].items():
-        if name != "fraction":
-            text += f"\n## {name}\n\n" + prose(rule["description"] + ".") + keys_of(rule)
+    for name, rule in printed_names.scene_maps(program).items():
+        text += f"\n## {name}\n\n" + prose(rule["description"] + ".") + keys_of(rule)
     return text
 
 
@@ -182,35 +166,19 @@ def study_columns(program):
 
 # ---------------------------------------------------------------- a small run with all outputs
 
-class SmallRun:
-    """Runs a small scene with every output, for the names of keys and columns."""
+class AllOutputs(printed_names.SmallRun):
+    """Exports the log of the small run and runs a benchmark, for the names of columns and topics."""
 
-    def __init__(self, program, folder):
-        self.folder = pathlib.Path(folder)
-        (self.folder / "scene.yaml").write_text(SCENE.replace("PICKER,", str(TOP / "examples/picker.urdf") + ",", 1))
-        (self.folder / "tracks.csv").write_text(RECORDING)
-        quiet = ("--lcm", "off", "--threads", "1")
-        program("run", "scene.yaml", *quiet, "--exact", "--contact-points", "--publish-part-poses", "--pace", "1000",
-                "--log", "run.lcmlog", "--trajectory", "run.csv", "--trajectory", "run.sqlite", "--contacts", "contacts",
-                "--separation", "separation", "--part-pairs", "parts", "--trace-hash", "hashes.txt", "--json", "a.json")
-        program("run", "scene.yaml", "--threads", "1", "--log", "off", "--lcm", "memq://", "--exact", "--budget-ms", "1000",
-                "--budget-tests", "1000000", "--publish-for", "people:PEOPLE", "--json", "b.json")
-        program("run", "tracks.csv", *quiet, "--log", "off", "--json", "c.json")
+    def __init__(self, program):
+        super().__init__(program)
         program("export", "run.lcmlog", "--mcap", "run.mcap")
         program("bench", "--avatars", "30", "--frames", "1", "--engines", "none", "--csv", "bench.csv")
-        self.program = program
 
     def columns(self, file):
         return (self.folder / file).read_text().splitlines()[0].split(",")
 
     def channel(self, name):
         return self.program("export", "run.lcmlog", "--csv", name).splitlines()[0].split(",")
-
-    def json_paths(self):
-        paths = {}
-        for file in ("a.json", "b.json", "c.json"):
-            add_paths("", json.loads((self.folder / file).read_text()), paths)
-        return list(paths)
 
     def files(self):
         return sorted(str(file.relative_to(self.folder)) for name in ("contacts", "separation", "parts")
@@ -242,18 +210,6 @@ class SmallRun:
 def mcap_text(body, at):
     size = struct.unpack_from("<I", body, at)[0]
     return body[at + 4:at + 4 + size].decode()
-
-
-def add_paths(prefix, value, paths):
-    """Add the path of every key to an ordered dict; empty maps and lists count as values."""
-    if isinstance(value, dict) and value:
-        for key, inner in value.items():
-            add_paths(f"{prefix}.{key}" if prefix else key, inner, paths)
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        for inner in value:
-            add_paths(prefix + "[]", inner, paths)
-    else:
-        paths[prefix] = True
 
 
 # ---------------------------------------------------------------- JSON of a run
@@ -403,8 +359,8 @@ def files(run):
         "`--trace-hash FILE` writes the line `run RUN_ID`, then a line `FRAME STAGE HASH` per frame and stage: "
         + ", ".join(code(stage) for stage in stages) + ". The first differing line shows where two runs diverge.")
     text += "\n## Exported tables\n\n" + prose(
-        "`throng export LOG --csv CHANNEL` writes the messages of one channel. An incomplete log is exported as far as it is "
-        "sound, with exit code 1.")
+        "`throng export LOG --csv CHANNEL` writes the messages of one channel. The sound part of an incomplete log is "
+        "exported, with exit code 1.")
     for name, what in texts.CHANNELS.items():
         text += f"\n### {name}\n\n" + prose(f"One row per {what}.") + "\n" + columns_table(name, run.channel(name))
     topics = run.topics()
@@ -609,9 +565,7 @@ def python_member(name, node):
 
 def python():
     folder = TOP / "python/throng"
-    module = ast.parse((folder / "__init__.py").read_text())
-    places = next(ast.literal_eval(node.value) for node in module.body
-                  if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "_PLACES")
+    places = printed_names.python_places()
     places.update({name: "_errors" for name in ("Error", "InputError", "EnvironmentFault")})
     text = "# Python module\n\n" + prose(
         "Every name of the module `throng`, from its docstrings. [Use Throng from Python](../python.md) has examples. "
@@ -644,8 +598,8 @@ def gallery(program):
 
 # ---------------------------------------------------------------- all pages
 
-def pages(program, folder):
-    run = SmallRun(program, folder)
+def pages(program):
+    run = AllOutputs(program)
     return {
         "reference/cli.md": cli(program),
         "reference/scene-keys.md": scene_keys(program),
@@ -663,18 +617,10 @@ def main():
     parser.add_argument("--throng", default=TOP / "build/release/throng", help="program [build/release/throng]")
     parser.add_argument("--out", default=TOP / "docs", help="folder of the pages [docs]")
     options = parser.parse_args()
-    throng = os.path.abspath(options.throng)
     with tempfile.TemporaryDirectory() as folder:
-
-        def program(*arguments):
-            result = subprocess.run([throng, *arguments], cwd=folder, capture_output=True, text=True)
-            if result.returncode != 0:
-                raise Unknown(f"throng {' '.join(arguments)}: exit code {result.returncode}\n{result.stderr}")
-            return result.stdout
-
         try:
-            written = pages(program, folder)
-        except Unknown as error:
+            written = pages(printed_names.Program(options.throng, folder))
+        except (Unknown, printed_names.ProgramError) as error:
             print(f"scripts/reference.py: {error}", file=sys.stderr)
             return 1
     for name, text in written.items():

@@ -123,7 +123,7 @@ fail() {
 cost=$("${apt[@]}" install --print-uris --no-install-recommends "${missing[@]}" -y </dev/null 2>>"$log" |
   sed -nE 's/^.* ([0-9]+) newly installed.*/\1 packages/p; s/^Need to get (.*) of archives.*/\1 to download/p
     s/^After this operation, (.*) of additional disk space.*/\1 on disk/p' | paste -sd ';' | sed 's/;/, /g') || true
-echo "Installing ${#missing[@]} packages and what they need${cost:+ ($cost)}: ${missing[*]}" >&2
+echo "Installing ${#missing[@]} packages and their dependencies${cost:+ ($cost)}: ${missing[*]}" >&2
 "${apt[@]}" -o APT::Status-Fd=3 "${install[@]}" </dev/null 2>&1 | show_progress || fail
 say "  installed in $((SECONDS - begun)) s"
 [ ! -t 2 ] || printf '\n' >&2

@@ -362,7 +362,7 @@ void ProximityTables::frame(const RunInfo& run, const Frame& frame) {
   if (rows_ == nullptr) return;
   text_.clear();
   list(run, frame, frame.proximity_pairs, "parts");
-  list(run, frame, frame.closest_parts, "people");
+  list(run, frame, frame.closest_parts, "closest_parts");
   rows_->write(text_);
   if (seconds_ != nullptr) expose(frame);
 }

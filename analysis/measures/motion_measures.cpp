@@ -125,10 +125,6 @@ std::vector<FlowLines::Line> narrow_places(const Walkable& walkable) {
   return lines;
 }
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 }  // namespace
 
 double FlowLines::Line::flow_per_s() const {

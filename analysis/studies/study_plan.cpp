@@ -77,10 +77,10 @@ class Setter {
       set(list.items[i], from);
       found = true;
     }
-    if (!found) refuse(list, step);
+    if (!found) reject(list, step);
   }
 
-  [[noreturn]] void refuse(const YamlNode& list, const std::string& step) const {
+  [[noreturn]] void reject(const YamlNode& list, const std::string& step) const {
     std::vector<std::string> names;
     for (const YamlNode& item : list.items)
       if (const YamlNode* name = name_of_item(item)) names.push_back(name->scalar);

@@ -33,7 +33,7 @@ std::vector<Eigen::Vector2d> inflated(std::vector<Eigen::Vector2d> corners) {
   return corners;
 }
 
-/// The whole ground, or the area that a recording states.
+/// The whole ground, or its floor.
 GridSet ground_of(const Scene& scene) {
   GridSet ground;
   const Eigen::Vector2d &low = scene.ground.min_m, &high = scene.ground.max_m;
@@ -42,9 +42,9 @@ GridSet ground_of(const Scene& scene) {
                      fmt::format("a ground within {:g} km of the origin for its walkable area",
                                  kMaxOnGrid_m / 1000),
                      "a larger one");
-  if (scene.area.empty())
+  if (scene.floor.empty())
     ground.insert(grid_polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
-  for (const Polygon& polygon : scene.area) add_to(ground, polygon);
+  for (const Polygon& polygon : scene.floor) add_to(ground, polygon);
   return ground;
 }
 

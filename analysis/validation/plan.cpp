@@ -79,7 +79,7 @@ Group& Plan::people(int count, const Rectangle& from, const std::vector<Rectangl
   group.count = count;
   group.spawn = from;
   Goal goal;
-  goal.areas = to;
+  goal.areas.assign(to.begin(), to.end());
   goal.waypoint = true;
   group.goals = {goal};
   group.on_arrival = OnArrival::kLeave;

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kInfoFooter = R"(
-A file whose root element is <robot> is a URDF, whatever its name. Otherwise the extension chooses the reader:
+A file whose root element is <robot> is a URDF, under any name. Otherwise the extension chooses the reader:
 .tri, .yaml or .yml, .lcmlog. Any other file is read as a recording of people and identified by its content,
 see docs/recordings.md.
 

@@ -18,6 +18,18 @@ std::string describe(const Rectangle& area) {
                      area.max_m.x(), area.max_m.y());
 }
 
+std::string describe(const Area& area) {
+  const std::string bounds = describe(area.bounds());
+  if (area.is_rectangle()) return bounds;
+  const size_t corners = vertex_count(area.polygons());
+  return fmt::format("{:.1f} m2 with {} corners in {}", area.area_m2(), corners, bounds);
+}
+
+std::string describe_ground(const Scene& scene) {
+  if (scene.floor.empty()) return describe(scene.ground);
+  return describe(Area(scene.floor));
+}
+
 std::string_view kind_name(Obstacle::Kind kind) {
   switch (kind) {
     case Obstacle::Kind::kBox:
@@ -26,6 +38,8 @@ std::string_view kind_name(Obstacle::Kind kind) {
       return "cylinder";
     case Obstacle::Kind::kMesh:
       return "mesh";
+    case Obstacle::Kind::kPolygon:
+      return "polygon";
   }
   return "";
 }
@@ -153,9 +167,9 @@ std::string describe_scene(const std::string& path_or_name) {
   for (const Group& group : scene.groups) people += static_cast<int>(group.total());
   if (scene.box) people = scene.box->count;
   append(text, "{}: {}\n", scene.name, scene.description);
-  append(text, "  ground     {}\n", describe(scene.ground));
+  append(text, "  ground     {}\n", describe_ground(scene));
   append(text, "  avatars    {}, {:.2f} per m2 of ground\n", people,
-         people / scene.ground.area_m2());
+         people / ground_area_m2(scene));
   append(text, "  time       {:g} s in steps of 1/{:g} s, seed {}\n", scene.duration_s,
          1 / scene.step_s, scene.seed);
   append(text, "  culling    sphere, then {}{}\n", to_text(scene.part_volume),
@@ -176,7 +190,8 @@ std::string describe_scene(const std::string& path_or_name) {
   if (steers) {
     const Walkable walkable(scene);
     const FlowGrid grid(walkable);
-    const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures());
+    const NavMesh mesh(scene.ground, walkable.footprints(), grid.passages(), grid.closures(),
+                       scene.floor);
     append(text, "  paths      navigation mesh of {} polygons from voxels of {:.2g} m\n",
            mesh.polygon_count(), mesh.voxel_m());
     for (const Group& group : scene.groups)

@@ -88,11 +88,11 @@ int print_view(MonitorView view, bool as_json) {
   }
   if (!view.inbox.runs().empty()) return kExitSuccess;
   print_message("{}: expected a run, found none; {}\n", view.source,
-                view.inbox.refused() > 0
+                view.inbox.rejected() > 0
                     ? fmt::format("{} ({})",
-                                  counted(view.inbox.refused(), "message was refused",
-                                          "messages were refused"),
-                                  view.inbox.run().refusal())
+                                  counted(view.inbox.rejected(), "message was rejected",
+                                          "messages were rejected"),
+                                  view.inbox.run().rejection())
                     : "start one with 'throng run SCENE --pace 1'");
   return kExitCheckFailed;
 }
@@ -144,7 +144,7 @@ int watch_log(const MonitorOptions& options) {
   LogEvent event;
   int64_t damaged = 0, messages = 0;
   std::vector<std::string> damage;
-  std::string first_refusal;
+  std::string first_rejection;
   for (;;) {
     const LogReader::Status status = log.next(event);
     if (status == LogReader::Status::kEnd) break;
@@ -155,11 +155,11 @@ int watch_log(const MonitorOptions& options) {
     }
     const RunReader::Update update = inbox.take(event.channel, event.data);
     messages += channel_of(event.channel) ? 1 : 0;
-    if (first_refusal.empty()) first_refusal = inbox.run().refusal();
+    if (first_rejection.empty()) first_rejection = inbox.run().rejection();
     view.now_s = std::max(view.now_s, static_cast<double>(event.stamp_us) * 1e-6);
     monitor.take(update, view.now_s);
   }
-  require_this_version(options.log, messages, inbox.refused(), first_refusal);
+  require_this_version(options.log, messages, inbox.rejected(), first_rejection);
   for (const std::string& each : damage) print_message("{}: {}\n", options.log, each);
   if (damaged > kMaxReported)
     print_message("{}: damaged in {} places; run 'throng check' for details\n", options.log,

@@ -43,8 +43,8 @@ Json channels_of(const MonitorView& view, const Monitor::Totals& totals) {
         {"repeated", tally.repeated},
         {"incomplete", tally.incomplete},
         {"sent", sent_on(channel, view.inbox.run())},
-        {"refused", view.inbox.totals(channel).refused},
-        {"refusal", printable(view.inbox.totals(channel).refusal)}};
+        {"rejected", view.inbox.totals(channel).rejected},
+        {"rejection", printable(view.inbox.totals(channel).rejection)}};
   }
   return out;
 }
@@ -110,7 +110,7 @@ Json json_of(const MonitorView& view) {
   json["listened_s"] = totals.now_s;
   json["run"] = run_of(view);
   json["lost"] = lost_of(view.inbox.run().tally());
-  json["refused"] = view.inbox.refused();
+  json["rejected"] = view.inbox.rejected();
   json["other_messages"] = view.inbox.others();
   json["other_runs"] = others_of(view);
   json["channels"] = channels_of(view, totals);

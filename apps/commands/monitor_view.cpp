@@ -46,7 +46,7 @@ void add_channels(const MonitorView& view, const Monitor::Totals& totals,
                   std::vector<std::string>& lines) {
   lines.push_back(fmt::format("{:<21}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
                               "messages", "per s", "kB/s", "last frame", "missing", "before",
-                              "refused"));
+                              "rejected"));
   for (const Channel channel : kAllChannels) {
     const ChannelTally& tally = view.inbox.run().tally(channel);
     const Inbox::ChannelTotals& all = view.inbox.totals(channel);
@@ -56,11 +56,11 @@ void add_channels(const MonitorView& view, const Monitor::Totals& totals,
                                 name_of(channel), tally.messages,
                                 static_cast<double>(totals.messages[i]) / span_of(totals),
                                 static_cast<double>(totals.bytes[i]) * 1e-3 / span_of(totals),
-                                tally.last_frame, tally.missing, tally.before, all.refused));
+                                tally.last_frame, tally.missing, tally.before, all.rejected));
   }
   const size_t runs = view.inbox.runs().size();
-  lines.push_back(fmt::format("lost {}, refused {}, on other channels {}, other runs {}",
-                              lost_of(view.inbox.run().tally()), view.inbox.refused(),
+  lines.push_back(fmt::format("lost {}, rejected {}, on other channels {}, other runs {}",
+                              lost_of(view.inbox.run().tally()), view.inbox.rejected(),
                               view.inbox.others(), runs > 1 ? runs - 1 : 0));
 }
 
@@ -189,12 +189,12 @@ std::string line_of(const MonitorView& view) {
   const RunReader& run = view.inbox.run();
   return fmt::format(
       "frame {}, {:.2f} s: {:.1f} frames/s, {:.1f} kB/s, {} touch, {:.1f} begin/s, {:.1f} end/s, "
-      "frame {:.2f} ms, lost {}, refused {}{}",
+      "frame {:.2f} ms, lost {}, rejected {}{}",
       run.frame_stats() ? run.frame_stats()->frame : -1,
       run.frame_stats() ? static_cast<double>(run.frame_stats()->utime) * 1e-6 : 0.0,
       static_cast<double>(totals.frames) / span, bytes * 1e-3 / span, run.touching().size(),
       static_cast<double>(totals.begins) / span, static_cast<double>(totals.ends) / span,
-      view.monitor.frame_time().last_ms, lost_of(run.tally()), view.inbox.refused(),
+      view.monitor.frame_time().last_ms, lost_of(run.tally()), view.inbox.rejected(),
       run.end() ? ", ended" : "");
 }
 

@@ -63,6 +63,8 @@ Json schema_of(const Rule& rule) {
       return list(number(rule.range), rule);
     case Rule::Kind::kPoints:
       return list(list(number(rule.range), {.min = 2, .max = 2}), rule);
+    case Rule::Kind::kRings:
+      return list(list(list(number(rule.range), {.min = 2, .max = 2}), rule), {});
     case Rule::Kind::kMap:
       return reference(rule.map);
     case Rule::Kind::kList:
@@ -71,28 +73,10 @@ Json schema_of(const Rule& rule) {
   return {};
 }
 
-/// Replaces a Markdown link "[text](link)" by its text.
-std::string plain(const std::string& markdown) {
-  std::string text;
-  size_t rest = 0;
-  for (size_t open = 0; (open = markdown.find('[', open)) != std::string::npos;) {
-    const size_t middle = markdown.find(']', open);
-    const size_t end = markdown.find(')', middle);
-    if (end == std::string::npos) break;
-    if (markdown[middle + 1] != '(') {
-      ++open;
-      continue;
-    }
-    text += markdown.substr(rest, open - rest) + markdown.substr(open + 1, middle - open - 1);
-    rest = open = end + 1;
-  }
-  return text + markdown.substr(rest);
-}
-
 Json schema_of(const KeyText& key) {
   std::string description = key.meaning;
   description += key.required ? "; required" : "; without it: " + key.fallback;
-  Json json = {{"description", plain(description)}};
+  Json json = {{"description", description}};
   json.update(schema_of(key.rule));
   return json;
 }
@@ -111,7 +95,7 @@ Json object_of(const MapText& map) {
 }
 
 Json schema_of(const MapText& map) {
-  Json json = {{"description", plain(map.meaning)}};
+  Json json = {{"description", map.meaning}};
   if (map.or_number)
     json.update(any_of({number(map.keys.front().rule.range), object_of(map)}));
   else if (!map.or_words.empty())

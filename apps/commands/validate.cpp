@@ -37,7 +37,7 @@ struct ValidateOptions {
   std::string json;
   std::string recordings;
   std::vector<std::string> only;
-  bool reality = false;
+  bool empirical = false;
   uint64_t seed = 1;
   uint64_t seeds = 1;
   std::string steering{name_of(SteeringRule{}.model)};
@@ -58,10 +58,10 @@ std::vector<ValidationRun> chosen(const ValidateOptions& options) {
     return std::any_of(options.only.begin(), options.only.end(),
                        [&](const std::string& id) { return test.has(id); });
   };
-  for (const bool reality : {false, true})
+  for (const bool empirical : {false, true})
     for (const validation::Test& test :
-         reality ? validation::empirical_tests() : validation::all_tests())
-      if (options.only.empty() ? reality == options.reality : named(test))
+         empirical ? validation::empirical_tests() : validation::all_tests())
+      if (options.only.empty() ? empirical == options.empirical : named(test))
         runs.push_back({&test, {}});
   return runs;
 }
@@ -164,7 +164,7 @@ Command add_validate_command(CommandLine& parent) {
       ->transform([](std::string& id) { id = validation::normal_id(id); })
       ->check(name_option(test_ids()))
       ->type_name("ID");
-  app->add_flag("--empirical", options->reality,
+  app->add_flag("--empirical", options->empirical,
                 "Compare with recorded people instead of the standards' tests");
   app->add_option("--steering", options->steering,
                   fmt::format("Steering model: {} [{}]", steering_choices(), options->steering))

@@ -191,7 +191,7 @@ void OutputPlan::check_folder(const Folder& folder) const {
 
 void OutputPlan::check_distinct() const {
   const std::vector<Name> inputs = this->inputs();
-  const auto refuse = [](const Name& file, const std::string& option, const Name& other) {
+  const auto reject = [](const Name& file, const std::string& option, const Name& other) {
     throw InputError(named(option, file.path), "a separate file", other.label);
   };
   const auto same = [](const Name& a, const Name& b) {
@@ -202,9 +202,9 @@ void OutputPlan::check_distinct() const {
     const std::vector<Name> names = names_of(file);
     for (const Name& name : names) {
       for (const Name& input : inputs)
-        if (same(name, input)) refuse(name, file.option, input);
+        if (same(name, input)) reject(name, file.option, input);
       for (const Name& other : before)
-        if (same(name, other)) refuse(name, file.option, other);
+        if (same(name, other)) reject(name, file.option, other);
     }
     before.insert(before.end(), names.begin(), names.end());
   }

@@ -138,7 +138,7 @@ std::string budget_text(const RunReport& report) {
 
 Json proximity_json(const ProximitySummary& proximity) {
   return {{"pairs", proximity.pairs},
-          {"people", proximity.people},
+          {"closest_parts", proximity.closest_parts},
           {"pairs_peak", proximity.pairs_peak},
           {"min_distance_m", proximity.min_distance_m},
           {"ms",
@@ -194,8 +194,8 @@ Json lockstep_json(const RunReport::LockstepReport& lockstep) {
                       {"late", group.late},
                       {"repeated", group.repeated},
                       {"other_runs", group.other_runs},
-                      {"refused", group.refused},
-                      {"refusal", group.refusal},
+                      {"rejected", group.rejected},
+                      {"rejection", group.rejection},
                       {"clamped", group.clamped}});
   return {{"timeout_s", lockstep.timeout_s},
           {"total_wait_s", lockstep.total_wait_s},
@@ -206,10 +206,10 @@ Json lockstep_json(const RunReport::LockstepReport& lockstep) {
 
 std::string lockstep_text(const Lockstep::Counts& group) {
   return fmt::format(
-      "{} by {}: {} replies, {} late, {} repeated, {} to other runs, {} refused{}; {} values out "
+      "{} by {}: {} replies, {} late, {} repeated, {} to other runs, {} rejected{}; {} values out "
       "of range",
       group.group, group.channel, group.replies, group.late, group.repeated, group.other_runs,
-      group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")", group.clamped);
+      group.rejected, group.rejection.empty() ? "" : " (" + group.rejection + ")", group.clamped);
 }
 
 Json recording_json(const RunReport::Recording& recording) {
@@ -260,8 +260,8 @@ Json to_json(const RunReport& report) {
                                         {"missing", group.missing},
                                         {"late", group.late},
                                         {"restarts", group.restarts},
-                                        {"refused", group.refused},
-                                        {"refusal", group.refusal},
+                                        {"rejected", group.rejected},
+                                        {"rejection", group.rejection},
                                         {"clamped", group.clamped}});
   if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
   if (report.pace.factor > 0)
@@ -350,10 +350,10 @@ std::string format_table(const RunReport& report) {
   line("stranded", stranded_text(report));
   for (const PoseCommandReceiver::Counts& group : report.external_control)
     line("external",
-         fmt::format("{} by {}: {} messages, {} missing, {} late, {} refused{}; {} of {} "
+         fmt::format("{} by {}: {} messages, {} missing, {} late, {} rejected{}; {} of {} "
                      "frames without a command; {} values out of range; {} restarts",
                      group.group, group.channel, group.messages, group.missing, group.late,
-                     group.refused, group.refusal.empty() ? "" : " (" + group.refusal + ")",
+                     group.rejected, group.rejection.empty() ? "" : " (" + group.rejection + ")",
                      group.frames_without_command, group.frames, group.clamped, group.restarts));
   if (report.lockstep) {
     for (const Lockstep::Counts& group : report.lockstep->groups)
@@ -371,9 +371,9 @@ std::string format_table(const RunReport& report) {
   if (report.budget_ms || report.budget_tests) line("budget", budget_text(report));
   if (summary.proximity.is_enabled)
     line("proximity",
-         fmt::format("{} rows of parts, {} of two people; at most {} at once, least distance "
+         fmt::format("{} rows of parts, {} of closest parts; at most {} at once, least distance "
                      "{:.3f} m; {:.2f} ms per frame (hash {})",
-                     summary.proximity.pairs, summary.proximity.people,
+                     summary.proximity.pairs, summary.proximity.closest_parts,
                      summary.proximity.pairs_peak, summary.proximity.min_distance_m,
                      summary.proximity.ms.median, hash_text(summary.proximity.hash)));
   if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)

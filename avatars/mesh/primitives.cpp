@@ -64,6 +64,23 @@ Mesh cylinder_mesh(double radius_m, double length_m) {
   return turned_mesh({{radius_m, -half_m}, {radius_m, half_m}});
 }
 
+Mesh prism_mesh(const std::vector<Eigen::Vector2d>& ring_m, double height_m) {
+  Mesh mesh;
+  const auto count = static_cast<int>(ring_m.size());
+  for (const double z_m : {-0.5 * height_m, 0.5 * height_m})
+    for (const Eigen::Vector2d& corner : ring_m)
+      mesh.vertices.emplace_back(Eigen::Vector3d(corner.x(), corner.y(), z_m).cast<float>());
+  for (int i = 0; i < count; ++i) {
+    const int next = (i + 1) % count;
+    mesh.triangles.emplace_back(i, next, count + next);
+    mesh.triangles.emplace_back(i, count + next, count + i);
+    if (i == 0 || next == 0) continue;
+    mesh.triangles.emplace_back(0, next, i);
+    mesh.triangles.emplace_back(count, count + i, count + next);
+  }
+  return mesh;
+}
+
 Mesh capsule_mesh(double radius_m, double length_m) {
   // Tangents of a quarter circle: its edges lie between those at 0 and at 90 degrees.
   constexpr int kRings = 5;

@@ -2,6 +2,8 @@
 // Invariant: the mesh encloses the true solid; no contact of the solid is missed.
 #pragma once
 
+#include <vector>
+
 #include "avatars/mesh/mesh.h"
 
 namespace throng {
@@ -11,6 +13,9 @@ Mesh box_mesh(const Eigen::Vector3d& size_m);
 
 /// Centred cylinder along z: a circumscribed prism of 24 sides with edges 0.9 % outside the radius.
 Mesh cylinder_mesh(double radius_m, double length_m);
+
+/// Prism over a convex ring, counter-clockwise, centred along z.
+Mesh prism_mesh(const std::vector<Eigen::Vector2d>& ring_m, double height_m);
 
 /// Centred capsule along z; `length_m` is that of the cylinder between the half spheres. 24 sides
 /// and five rings per end, with edges at most 2.1 % of the radius outside.

@@ -37,7 +37,7 @@ class Archive {
   /// Throws InputError unless everything was read.
   void expect_end() const;
   /// Throws InputError for an impossible value.
-  [[noreturn]] void refuse(const std::string& expected, const std::string& found) const;
+  [[noreturn]] void reject(const std::string& expected, const std::string& found) const;
 
   /// Archives the fields in order. A vector must already have its archived length: resuming builds
   /// the same run first.
@@ -52,7 +52,7 @@ class Archive {
     uint64_t count = values.size();
     field(count);
     if (is_reading_) {
-      if (count > max_count) refuse_length(max_count, count);
+      if (count > max_count) reject_length(max_count, count);
       expect_available(count);
       values.resize(static_cast<size_t>(count));
     }
@@ -67,7 +67,7 @@ class Archive {
     } else if constexpr (std::same_as<T, bool>) {
       auto byte = static_cast<uint8_t>(value);
       number(byte);
-      if (byte > 1) refuse("0 or 1", std::to_string(byte));
+      if (byte > 1) reject("0 or 1", std::to_string(byte));
       value = byte != 0;
     } else if constexpr (std::is_enum_v<T>) {
       auto word = static_cast<std::underlying_type_t<T>>(value);
@@ -98,7 +98,7 @@ class Archive {
   void field(std::vector<T>& values) {
     uint64_t count = values.size();
     field(count);
-    if (count != values.size()) refuse_length(values.size(), count);
+    if (count != values.size()) reject_length(values.size(), count);
     for (T& value : values) field(value);
   }
 
@@ -119,7 +119,7 @@ class Archive {
   }
   void word(uint64_t& bits, size_t bytes);
   void expect_available(uint64_t elements) const;
-  [[noreturn]] void refuse_length(uint64_t expected, uint64_t found) const;
+  [[noreturn]] void reject_length(uint64_t expected, uint64_t found) const;
 
   bool is_reading_ = false;
   std::span<const uint8_t> input_;

@@ -59,17 +59,17 @@ int open_named(int named, const std::filesystem::path& path) {
 RegularFile::RegularFile(const std::filesystem::path& path, std::string_view expected,
                          uint64_t max_bytes)
     : path_(path), expected_(expected) {
-  const auto refuse = [&](const std::string& found) {
+  const auto reject = [&](const std::string& found) {
     throw InputError(path.string(), expected, found);
   };
-  if (path.native().find('\0') != std::string::npos) refuse("a name with a NUL in it");
+  if (path.native().find('\0') != std::string::npos) reject("a name with a NUL in it");
   const Descriptor named(::open(path.c_str(), O_PATH | O_CLOEXEC));
   struct stat status = {};
-  if (named.number() < 0 || ::fstat(named.number(), &status) != 0) refuse(reason(errno));
-  if (!S_ISREG(status.st_mode)) refuse(kind_of(status.st_mode));
+  if (named.number() < 0 || ::fstat(named.number(), &status) != 0) reject(reason(errno));
+  if (!S_ISREG(status.st_mode)) reject(kind_of(status.st_mode));
   Descriptor opened(open_named(named.number(), path));
-  if (opened.number() < 0 || ::fstat(opened.number(), &status) != 0) refuse(reason(errno));
-  if (!S_ISREG(status.st_mode)) refuse(kind_of(status.st_mode));
+  if (opened.number() < 0 || ::fstat(opened.number(), &status) != 0) reject(reason(errno));
+  if (!S_ISREG(status.st_mode)) reject(kind_of(status.st_mode));
   size_ = static_cast<uint64_t>(status.st_size);
   if (size_ > max_bytes)
     throw InputError(path.string(), fmt::format("{} of at most {}", expected, in_words(max_bytes)),
@@ -79,7 +79,7 @@ RegularFile::RegularFile(const std::filesystem::path& path, std::string_view exp
     descriptor_ = opened.release();
   } else {
     descriptor_ = ::fcntl(opened.number(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-    if (descriptor_ < 0) refuse(reason(errno));
+    if (descriptor_ < 0) reject(reason(errno));
   }
 }
 

@@ -185,8 +185,8 @@ void send(int pipe, ReplyHeader::Kind kind, std::span<const uint8_t> bytes) {
       }
     };
     send(pipe, ReplyHeader::Kind::kBytes, parse(file, send_piece));
-  } catch (const ParseFailure& refusal) {
-    send(pipe, ReplyHeader::Kind::kRefused, refusal.expected, refusal.found);
+  } catch (const ParseFailure& rejection) {
+    send(pipe, ReplyHeader::Kind::kRejected, rejection.expected, rejection.found);
   } catch (const std::bad_alloc&) {
     send(pipe, ReplyHeader::Kind::kOutOfMemory, {}, {});
   } catch (const std::exception& error) {
@@ -446,7 +446,7 @@ std::vector<uint8_t> run_sandboxed(const RegularFile& file, const SandboxedParse
   Listener listener(pipe, child, budget, take);
   const Outcome outcome = listener.listen();
   const int status = child.end();
-  const auto refusal = [&](const std::string& found) {
+  const auto rejection = [&](const std::string& found) {
     return InputError(path.string(), parser.expected, found);
   };
   if (outcome == Outcome::kReplied) {
@@ -454,17 +454,17 @@ std::vector<uint8_t> run_sandboxed(const RegularFile& file, const SandboxedParse
     if (head.kind == ReplyHeader::Kind::kBytes) return listener.take_body();
     const std::string text(listener.body().begin(), listener.body().end());
     const auto cut = static_cast<size_t>(std::min<uint64_t>(head.expected_size, text.size()));
-    if (head.kind == ReplyHeader::Kind::kRefused)
+    if (head.kind == ReplyHeader::Kind::kRejected)
       throw InputError(path.string(), text.substr(0, cut), text.substr(cut));
     if (head.kind == ReplyHeader::Kind::kThrew)
-      throw refusal(fmt::format("one that {} refuses: {}", parser.library, text));
+      throw rejection(fmt::format("one that {} rejects: {}", parser.library, text));
   }
   const bool is_too_large =
       outcome == Outcome::kReplied && listener.head().kind == ReplyHeader::Kind::kOutOfMemory;
-  throw refusal(fmt::format("{}; {}",
-                            describe_failure(is_too_large ? Outcome::kTooMuchMemory : outcome,
-                                             status, parser.library, budget),
-                            parser.remedy));
+  throw rejection(fmt::format("{}; {}",
+                              describe_failure(is_too_large ? Outcome::kTooMuchMemory : outcome,
+                                               status, parser.library, budget),
+                              parser.remedy));
 }
 
 }  // namespace

@@ -62,14 +62,14 @@ struct ParseFailure : std::runtime_error {
 
 namespace sandbox {
 
-/// Header of a reply; `size` bytes follow, for kRefused `expected` and then `found`. Any number of
+/// Header of a reply; `size` bytes follow, for kRejected `expected` and then `found`. Any number of
 /// pieces may precede the last reply.
 struct ReplyHeader {
-  enum class Kind : uint32_t { kBytes = 1, kRefused, kThrew, kOutOfMemory, kPiece };
+  enum class Kind : uint32_t { kBytes = 1, kRejected, kThrew, kOutOfMemory, kPiece };
   static constexpr uint32_t kMagic = 0x54485241;
   uint32_t magic = kMagic;
   Kind kind = Kind::kBytes;
-  uint64_t expected_size = 0;  ///< size of the first text, for kRefused
+  uint64_t expected_size = 0;  ///< size of the first text, for kRejected
   uint64_t size = 0;
 };
 

@@ -323,7 +323,7 @@ double VolumeResult::total_paper_count_ms(int length) const {
 }
 
 double VolumeResult::runs_ms(uint64_t updates, int length) const {
-  // Frame 0 is never tested, whatever the length of the run.
+  // Frame 0 is never tested, for any length of the run.
   const double runs = (static_cast<double>(length) * frames - 1) / (frames - 1);
   return runs * (cost_ms(updates, costs.update) + cost_ms(census.tests, costs.test)) +
          costs.construction_all.median_ns * 1e-6;

@@ -1,4 +1,4 @@
-// PublishedVolume holds the numbers that the paper prints, as far as they are legible.
+// PublishedVolume holds the legible numbers that the paper prints.
 // A digit that was lost in print stays a question mark.
 //
 // Suaib, Bade, Mohamad: "Hybrid Collision Culling by Bounding Volumes Manipulation in Massive Rigid

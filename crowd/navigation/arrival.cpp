@@ -11,7 +11,7 @@ constexpr double kAhead = -0.5;
 constexpr double kFree_m = 1e-3;
 
 struct NearestPoint {
-  NearestPoint(const Rectangle& area, const Eigen::Vector2d& from)
+  NearestPoint(const Area& area, const Eigen::Vector2d& from)
       : nearest_m(area.nearest_m(from)), left_m((nearest_m - from).norm()) {
     if (left_m > 0) direction = (nearest_m - from) / left_m;
   }
@@ -42,8 +42,8 @@ double stopping_distance_m(const Walkable& walkable, const NearestPoint& to, dou
 
 }  // namespace
 
-bool is_closest_possible(const Walkable& walkable, const Rectangle& area,
-                         const Eigen::Vector2d& point, double radius_m, double wall_offset_m) {
+bool is_closest_possible(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point,
+                         double radius_m, double wall_offset_m) {
   const NearestPoint to(area, point);
   const double gap_m = radius_m + wall_offset_m;
   const bool is_shallow = !area.contains(to.nearest_m + kStep_m * to.direction);
@@ -54,11 +54,8 @@ bool is_closest_possible(const Walkable& walkable, const Rectangle& area,
   return is_closest && is_freely_reachable(walkable, area, point);
 }
 
-bool is_freely_reachable(const Walkable& walkable, const Rectangle& area,
-                         const Eigen::Vector2d& point) {
-  const Eigen::Vector2d rim = (0.25 * area.size_m()).cwiseMin(2 * kFree_m);
-  const Rectangle inner{area.min_m + rim, area.max_m - rim};
-  const Eigen::Vector2d nearest_m = inner.nearest_m(point);
+bool is_freely_reachable(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point) {
+  const Eigen::Vector2d nearest_m = area.nearest_inside_m(point, 2 * kFree_m);
   return walkable.clearance_m(nearest_m) >= kFree_m && !walkable.crosses(point, nearest_m);
 }
 

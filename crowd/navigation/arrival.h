@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "base/rectangle.h"
 #include "crowd/navigation/walkable.h"
+#include "geometry/area.h"
 
 namespace throng {
 
@@ -16,12 +16,11 @@ namespace throng {
 inline constexpr double kMaxWallOffset_m = 0.3;
 
 /// Returns whether the centre at `point`, outside `area`, is as close to it as it can be.
-bool is_closest_possible(const Walkable& walkable, const Rectangle& area,
-                         const Eigen::Vector2d& point, double radius_m, double wall_offset_m);
+bool is_closest_possible(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point,
+                         double radius_m, double wall_offset_m);
 
 /// Returns whether the nearest point of `area` is free, without an obstacle between it and `point`.
-bool is_freely_reachable(const Walkable& walkable, const Rectangle& area,
-                         const Eigen::Vector2d& point);
+bool is_freely_reachable(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point);
 
 /// Returns whether an agent whose centre is at `point` has reached `area`. The centre is inside or
 /// as close to the area as it can be.
@@ -31,9 +30,8 @@ bool is_freely_reachable(const Walkable& walkable, const Rectangle& area,
 /// - An area less than 0.3 m deep from there is passed within a step: the disc has to touch it.
 ///
 /// A part of the area that lies in or behind an obstacle is out of reach.
-inline bool has_reached(const Walkable& walkable, const Rectangle& area,
-                        const Eigen::Vector2d& point, double radius_m,
-                        double wall_offset_m = kMaxWallOffset_m) {
+inline bool has_reached(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point,
+                        double radius_m, double wall_offset_m = kMaxWallOffset_m) {
   const double gap_m = radius_m + wall_offset_m;
   const double square_m2 = (area.nearest_m(point) - point).squaredNorm();
   if (square_m2 == 0) return true;
@@ -43,7 +41,7 @@ inline bool has_reached(const Walkable& walkable, const Rectangle& area,
 }
 
 /// Returns whether the nearest point of `area` is free, visible and at most `reach_m` from `point`.
-inline bool is_beside(const Walkable& walkable, const Rectangle& area, const Eigen::Vector2d& point,
+inline bool is_beside(const Walkable& walkable, const Area& area, const Eigen::Vector2d& point,
                       double reach_m) {
   return (area.nearest_m(point) - point).squaredNorm() <= reach_m * reach_m &&
          is_freely_reachable(walkable, area, point);

@@ -105,7 +105,7 @@ FlowGrid::FlowGrid(const Walkable& walkable)
     const Eigen::Vector2d centre = centre_m(cell);
     const double clearance = walkable.obstacle_clearance_m(centre);
     clearances_m[cell] = static_cast<float>(clearance);
-    if (clearance >= margin && walkable.ground().contains(centre))
+    if (clearance >= margin && walkable.is_on_floor(centre))
       slowness_[cell] = slowness_at(clearance);
   }
   find_narrow(walkable, clearances_m);
@@ -132,7 +132,7 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
     };
     if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_next_to) < 2) continue;
     const Eigen::Vector2d place = best_place(centre, cell_m_, clearance_in_gap);
-    if (clearance_in_gap(place) >= kMinGap_m / 2 && walkable.ground().contains(place))
+    if (clearance_in_gap(place) >= kMinGap_m / 2 && walkable.is_on_floor(place))
       narrow_.emplace_back(cell, place);
   }
   if (narrow_.empty()) return;
@@ -155,8 +155,7 @@ void FlowGrid::add_approaches(const Walkable& walkable, std::span<const float> c
             return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
                    0.01 * (point - middle).norm();
           });
-      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m &&
-          walkable.ground().contains(place))
+      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m && walkable.is_on_floor(place))
         approaches.emplace_back(cell, place);
     }
   const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -217,7 +216,7 @@ Eigen::Vector2d FlowGrid::place_m(size_t cell) const {
   return narrow == nullptr ? centre_m(cell) : *narrow;
 }
 
-bool FlowGrid::reaches(size_t cell, const Rectangle& area) const {
+bool FlowGrid::reaches(size_t cell, const Area& area) const {
   // The first free cell before a wall lies within its margin and one cell.
   const double off_m = std::max(kPerson_m + kMaxWallOffset_m, margin_m(cell_m_) + cell_m_);
   return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
@@ -247,7 +246,7 @@ Eigen::Vector2d FlowGrid::centre_m(size_t cell) const {
                                                static_cast<double>(row) + 0.5);
 }
 
-FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
+FlowField::FlowField(const FlowGrid& grid, std::span<const Area> areas,
                      std::span<const uint8_t> closed, std::span<const CellPolicy> cell_policies)
     : grid_(&grid), cells_(grid.cell_count()), is_closed_(closed.begin(), closed.end()) {
   march(areas, closed, cell_policies);
@@ -256,7 +255,7 @@ FlowField::FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
   aim_through_gaps();
 }
 
-void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
+void FlowField::march(std::span<const Area> areas, std::span<const uint8_t> closed,
                       std::span<const CellPolicy> cell_policies) {
   // A queue of (distance, cell): equal distances leave in the order of cells.
   using Entry = std::pair<float, size_t>;
@@ -265,11 +264,10 @@ void FlowField::march(std::span<const Rectangle> areas, std::span<const uint8_t>
     // Distance from the cell to a rectangle: small goals between cell centres also count.
     const Eigen::Vector2d centre = grid_->centre_m(cell);
     double away = 1e300;
-    for (const Rectangle& area : areas)
-      away = std::min(away, (centre - area.nearest_m(centre)).norm());
+    for (const Area& area : areas) away = std::min(away, (centre - area.nearest_m(centre)).norm());
     const bool is_free = grid_->is_free(cell), is_far = away > 0.71 * grid_->cell_m();
     if (is_far || (!is_free && away > 0)) {
-      const auto reaches_area = [&](const Rectangle& area) { return grid_->reaches(cell, area); };
+      const auto reaches_area = [&](const Area& area) { return grid_->reaches(cell, area); };
       const auto area = std::find_if(areas.begin(), areas.end(), reaches_area);
       if (area != areas.end())
         aims_.emplace_back(cell, area->nearest_m(centre));

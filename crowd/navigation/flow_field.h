@@ -60,7 +60,7 @@ class FlowGrid {
   /// Where agents pass through a free cell: its centre, or in a narrow gap the middle of the gap.
   Eigen::Vector2d place_m(size_t cell) const;
   /// Returns whether an agent in a cell has reached an area, see has_reached().
-  bool reaches(size_t cell, const Rectangle& area) const;
+  bool reaches(size_t cell, const Area& area) const;
   /// The cells left, right, below and above that are linked to a cell; -1 where none is.
   std::array<ptrdiff_t, 4> free_neighbours(size_t cell) const;
   /// Returns whether the straight segment leads through free cells only (to a tenth of a cell).
@@ -123,10 +123,10 @@ class FlowField {
   /// each point leads to the area with the shortest path. Keeps a reference to `grid`. `closed` is
   /// empty or has 1 for cells in a closed door, which cost kClosed_m each. Policies are per cell,
   /// or empty.
-  FlowField(const FlowGrid& grid, std::span<const Rectangle> areas,
-            std::span<const uint8_t> closed = {}, std::span<const CellPolicy> cell_policies = {});
-  FlowField(const FlowGrid& grid, const Rectangle& area)
-      : FlowField(grid, std::span<const Rectangle>(&area, 1)) {}
+  FlowField(const FlowGrid& grid, std::span<const Area> areas, std::span<const uint8_t> closed = {},
+            std::span<const CellPolicy> cell_policies = {});
+  FlowField(const FlowGrid& grid, const Area& area)
+      : FlowField(grid, std::span<const Area>(&area, 1)) {}
 
   /// Unit direction to walk, interpolated between cells; zero at the goal and without a path.
   Eigen::Vector2d direction(const Eigen::Vector2d& point) const;
@@ -155,7 +155,7 @@ class FlowField {
   };
 
   CellPatch patch_at(const Eigen::Vector2d& point) const;
-  void march(std::span<const Rectangle> areas, std::span<const uint8_t> closed,
+  void march(std::span<const Area> areas, std::span<const uint8_t> closed,
              std::span<const CellPolicy> cell_policies);
   void compute_directions();
   void fill_blocked_cells();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/portable_math.h"
+#include "geometry/polygon_union.h"
 
 namespace throng {
 namespace {
@@ -34,6 +35,29 @@ std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& corners, in
   return kept;
 }
 
+/// A mesh whose outline fills this share of its hull is treated as convex.
+constexpr double kConvexShare = 0.98;
+
+Eigen::Vector2d seen_from_above(const Obstacle& obstacle, const SinCos& turn,
+                                const Eigen::Vector3f& vertex) {
+  const Eigen::Vector3d v = vertex.cast<double>();
+  return {obstacle.centre_m.x() + turn.cos * v.x() - turn.sin * v.y(),
+          obstacle.centre_m.y() + turn.sin * v.x() + turn.cos * v.y()};
+}
+
+/// Union of all triangles seen from above.
+std::vector<Polygon> mesh_outline_of(const Obstacle& obstacle) {
+  const SinCos turn = sin_cos(obstacle.heading_rad);
+  std::vector<Polygon::Ring> triangles;
+  for (const Eigen::Vector3i& triangle : obstacle.mesh.triangles) {
+    Polygon::Ring& ring = triangles.emplace_back();
+    for (int corner = 0; corner < 3; ++corner)
+      ring.push_back(seen_from_above(
+          obstacle, turn, obstacle.mesh.vertices[static_cast<size_t>(triangle[corner])]));
+  }
+  return united(triangles);
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
@@ -61,24 +85,12 @@ std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
   return hull;
 }
 
-Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points) {
-  Rectangle bounds{points.front(), points.front()};
-  for (const Eigen::Vector2d& point : points) {
-    bounds.min_m = bounds.min_m.cwiseMin(point);
-    bounds.max_m = bounds.max_m.cwiseMax(point);
-  }
-  return bounds;
-}
-
 std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
   const SinCos turn = sin_cos(obstacle.heading_rad);
   std::vector<Eigen::Vector2d> points;
   points.reserve(obstacle.mesh.vertices.size());
-  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices) {
-    const Eigen::Vector3d v = vertex.cast<double>();
-    points.emplace_back(obstacle.centre_m.x() + turn.cos * v.x() - turn.sin * v.y(),
-                        obstacle.centre_m.y() + turn.sin * v.x() + turn.cos * v.y());
-  }
+  for (const Eigen::Vector3f& vertex : obstacle.mesh.vertices)
+    points.push_back(seen_from_above(obstacle, turn, vertex));
   return convex_hull(std::move(points));
 }
 
@@ -123,15 +135,36 @@ std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
   return corners;
 }
 
+std::vector<std::vector<Eigen::Vector2d>> footprint_pieces_of(const Obstacle& obstacle) {
+  std::vector<Eigen::Vector2d> hull = footprint_of(obstacle);
+  if (obstacle.kind != Obstacle::Kind::kMesh) return {std::move(hull)};
+  const std::vector<Polygon> outline = mesh_outline_of(obstacle);
+  double outline_m2 = 0;
+  for (const Polygon& polygon : outline) outline_m2 += area_m2(polygon);
+  if (outline_m2 >= kConvexShare * 0.5 * doubled_area(hull)) return {std::move(hull)};
+  std::vector<std::vector<Eigen::Vector2d>> pieces;
+  for (const Polygon& polygon : outline)
+    for (Polygon::Ring& piece : convex_pieces_of(polygon))
+      if (std::vector<Eigen::Vector2d> convex = convex_hull(std::move(piece)); convex.size() >= 3)
+        pieces.push_back(std::move(convex));
+  return pieces;
+}
+
 double headroom_m(const CrowdPlan& plan) { return tallest_m(plan) + kAboveTallest_m; }
 
 std::vector<Footprint> footprints_of(const CrowdPlan& plan) {
   const double headroom = headroom_m(plan);
   std::vector<Footprint> footprints;
+  uint32_t surface = 0;
+  for (const Obstacle& obstacle : plan.obstacles) surface = std::max(surface, obstacle.surface);
   for (const Obstacle& obstacle : plan.obstacles) {
-    if (!blocks_people(obstacle, headroom)) continue;
-    std::vector<Eigen::Vector2d> corners = clipped(footprint_of(obstacle), plan.ground);
-    if (!corners.empty()) footprints.push_back({&obstacle, std::move(corners)});
+    if (obstacle.lines_floor || !blocks_people(obstacle, headroom)) continue;
+    std::vector<std::vector<Eigen::Vector2d>> pieces = footprint_pieces_of(obstacle);
+    const uint32_t own = pieces.size() > 1 ? ++surface : obstacle.surface;
+    for (std::vector<Eigen::Vector2d>& piece : pieces) {
+      std::vector<Eigen::Vector2d> corners = clipped(std::move(piece), plan.ground);
+      if (!corners.empty()) footprints.push_back({&obstacle, std::move(corners), own});
+    }
   }
   return footprints;
 }

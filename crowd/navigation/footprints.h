@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "crowd/crowd_plan.h"
@@ -12,11 +13,11 @@ namespace throng {
 /// Convex hull of points in the plane, counter-clockwise, no three in a line (Andrew 1979).
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
-/// Smallest rectangle that contains all points, of which there is at least one.
-Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points);
-
-/// Footprint of an obstacle in world coordinates: the convex hull of its outline seen from above.
+/// Convex hull of an obstacle's outline seen from above, in world coordinates.
 std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle);
+
+/// Convex pieces of an obstacle's outline seen from above: its hull, unless it is a concave mesh.
+std::vector<std::vector<Eigen::Vector2d>> footprint_pieces_of(const Obstacle& obstacle);
 
 /// Distance from a point to a footprint; 0 inside.
 double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point);
@@ -35,13 +36,15 @@ double headroom_m(const CrowdPlan& plan);
 /// Returns whether avatars cannot walk beneath an obstacle, given the headroom_m() of their scene.
 bool blocks_people(const Obstacle& obstacle, double headroom_m);
 
-/// An obstacle that blocks avatars, and its outline on the ground.
+/// A convex piece of an obstacle that blocks avatars, on the ground.
 struct Footprint {
   const Obstacle* obstacle = nullptr;
   std::vector<Eigen::Vector2d> corners;
+  uint32_t surface = 0;  ///< as Obstacle::surface; pieces of a concave mesh share a surface, too
 };
 
-/// Footprints in the order of obstacles, if they cover ground. Keeps pointers into `plan`.
+/// Footprints in the order of obstacles, if they cover ground; a concave mesh has several. Walls
+/// that line the floor are left out, see Walkable. Keeps pointers into `plan`.
 std::vector<Footprint> footprints_of(const CrowdPlan& plan);
 
 }  // namespace throng

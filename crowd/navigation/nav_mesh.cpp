@@ -13,6 +13,7 @@
 #include "base/portable_math.h"
 #include "crowd/navigation/flow_field.h"
 #include "crowd/navigation/footprints.h"
+#include "geometry/floor.h"
 
 namespace throng {
 namespace {
@@ -72,10 +73,13 @@ struct NavMesh::State {
   using Owned = std::unique_ptr<T, Freed<T, Free>>;
 
   State(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-        std::span<const Passage> passages, std::span<const Passage> closures);
+        std::span<const Passage> passages, std::span<const Passage> closures,
+        const std::vector<Polygon>& floor);
 
   bool build(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-             std::span<const Passage> passages, std::span<const Passage> closures);
+             std::span<const Passage> passages, std::span<const Passage> closures,
+             const std::vector<Polygon>& floor);
+  void keep_floor(const std::vector<Polygon>& floor, rcCompactHeightfield& open) const;
   void mark(const Passage& passage, unsigned char area, rcCompactHeightfield& open) const;
   bool take(rcPolyMesh& polygons);
   void name_pieces();
@@ -101,12 +105,13 @@ struct NavMesh::State {
 
 NavMesh::State::State(const Rectangle& ground,
                       std::span<const std::vector<Eigen::Vector2d>> footprints,
-                      std::span<const Passage> passages, std::span<const Passage> closures)
+                      std::span<const Passage> passages, std::span<const Passage> closures,
+                      const std::vector<Polygon>& floor)
     : voxel_m(std::max({kMinVoxel_m, std::sqrt(ground.area_m2() / kMaxVoxels),
                         ground.size_m().maxCoeff() / kMaxVoxelsPerRow})),
       size_m(ground.size_m().cwiseMax(kMinVoxelRows * voxel_m)),
       origin_m(ground.min_m - 0.5 * (size_m - ground.size_m())) {
-  if (build(ground, footprints, passages, closures))
+  if (build(ground, footprints, passages, closures, floor))
     name_pieces();
   else
     mesh.reset();
@@ -115,7 +120,8 @@ NavMesh::State::State(const Rectangle& ground,
 /// Recast checks no input: this is called with valid input only.
 bool NavMesh::State::build(const Rectangle& ground,
                            std::span<const std::vector<Eigen::Vector2d>> footprints,
-                           std::span<const Passage> passages, std::span<const Passage> closures) {
+                           std::span<const Passage> passages, std::span<const Passage> closures,
+                           const std::vector<Polygon>& floor) {
   const Eigen::Vector2d size = size_m;
   const bool is_ground = origin_m.allFinite() && size.allFinite() &&
                          ground.size_m().minCoeff() > 0 && std::isfinite(voxel_m) &&
@@ -153,6 +159,7 @@ bool NavMesh::State::build(const Rectangle& ground,
     rcMarkConvexPolyArea(&context, outline.data(), static_cast<int>(outline.size() / 3), -1, 3,
                          RC_NULL_AREA, *open);
   }
+  if (!floor.empty()) keep_floor(floor, *open);
   // A gap is open exactly for agents that fit through, regardless of rounding to voxels.
   for (const Passage& closure : closures) mark(closure, RC_NULL_AREA, *open);
   for (const Passage& passage : passages) mark(passage, RC_WALKABLE_AREA, *open);
@@ -164,6 +171,23 @@ bool NavMesh::State::build(const Rectangle& ground,
          rcBuildContours(&context, *open, kContourError, 0, *contours) &&
          rcBuildPolyMesh(&context, *contours, kCornersPerPolygon, *polygons) &&
          polygons->npolys > 0 && take(*polygons);
+}
+
+/// Removes voxels whose centres are off the floor.
+void NavMesh::State::keep_floor(const std::vector<Polygon>& floor,
+                                rcCompactHeightfield& open) const {
+  for (int row = 0; row < open.height; ++row) {
+    const std::vector<double> crossings = crossings_m(floor, origin_m.y() + (row + 0.5) * voxel_m);
+    size_t passed = 0;
+    for (int column = 0; column < open.width; ++column) {
+      const double x_m = origin_m.x() + (column + 0.5) * voxel_m;
+      while (passed < crossings.size() && crossings[passed] <= x_m) ++passed;
+      if (passed % 2 == 1) continue;
+      const rcCompactCell& cell = open.cells[column + row * open.width];
+      const unsigned end = unsigned{cell.index} + unsigned{cell.count};
+      for (unsigned span = cell.index; span < end; ++span) open.areas[span] = RC_NULL_AREA;
+    }
+  }
 }
 
 void NavMesh::State::mark(const Passage& passage, unsigned char area,
@@ -258,8 +282,9 @@ dtPolyRef NavMesh::State::polygon_at(const Eigen::Vector2d& point, float* neares
 }
 
 NavMesh::NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-                 std::span<const Passage> passages, std::span<const Passage> closures)
-    : state_(std::make_unique<State>(ground, footprints, passages, closures)) {}
+                 std::span<const Passage> passages, std::span<const Passage> closures,
+                 const std::vector<Polygon>& floor)
+    : state_(std::make_unique<State>(ground, footprints, passages, closures, floor)) {}
 NavMesh::~NavMesh() = default;
 NavMesh::NavMesh(NavMesh&&) noexcept = default;
 
@@ -318,7 +343,7 @@ Path NavMesh::path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const
 }
 
 /// Returns the sample of an area on a piece of the mesh nearest to the middle, or the middle.
-Eigen::Vector2d NavMesh::place_in(const Rectangle& area, int piece) const {
+Eigen::Vector2d NavMesh::place_in(const Area& area, int piece) const {
   constexpr int kSamples = 8;
   Eigen::Vector2d best = area.middle_m();
   if (piece_at(best) == piece) return best;
@@ -326,7 +351,7 @@ Eigen::Vector2d NavMesh::place_in(const Rectangle& area, int piece) const {
   for (int i = 0; i <= kSamples; ++i)
     for (int j = 0; j <= kSamples; ++j) {
       const Eigen::Vector2d share(i / double{kSamples}, j / double{kSamples});
-      const Eigen::Vector2d point = area.min_m + area.size_m().cwiseProduct(share);
+      const Eigen::Vector2d point = area.at(share);
       const double away_m2 = (point - area.middle_m()).squaredNorm();
       if (away_m2 >= best_m2 || piece_at(point) != piece) continue;
       best_m2 = away_m2;
@@ -335,11 +360,11 @@ Eigen::Vector2d NavMesh::place_in(const Rectangle& area, int piece) const {
   return best;
 }
 
-Path NavMesh::path(const Eigen::Vector2d& from, std::span<const Rectangle> areas) const {
+Path NavMesh::path(const Eigen::Vector2d& from, std::span<const Area> areas) const {
   Path best;
   double best_m = std::numeric_limits<double>::infinity();
   const int piece = piece_at(from);
-  for (const Rectangle& area : areas) {
+  for (const Area& area : areas) {
     const Eigen::Vector2d to = place_in(area, piece);
     Path found = path(from, to);
     if (found.corners_m.empty()) return found;

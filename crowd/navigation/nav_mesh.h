@@ -23,11 +23,12 @@ struct Path {
 
 class NavMesh {
  public:
-  /// The mesh covers the ground minus footprints (convex, see footprint_of()) inflated by a body.
-  /// As in the flow fields, gaps are open along `passages` and shut along `closures`.
-  /// Voxels are 0.1 m, or as fine as a million of them, and 15 000 per row, allow.
+  /// The mesh covers the floor (empty: the ground) minus footprints (convex, see footprint_of())
+  /// inflated by a body. As in the flow fields, gaps are open along `passages` and shut along
+  /// `closures`. Voxels are 0.1 m, or as fine as a million of them, and 15 000 per row, allow.
   NavMesh(const Rectangle& ground, std::span<const std::vector<Eigen::Vector2d>> footprints,
-          std::span<const Passage> passages = {}, std::span<const Passage> closures = {});
+          std::span<const Passage> passages = {}, std::span<const Passage> closures = {},
+          const std::vector<Polygon>& floor = {});
   ~NavMesh();
   NavMesh(NavMesh&&) noexcept;
 
@@ -44,10 +45,10 @@ class NavMesh {
   Path path(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
   /// Returns the shortest path to the middle of one of several areas, or to the nearest reachable
   /// point. One caller at a time.
-  Path path(const Eigen::Vector2d& from, std::span<const Rectangle> areas) const;
+  Path path(const Eigen::Vector2d& from, std::span<const Area> areas) const;
 
  private:
-  Eigen::Vector2d place_in(const Rectangle& area, int piece) const;
+  Eigen::Vector2d place_in(const Area& area, int piece) const;
 
   struct State;
   std::unique_ptr<State> state_;

@@ -6,13 +6,13 @@
 
 namespace throng {
 
-const Rectangle& Stop::nearest_area(const Eigen::Vector2d& point) const {
-  const auto square_m2 = [&](const Rectangle& area) {
+const Area& Stop::nearest_area(const Eigen::Vector2d& point) const {
+  const auto square_m2 = [&](const Area& area) {
     return (point - area.nearest_m(point)).squaredNorm();
   };
-  return *std::min_element(
-      goal.areas.begin(), goal.areas.end(),
-      [&](const Rectangle& a, const Rectangle& b) { return square_m2(a) < square_m2(b); });
+  return *std::min_element(goal.areas.begin(), goal.areas.end(), [&](const Area& a, const Area& b) {
+    return square_m2(a) < square_m2(b);
+  });
 }
 
 namespace {
@@ -21,11 +21,11 @@ namespace {
 std::vector<int> pieces_of(const NavMesh& mesh, const Goal& goal) {
   constexpr int kSamples = 8;
   std::vector<int> pieces;
-  for (const Rectangle& area : goal.areas)
+  for (const Area& area : goal.areas)
     for (int i = 0; i <= kSamples; ++i)
       for (int j = 0; j <= kSamples; ++j) {
         const Eigen::Vector2d share(i / double{kSamples}, j / double{kSamples});
-        const int piece = mesh.piece_at(area.min_m + area.size_m().cwiseProduct(share));
+        const int piece = mesh.piece_at(area.at(share));
         if (piece >= 0 && std::find(pieces.begin(), pieces.end(), piece) == pieces.end())
           pieces.push_back(piece);
       }
@@ -119,13 +119,13 @@ void NavigationMap::build_queues(Workers& workers) {
     workers.for_blocks(static_cast<int>(areas + corners_m.size()), [&](int block, int) {
       const auto index = static_cast<size_t>(block);
       if (index < areas) {
-        const std::span<const Rectangle> area(&queue.plan.areas[index], 1);
+        const std::span<const Area> area(&queue.plan.areas[index], 1);
         put(FlowField(grid_, area, closed_, penalise_other_goals(area)), queue.to_areas[index]);
         return;
       }
       const Eigen::Vector2d half = Eigen::Vector2d::Constant(grid_.cell_m());
       const Eigen::Vector2d& corner = corners_m[index - areas];
-      const Rectangle around{corner - half, corner + half};
+      const Area around(corner - half, corner + half);
       put(FlowField(grid_, {&around, 1}, closed_, penalise_other_goals({})),
           queue.to_corners[index - areas]);
     });
@@ -133,8 +133,7 @@ void NavigationMap::build_queues(Workers& workers) {
 }
 
 /// Policies that keep paths off the areas where others are served; empty without queues.
-std::vector<CellPolicy> NavigationMap::penalise_other_goals(
-    std::span<const Rectangle> areas) const {
+std::vector<CellPolicy> NavigationMap::penalise_other_goals(std::span<const Area> areas) const {
   std::vector<CellPolicy> policies;
   if (queues_.empty()) return policies;
   constexpr double kBody_m = 0.2;
@@ -142,10 +141,10 @@ std::vector<CellPolicy> NavigationMap::penalise_other_goals(
   for (size_t cell = 0; cell < policies.size(); ++cell) {
     const Eigen::Vector2d centre = grid_.centre_m(cell);
     for (const QueueFields& queue : queues_)
-      for (const Rectangle& area : queue.plan.areas)
-        if (area.grown(kBody_m).contains(centre)) policies[cell] = CellPolicy::kPenalised;
-    for (const Rectangle& area : areas)
-      if (area.grown(kBody_m).contains(centre)) policies[cell] = CellPolicy::kFree;
+      for (const Area& area : queue.plan.areas)
+        if (area.contains(centre, kBody_m)) policies[cell] = CellPolicy::kPenalised;
+    for (const Area& area : areas)
+      if (area.contains(centre, kBody_m)) policies[cell] = CellPolicy::kFree;
   }
   return policies;
 }
@@ -156,8 +155,9 @@ void NavigationMap::build_fields(Workers& workers) {
   workers.for_blocks(static_cast<int>(goals_.size()) + 1, [&](int block, int) {
     if (block == 0) {
       if (nav_mesh_ == nullptr)
-        nav_mesh_ = std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(),
-                                              grid_.passages(), grid_.closures());
+        nav_mesh_ =
+            std::make_unique<NavMesh>(walkable_.ground(), walkable_.footprints(), grid_.passages(),
+                                      grid_.closures(), walkable_.floor());
       return;
     }
     const auto goal = static_cast<size_t>(block - 1);
@@ -186,7 +186,7 @@ void NavigationMap::find_exits(Workers& workers) {
   for (size_t goal = 0; goal < goals_.size(); ++goal) {
     for (Doorway& doorway : doorways[goal]) add(goal, doorway.width_m, std::move(doorway.cells));
     if (may_have_exits_[goal] != 0 && doorways[goal].empty() && goals_[goal].size() > 1)
-      for (const Rectangle& area : goals_[goal]) add(goal, area.size_m().maxCoeff(), {});
+      for (const Area& area : goals_[goal]) add(goal, area.size_m().maxCoeff(), {});
     first_exits_.push_back(static_cast<uint32_t>(exits_.size()));
   }
   exit_fields_.resize(exits_.size());
@@ -196,7 +196,7 @@ void NavigationMap::find_exits(Workers& workers) {
 void NavigationMap::build_exits(Workers& workers) {
   const auto build = [&](uint32_t exit, std::span<const CellPolicy> cell_policies) {
     const size_t goal = goal_of_exit_[exit];
-    const std::span<const Rectangle> areas(goals_[goal]);
+    const std::span<const Area> areas(goals_[goal]);
     return FlowField(grid_,
                      doorways_[exit].empty() ? areas.subspan(exit - first_exits_[goal], 1) : areas,
                      closed_, cell_policies);

@@ -49,10 +49,10 @@ struct Stop {
   bool is_narrow() const {
     constexpr double kTwoRows_m = 0.7;
     return std::any_of(goal.areas.begin(), goal.areas.end(),
-                       [](const Rectangle& area) { return area.size_m().minCoeff() < kTwoRows_m; });
+                       [](const Area& area) { return area.size_m().minCoeff() < kTwoRows_m; });
   }
   /// The area of the goal nearest in a straight line.
-  const Rectangle& nearest_area(const Eigen::Vector2d& point) const;
+  const Area& nearest_area(const Eigen::Vector2d& point) const;
 };
 
 /// A queue and the fields to its goal and line.
@@ -108,7 +108,7 @@ class NavigationMap {
   /// Returns whether a path leads to a stop, ignoring obstacles' margin at `point`. Thread-safe.
   bool leads(const Stop& stop, const Eigen::Vector2d& point) const;
   /// Areas of sources, in the order of groups and their sources.
-  const std::vector<Rectangle>& entrances() const { return entrances_; }
+  const std::vector<Area>& entrances() const { return entrances_; }
 
   const std::vector<Trigger>& triggers() const { return triggers_; }
   /// Trigger before which no agent of a group sets out.
@@ -131,7 +131,7 @@ class NavigationMap {
   uint32_t queue_of(const Goal& goal) const;
   void add_queues(const CrowdPlan& plan);
   void build_queues(Workers& workers);
-  std::vector<CellPolicy> penalise_other_goals(std::span<const Rectangle> areas) const;
+  std::vector<CellPolicy> penalise_other_goals(std::span<const Area> areas) const;
   void find_exits(Workers& workers);
   void build_exits(Workers& workers);
   std::vector<CellPolicy> avoid_other_exits(uint32_t exit) const;
@@ -139,7 +139,7 @@ class NavigationMap {
   Walkable walkable_;
   FlowGrid grid_;
   std::unique_ptr<const NavMesh> nav_mesh_;
-  std::vector<std::vector<Rectangle>> goals_;       ///< each once: groups often share them
+  std::vector<std::vector<Area>> goals_;            ///< each once: groups often share them
   std::vector<std::unique_ptr<FlowField>> fields_;  ///< per goal
   std::vector<uint8_t> may_have_exits_;             ///< per goal: some group does not queue for it
   std::vector<uint32_t> first_exits_;               ///< per goal, and the end
@@ -151,7 +151,7 @@ class NavigationMap {
   std::vector<std::unique_ptr<FlowField>> exit_fields_;
   std::vector<std::vector<Stop>> routes_;  ///< per group
   std::vector<OnArrival> on_arrival_;      ///< per group
-  std::vector<Rectangle> entrances_;
+  std::vector<Area> entrances_;
   std::vector<Trigger> triggers_;
   std::vector<std::optional<uint32_t>> after_;  ///< per group
   // By door.

@@ -44,11 +44,11 @@ Eigen::Vector2d front_direction(const Walkable& walkable, const Rectangle& area)
   return front;
 }
 
-Rectangle around(const std::vector<Rectangle>& areas) {
-  Rectangle all = areas.front();
-  for (const Rectangle& area : areas) {
-    all.min_m = all.min_m.cwiseMin(area.min_m);
-    all.max_m = all.max_m.cwiseMax(area.max_m);
+Rectangle around(const std::vector<Area>& areas) {
+  Rectangle all = areas.front().bounds();
+  for (const Area& area : areas) {
+    all.min_m = all.min_m.cwiseMin(area.bounds().min_m);
+    all.max_m = all.max_m.cwiseMax(area.bounds().max_m);
   }
   return all;
 }
@@ -123,8 +123,8 @@ QueuePlan::QueuePlan(const Goal& goal, const Walkable& walkable, int64_t max_peo
   if (beyond_m > kSample_m) corners_m.push_back(end + (beyond_m - kSample_m) * direction);
   line = QueueLine(std::move(corners_m));
   places = static_cast<size_t>(std::floor(line.length_m() / spacing_m + 1e-9)) + 1;
-  for (const Rectangle& area : areas)
-    fronts.push_back(goal.has_queue ? front_direction(walkable, area)
+  for (const Area& area : areas)
+    fronts.push_back(goal.has_queue ? front_direction(walkable, area.bounds())
                                     : Eigen::Vector2d(Eigen::Vector2d::Zero()));
 }
 
@@ -154,7 +154,7 @@ void QueuePlan::find_overflow_positions(const Walkable& walkable, const FlowFiel
 /// Returns whether a point is clear of walls, the line and the goal.
 bool QueuePlan::is_clear(const Walkable& walkable, const Eigen::Vector2d& point) const {
   if (walkable.clearance_m(point) < kWall_m) return false;
-  for (const Rectangle& area : areas)
+  for (const Area& area : areas)
     if ((point - area.nearest_m(point)).norm() < kBefore_m) return false;
   const double along_m = line.nearest_m(point, 0, line.length_m());
   return (line.at(along_m) - point).norm() >= spacing_m - 1e-9;

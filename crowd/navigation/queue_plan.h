@@ -37,7 +37,7 @@ class QueueLine {
 struct QueuePlan {
   QueuePlan(const Goal& goal, const Walkable& walkable, int64_t people);
 
-  std::vector<Rectangle> areas;
+  std::vector<Area> areas;
   uint32_t max_inside = 1;  ///< per area
   double spacing_m = 0;
   QueueLine line;  ///< includes its extension beyond the end

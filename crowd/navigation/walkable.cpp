@@ -9,6 +9,7 @@
 
 #include "base/errors.h"
 #include "crowd/navigation/footprints.h"
+#include "geometry/floor.h"
 
 namespace throng {
 namespace {
@@ -18,17 +19,22 @@ constexpr double kMaxListedCells = 1 << 16;
 /// Entries of all lists, 256 MB: a thousand obstacles as large as the largest ground.
 constexpr size_t kMaxEntries = size_t{1} << 26;
 
-std::vector<std::vector<Eigen::Vector2d>> corners_of(std::vector<Footprint> footprints) {
-  std::vector<std::vector<Eigen::Vector2d>> corners;
-  for (Footprint& footprint : footprints) corners.push_back(std::move(footprint.corners));
-  return corners;
-}
-
 }  // namespace
 
-Walkable::Walkable(const CrowdPlan& plan) : Walkable(plan.ground, corners_of(footprints_of(plan))) {
+Walkable::Walkable(const CrowdPlan& plan) : ground_(plan.ground), floor_(plan.floor) {
+  edge_starts_.push_back(0);
+  const std::vector<Footprint> obstacles = footprints_of(plan);
+  if (!floor_.empty()) {
+    locator_.emplace(floor_);
+    uint32_t surface = 1;  // one that no obstacle has
+    for (const Footprint& each : obstacles) surface = std::max(surface, each.surface + 1);
+    for (const FloorStrip& strip : strips_around(floor_)) add_footprint(strip, surface);
+  }
+  for (const Footprint& each : obstacles) add_footprint(each.corners, each.surface);
+  first_door_ = static_cast<uint32_t>(surfaces_.size());
   for (const Door& door : plan.doors) add_footprint(footprint_of(door));
   is_shut_.assign(plan.doors.size(), 0);
+  build_cells();
 }
 
 void Walkable::shut(std::span<const uint8_t> doors) {
@@ -45,13 +51,14 @@ Walkable::Walkable(const Rectangle& ground,
   build_cells();
 }
 
-void Walkable::add_footprint(std::span<const Eigen::Vector2d> corners) {
+void Walkable::add_footprint(std::span<const Eigen::Vector2d> corners, uint32_t surface) {
   assert(corners.size() >= 3);
   for (size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector2d along = corners[(i + 1) % corners.size()] - corners[i];
     edges_.push_back({corners[i], along, Eigen::Vector2d(along.y(), -along.x()).normalized()});
   }
   edge_starts_.push_back(static_cast<uint32_t>(edges_.size()));
+  surfaces_.push_back(surface);
 }
 
 std::vector<std::vector<Eigen::Vector2d>> Walkable::footprints() const {
@@ -167,7 +174,7 @@ double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   double clearance = kReach_m;
   for (const uint32_t footprint : nearby_footprints(point))
     clearance = std::min(clearance, nearest(footprint, point).distance_m);
-  return clearance;
+  return clearance >= 0 && locator_ && !locator_->contains(point) ? -kReach_m : clearance;
 }
 
 Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
@@ -248,7 +255,7 @@ Eigen::Vector2d Walkable::slide(const Eigen::Vector2d& from, Eigen::Vector2d to,
       if (wall.distance_m < gap_m) to += (gap_m - wall.distance_m) * wall.normal;
     }
   }
-  if (!ground_.contains(to)) return from;
+  if (around.empty() ? !ground_.contains(to) : !is_on_floor(to)) return from;
   for (const uint32_t footprint : around)
     if (nearest(footprint, to).distance_m < 0 || crosses(footprint, from, to)) return from;
   return to;

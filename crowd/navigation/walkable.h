@@ -1,10 +1,12 @@
-// Walkable is the ground minus the footprints of obstacles.
-// Invariant: no agent's centre enters a footprint or leaves the ground, regardless of steering.
+// Walkable is the floor minus the footprints of obstacles. Strips along the outside of the floor's
+// edges are footprints, too.
+// Invariant: no agent's centre enters a footprint or leaves the floor, regardless of steering.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +32,7 @@ class Walkable {
   /// look-up table would exceed the memory limit.
   Walkable(const Rectangle& ground, const std::vector<std::vector<Eigen::Vector2d>>& footprints);
 
-  /// Uses the ground and the obstacles that block agents, then all doors, initially open.
+  /// Uses the floor, the obstacles that block agents, then all doors, initially open.
   explicit Walkable(const CrowdPlan& plan);
 
   /// Sets which doors are shut; one entry per door.
@@ -51,13 +53,21 @@ class Walkable {
   };
 
   const Rectangle& ground() const { return ground_; }
-  /// Corners of all footprints except doors.
+  /// Polygons of the floor; empty: all of the ground.
+  const std::vector<Polygon>& floor() const { return floor_; }
+  /// Returns whether a point is on the ground and its floor.
+  bool is_on_floor(const Eigen::Vector2d& point) const {
+    return ground_.contains(point) && (!locator_ || locator_->contains(point));
+  }
+  /// Number of the surface whose piece a footprint is; 0: of none.
+  uint32_t surface_of(uint32_t footprint) const { return surfaces_[footprint]; }
+  /// Corners of all footprints except doors, and the strips first.
   std::vector<std::vector<Eigen::Vector2d>> footprints() const;
   /// Indices of all footprints within kReach_m of the point, possibly with some others; ascending.
   std::span<const uint32_t> nearby_footprints(const Eigen::Vector2d& point) const;
   Nearest nearest(uint32_t footprint, const Eigen::Vector2d& point) const;
   /// Distance to the nearest footprint or edge of the ground, at most kReach_m; negative inside a
-  /// footprint or off the ground.
+  /// footprint or off the floor.
   double clearance_m(const Eigen::Vector2d& point) const;
   /// Returns whether the clearance is at least `gap_m` at the points that cut a segment into
   /// pieces.
@@ -83,12 +93,15 @@ class Walkable {
 
   std::span<const Edge> edges_of(uint32_t footprint) const;
   bool crosses(uint32_t footprint, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
-  void add_footprint(std::span<const Eigen::Vector2d> corners);
+  void add_footprint(std::span<const Eigen::Vector2d> corners, uint32_t surface = 0);
   void build_cells();
   int cell_of(double offset_m, int cells) const;
 
   Rectangle ground_;
+  std::vector<Polygon> floor_;
+  std::optional<PolygonLocator> locator_;
   std::vector<Edge> edges_;
+  std::vector<uint32_t> surfaces_;     ///< by footprint
   std::vector<uint32_t> edge_starts_;  ///< footprints + 1 entries
   uint32_t first_door_ = 0;            ///< first footprint of a door
   std::vector<uint8_t> is_shut_;       ///< per door

@@ -84,8 +84,8 @@ void NeighbourGrid::archive(Archive& a) {
   a(cells_, slack_m_);
   if (!a.is_reading()) return;
   for (const uint32_t cell : cells_)
-    if (cell != kAbsent && cell >= cell_count()) a.refuse("a cell of the ground", "another cell");
-  if (!(slack_m_ >= 0)) a.refuse("a displacement of at least 0 m", "another value");
+    if (cell != kAbsent && cell >= cell_count()) a.reject("a cell of the ground", "another cell");
+  if (!(slack_m_ >= 0)) a.reject("a displacement of at least 0 m", "another value");
 }
 
 void NeighbourGrid::rebuild_as_read(std::span<const Eigen::Vector2d> positions_m) {

@@ -59,14 +59,14 @@ void PreviousPoses::archive(Archive& a) {
 }
 
 void PreviousPoses::restore(Archive& a, uint64_t count) {
-  if (count > PairKey::kMaxId) a.refuse("a supported number of bodies", "a larger number");
+  if (count > PairKey::kMaxId) a.reject("a supported number of bodies", "a larger number");
   begin_frame(1);
   Task& task = tasks_[current_][0];
   constexpr uint32_t kMaxPartCount = 256;
   for (size_t i = 0; i < count; ++i) {
     Body body{};
     a(body.id, body.parts, body.scale, body.root_m);
-    if (body.parts > kMaxPartCount) a.refuse("a supported number of parts", "a larger number");
+    if (body.parts > kMaxPartCount) a.reject("a supported number of parts", "a larger number");
     task.bodies.grow(i + 1, i);
     task.bodies[task.body_count++] = body;
     task.poses.grow(task.pose_count + body.parts, task.pose_count);

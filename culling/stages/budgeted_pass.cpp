@@ -377,9 +377,9 @@ void BudgetedPass::archive(Archive& a, std::span<const PairKey> touching) {
   a.resized(last, touching.size());
   if (!a.is_reading()) return;
   if (last.size() != touching.size())
-    a.refuse("a level for every pair", "another number of levels");
+    a.reject("a level for every pair", "another number of levels");
   for (const uint8_t level : last)
-    if (level >= kPairLevels) a.refuse("a level", std::to_string(level));
+    if (level >= kPairLevels) a.reject("a level", std::to_string(level));
   current_.count = touching.size();
   current_.keys.resize(current_.count);
   current_.levels.resize(current_.count);

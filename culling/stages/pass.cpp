@@ -63,9 +63,9 @@ void PassRun::archive(Archive& a) {
   if (a.is_reading()) {
     if (std::adjacent_find(touching.begin(), touching.end(), std::greater_equal<>()) !=
         touching.end())
-      a.refuse("sorted pairs", "unsorted pairs");
+      a.reject("sorted pairs", "unsorted pairs");
     for (const PairKey& key : touching)
-      if (key.a() >= key.b()) a.refuse("pairs of two bodies", "a body with itself");
+      if (key.a() >= key.b()) a.reject("pairs of two bodies", "a body with itself");
     events_.resume(touching);
   }
   pass_->archive(a, touching);

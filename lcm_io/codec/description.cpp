@@ -110,6 +110,20 @@ model_t to_message(const Model& model) {
   return out;
 }
 
+polygon_t to_message(const Polygon& polygon) {
+  polygon_t out{};
+  const auto add = [&](const Polygon::Ring& ring) {
+    out.corners_of_ring.push_back(static_cast<int32_t>(ring.size()));
+    for (const Eigen::Vector2d& corner : ring)
+      out.coordinates_m.insert(out.coordinates_m.end(), {corner.x(), corner.y()});
+  };
+  add(polygon.outline);
+  for (const Polygon::Ring& hole : polygon.holes) add(hole);
+  out.ring_count = static_cast<int32_t>(out.corners_of_ring.size());
+  out.coordinate_count = static_cast<int32_t>(out.coordinates_m.size());
+  return out;
+}
+
 obstacle_t to_message(const Obstacle& obstacle) {
   obstacle_t out{};
   out.name = obstacle.name;
@@ -162,6 +176,8 @@ run_description_t describe(const RunInfo& run) {
     out.ground_min_m[i] = scene.ground.min_m[i];
     out.ground_max_m[i] = scene.ground.max_m[i];
   }
+  for (const Polygon& polygon : scene.floor) out.floor.push_back(to_message(polygon));
+  out.floor_count = static_cast<int32_t>(out.floor.size());
   for (const Obstacle& obstacle : scene.obstacles) out.obstacles.push_back(to_message(obstacle));
   out.obstacle_count = static_cast<int32_t>(out.obstacles.size());
   for (const auto& model : run.models) out.models.push_back(to_message(*model));

@@ -62,6 +62,18 @@ std::string defect_of(const joint_t& joint, int index, const model_t& model) {
   return "";
 }
 
+std::string defect_of(const polygon_t& polygon) {
+  if (polygon.ring_count < 1) return "a polygon without an outline";
+  int64_t coordinates = 0;
+  for (const int32_t corners : polygon.corners_of_ring) {
+    if (corners < 3) return fmt::format("a ring of {} corners", corners);
+    coordinates += int64_t{2} * corners;
+  }
+  if (coordinates != polygon.coordinate_count)
+    return fmt::format("{} coordinates for {} corners", polygon.coordinate_count, coordinates / 2);
+  return all_sane(polygon.coordinates_m) ? "" : "a number out of range";
+}
+
 std::string defect_of_tree(const model_t& model) {
   if (model.joint_count > kMaxLinks) return fmt::format("{} joints", model.joint_count);
   if (model.root_link.empty()) return "an empty name";
@@ -109,8 +121,10 @@ std::string defect_of(const run_description_t& run) {
     return fmt::format("schema {}, this program reads {}", run.schema, kSchema);
   if (!(run.step_s > 0 && run.step_s <= kMaxDescribed)) return "a step that is not positive";
   if (!all_sane(run.ground_min_m) || !all_sane(run.ground_max_m)) return "a number out of range";
+  for (const polygon_t& polygon : run.floor)
+    if (std::string defect = defect_of(polygon); !defect.empty()) return defect;
   for (const obstacle_t& obstacle : run.obstacles) {
-    if (obstacle.kind < 0 || obstacle.kind > 2)
+    if (obstacle.kind < 0 || obstacle.kind > 3)
       return fmt::format("obstacle kind {}", obstacle.kind);
     if (!all_sane(obstacle.centre_m) || !all_sane(obstacle.size_m) ||
         !all_sane({&obstacle.heading_rad, 1}))

@@ -19,10 +19,10 @@ void begin_proximity(proximity_t& m, const ProximityOptions& options, uint64_t h
     column->resize(count);
 }
 
-/// `of_people`: the closest parts of two avatars, not a pair within proximity_m.
-void set_proximity(proximity_t& m, size_t i, const ProximityPair& row, bool of_people) {
+/// `is_closest`: the closest parts of two avatars, not a pair within proximity_m.
+void set_proximity(proximity_t& m, size_t i, const ProximityPair& row, bool is_closest) {
   set_pair(m, i, row.pair, static_cast<uint8_t>(row.level));
-  m.kind[i] = of_people ? 1 : 0;
+  m.kind[i] = is_closest ? 1 : 0;
   m.distance_lo_m[i] = row.lo_m;
   m.distance_hi_m[i] = row.hi_m;
   m.point_a_x_m[i] = row.point_a_m[0];
@@ -50,13 +50,15 @@ void set_events(events_t& m, std::span<const PairEvent> events) {
 }
 
 void set_proximity_chunk(proximity_t& m, const ProximityOptions& options, uint64_t hash,
-                         const ProximityRows& parts, const ProximityRows& people, size_t first) {
-  const size_t count = std::min(kRowsPerMessage<proximity_t>, parts.size() + people.size() - first);
+                         const ProximityRows& parts, const ProximityRows& closest_parts,
+                         size_t first) {
+  const size_t count =
+      std::min(kRowsPerMessage<proximity_t>, parts.size() + closest_parts.size() - first);
   begin_proximity(m, options, hash, count);
   for (size_t i = 0; i < count; ++i) {
     const size_t row = first + i;
-    const bool of_people = row >= parts.size();
-    set_proximity(m, i, of_people ? people[row - parts.size()] : parts[row], of_people);
+    const bool is_closest = row >= parts.size();
+    set_proximity(m, i, is_closest ? closest_parts[row - parts.size()] : parts[row], is_closest);
   }
 }
 

@@ -46,9 +46,10 @@ PairKey pair_at(const Message& m, size_t i) {
 void set_events(events_t& m, std::span<const PairEvent> events);
 
 /// Sets a message to the rows from number `first` on, as many as fit. Rows of parts come before
-/// those of people.
+/// those of closest parts.
 void set_proximity_chunk(proximity_t& m, const ProximityOptions& options, uint64_t hash,
-                         const ProximityRows& parts, const ProximityRows& people, size_t first);
+                         const ProximityRows& parts, const ProximityRows& closest_parts,
+                         size_t first);
 ProximityPair proximity_at(const proximity_t& m, size_t i);
 
 /// Sets the contact points of a message; they must fit.

@@ -28,9 +28,9 @@ bool RunReader::follows(Channel channel) {
     fresh.is_sound_ = true;
     fresh.has_run_ = true;
     fresh.is_free_ = false;
-    fresh.refused_ = refused_;
+    fresh.rejected_ = rejected_;
     fresh.foreign_ = foreign_;
-    fresh.refusal_ = std::move(refusal_);
+    fresh.rejection_ = std::move(rejection_);
     return fresh;
   }();
   return true;
@@ -55,9 +55,9 @@ void RunReader::rewind() {
 }
 
 RunReader::Update RunReader::reject(std::string_view channel, std::string why) {
-  ++refused_;
-  refusal_ = std::string(channel) + ": " + std::move(why);
-  return Update::kRefused;
+  ++rejected_;
+  rejection_ = std::string(channel) + ": " + std::move(why);
+  return Update::kRejected;
 }
 
 template <class Message>

@@ -49,7 +49,7 @@ class RunReader {
     kSeparation,
     kContactPoints,
     kMessage,
-    kRefused  ///< damaged, malicious or of another version: see refusal()
+    kRejected  ///< damaged, malicious or of another version: see rejection()
   };
 
   Update take(std::string_view channel, std::span<const uint8_t> bytes);
@@ -101,8 +101,8 @@ class RunReader {
   /// Returns the header of the last message, of any run; null if it was damaged or foreign.
   const MessageHeader* header() const { return is_sound_ ? &header_ : nullptr; }
   int64_t foreign() const { return foreign_; }
-  int64_t refused() const { return refused_; }
-  const std::string& refusal() const { return refusal_; }
+  int64_t rejected() const { return rejected_; }
+  const std::string& rejection() const { return rejection_; }
 
  private:
   /// Received chunks of a message set of one frame.
@@ -138,9 +138,9 @@ class RunReader {
   bool is_free_ = true;
   bool is_sound_ = false;
   MessageHeader header_;
-  int64_t refused_ = 0;
+  int64_t rejected_ = 0;
   int64_t foreign_ = 0;
-  std::string refusal_;
+  std::string rejection_;
 
   // Description being received: chunks by offset.
   std::map<int32_t, std::vector<uint8_t>> pieces_;

@@ -68,7 +68,7 @@ void add_proximity(RunReader& run, const MessageHeader& header, std::string& out
     }
   };
   add(run.proximity_pairs(), "parts");
-  add(run.closest_parts(), "people");
+  add(run.closest_parts(), "closest_parts");
 }
 
 void add_contacts(RunReader& run, const MessageHeader& header, std::string& out) {
@@ -215,7 +215,7 @@ std::string export_csv(ExportedLog& log, const std::string& channel,
     if (run.header() == nullptr) continue;
     if (table.add_rows == nullptr) {
       if (update == table.update) table.add(run, *run.header(), text);
-    } else if (update > RunReader::Update::kNothing && update < RunReader::Update::kRefused &&
+    } else if (update > RunReader::Update::kNothing && update < RunReader::Update::kRejected &&
                csv_name(log.event().channel) == table.channel) {
       table.add_rows(log.event().data, text);
     }

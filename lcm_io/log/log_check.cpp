@@ -86,8 +86,8 @@ class LogChecker {
     std::string defect = check_message(channel, event.data);
     if (defect.empty()) defect = read_header(channel, event.data, header);
     if (!defect.empty()) {
-      ++sum.refused;
-      if (first_refusal_.empty()) first_refusal_ = fmt::format("{}: {}", event.channel, defect);
+      ++sum.rejected;
+      if (first_rejection_.empty()) first_rejection_ = fmt::format("{}: {}", event.channel, defect);
       problem(fmt::format("byte {}: {}: {}", event.offset, event.channel, defect));
       return;
     }
@@ -102,8 +102,8 @@ class LogChecker {
     report_.last_utime_us = std::max(report_.last_utime_us, header.utime_us);
     const int64_t foreign = reader_.foreign();
     const auto update = reader_.take(event.channel, event.data);
-    if (update == RunReader::Update::kRefused)
-      problem(fmt::format("byte {}: {}", event.offset, reader_.refusal()));
+    if (update == RunReader::Update::kRejected)
+      problem(fmt::format("byte {}: {}", event.offset, reader_.rejection()));
     if (reader_.foreign() != foreign)
       problem(fmt::format("byte {}: {}: of another run ({:016x})", event.offset, event.channel,
                           static_cast<uint64_t>(header.run_id)));
@@ -298,12 +298,12 @@ class LogChecker {
   }
 
   void require_this_version() const {
-    int64_t messages = 0, refused = 0;
+    int64_t messages = 0, rejected = 0;
     for (const LogReport::ChannelReport& sum : report_.channels) {
       messages += sum.messages;
-      refused += sum.refused;
+      rejected += sum.rejected;
     }
-    throng::require_this_version(file_, messages, refused, first_refusal_);
+    throng::require_this_version(file_, messages, rejected, first_rejection_);
   }
 
   void finish() {
@@ -336,7 +336,7 @@ class LogChecker {
   std::filesystem::path file_;
   LogReader log_;
   LogReport report_;
-  std::string first_refusal_;
+  std::string first_rejection_;
   RunReader reader_;
   std::set<PairKey> open_;
   CheckSpans spans_;
@@ -401,11 +401,11 @@ std::string describe_channels(const LogReport& report) {
 
 }  // namespace
 
-void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t refused,
-                          const std::string& first_refusal) {
-  if (messages > 1 && refused == messages)
+void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t rejected,
+                          const std::string& first_rejection) {
+  if (messages > 1 && rejected == messages)
     throw InputError(file.string(), "messages of this version of Throng",
-                     first_refusal + "; record the run again with this version");
+                     first_rejection + "; record the run again with this version");
 }
 
 std::vector<std::string> describe_coverage(const LogReport& report) {

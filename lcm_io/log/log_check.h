@@ -21,8 +21,8 @@ struct LogReport {
   struct ChannelReport {
     int64_t messages = 0;
     int64_t bytes = 0;
-    int64_t missing = 0;  ///< gaps in seq
-    int64_t refused = 0;  ///< messages that failed validation
+    int64_t missing = 0;   ///< gaps in seq
+    int64_t rejected = 0;  ///< messages that failed validation
   };
 
   bool torn = false;
@@ -66,10 +66,10 @@ struct LogReport {
   bool is_complete() const { return is_sound() && finished; }
 };
 
-/// Throws InputError if all messages of a log were rejected, the first for `first_refusal`: damage
-/// affects some messages, another version all.
-void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t refused,
-                          const std::string& first_refusal);
+/// Throws InputError if all messages of a log were rejected, the first for `first_rejection`:
+/// damage affects some messages, another version all.
+void require_this_version(const std::filesystem::path& file, int64_t messages, int64_t rejected,
+                          const std::string& first_rejection);
 
 /// Throws InputError if `file` is not a log, or if none of its messages is of this version.
 LogReport check_log(const std::filesystem::path& file);

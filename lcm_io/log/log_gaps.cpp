@@ -57,8 +57,8 @@ void LogGaps::note(const LogEvent& event) {
   if (!channel) return;
   const std::string defect = read_header(*channel, event.data, header);
   const bool has_header = defect.empty();
-  if (!has_header && first_refusal_.empty())
-    first_refusal_ = fmt::format("{}: {}", event.channel, defect);
+  if (!has_header && first_rejection_.empty())
+    first_rejection_ = fmt::format("{}: {}", event.channel, defect);
   if (has_header && *channel == Channel::kChecksums) compare(event, header);
   spans_.add(*channel, event, has_header ? &header : nullptr);
   if (!has_header) return;
@@ -83,8 +83,8 @@ void LogGaps::compare(const LogEvent& event, const MessageHeader& header) {
 }
 
 std::string LogGaps::found_no_description() const {
-  if (!first_refusal_.empty() && !has_run_)
-    return fmt::format("none ({}); record the run again with this version", first_refusal_);
+  if (!first_rejection_.empty() && !has_run_)
+    return fmt::format("none ({}); record the run again with this version", first_rejection_);
   if (is_torn_) return "none: the file ends inside a message";
   return "none; is it a log of `throng run`?";
 }

@@ -56,7 +56,7 @@ class LogGaps {
   size_t damaged_spans_ = 0;
   int64_t missing_ = 0, last_frame_ = -1;
   int64_t run_id_ = 0, instance_ = 0;
-  std::string first_refusal_;  // for the first message whose header could not be read
+  std::string first_rejection_;  // for the first message whose header could not be read
   std::array<int64_t, kChannelCount> next_seq_{};
 };
 

@@ -52,6 +52,17 @@ void require_runnable(const std::filesystem::path& file, const run_description_t
   }
 }
 
+Polygon to_polygon(const polygon_t& polygon) {
+  Polygon out;
+  size_t next = 0;
+  for (size_t ring = 0; ring < polygon.corners_of_ring.size(); ++ring) {
+    Polygon::Ring& corners = ring == 0 ? out.outline : out.holes.emplace_back();
+    for (int32_t i = 0; i < polygon.corners_of_ring[ring]; ++i, next += 2)
+      corners.emplace_back(&polygon.coordinates_m[next]);
+  }
+  return out;
+}
+
 Mesh to_mesh(const mesh_t& mesh) {
   Mesh out;
   for (size_t i = 0; i + 2 < mesh.coordinates_m.size(); i += 3)
@@ -99,6 +110,11 @@ Scene scene_of(const LogSurvey& survey) {
   if (!(max_distance_m <= kMaxCoordinate_m) || !(scene.ground.size_m().minCoeff() > 0))
     reject(survey.file,
            fmt::format("a ground within {:g} km of the origin", kMaxCoordinate_m / 1e3), "another");
+  for (const polygon_t& polygon : run.floor) {
+    scene.floor.push_back(to_polygon(polygon));
+    if (const std::optional<PolygonFault> fault = fault_of(scene.floor.back()))
+      reject(survey.file, fault->expected + " in the floor", fault->found);
+  }
   for (const obstacle_t& obstacle : run.obstacles)
     scene.obstacles.push_back(to_obstacle(survey.file, obstacle));
   for (size_t id = 0; id < run.model_of_avatar.size(); ++id)
@@ -219,10 +235,10 @@ void LogMotion::archive(Archive& a) {
   a(step, frame);
   if (!a.is_reading()) return;
   if (!(step >= 0 && step < survey_->steps))
-    a.refuse(fmt::format("a step up to {}", survey_->steps), std::to_string(step));
+    a.reject(fmt::format("a step up to {}", survey_->steps), std::to_string(step));
   while (step_ < step) this->step();
   if (frame != shown_.frame)
-    a.refuse(fmt::format("frame {} of the log", shown_.frame), std::to_string(frame));
+    a.reject(fmt::format("frame {} of the log", shown_.frame), std::to_string(frame));
 }
 
 }  // namespace

@@ -32,22 +32,22 @@ bool LogStates::take(const LogEvent& event) {
     return false;
   if (is_damaged_at(*channel, event.offset)) {
     has_gap_ = has_gap_ || channel == Channel::kStates;
-    refusal_ = "damaged, according to the checksums in the log";
+    rejection_ = "damaged, according to the checksums in the log";
     return false;
   }
   if (channel == Channel::kRun) {
     if (run_.run() == nullptr) hash_.add(checksum(event.data.subspan(kHeaderBytes)));
-    if (run_.take(event.channel, event.data) == RunReader::Update::kRefused)
-      refusal_ = run_.refusal();
+    if (run_.take(event.channel, event.data) == RunReader::Update::kRejected)
+      rejection_ = run_.rejection();
     return false;
   }
   has_gap_ = has_gap_ || header.seq != next_seq_;
   next_seq_ = header.seq < INT64_MAX ? header.seq + 1 : 0;
   hash_.add(checksum(event.data.subspan(kHeaderBytes)));
   const RunReader::Update update = run_.take(event.channel, event.data);
-  if (update == RunReader::Update::kRefused) {
+  if (update == RunReader::Update::kRejected) {
     has_gap_ = true;
-    refusal_ = run_.refusal();
+    rejection_ = run_.rejection();
   }
   if (update != RunReader::Update::kState) return false;
   is_behind_gap_ = has_gap_ && frame_ >= 0;

@@ -39,7 +39,7 @@ class LogStates {
   bool has_other_runs() const { return has_other_runs_; }
   bool is_damaged() const { return is_damaged_; }
   /// Reason why states or chunks of the description were last rejected; "" if none were.
-  const std::string& refusal() const { return refusal_; }
+  const std::string& rejection() const { return rejection_; }
 
  private:
   bool take(const LogEvent& event);
@@ -54,7 +54,7 @@ class LogStates {
   bool is_over_ = false;
   bool has_other_runs_ = false;
   bool is_damaged_ = false;
-  std::string refusal_;
+  std::string rejection_;
   int64_t next_seq_ = 0;  ///< of states messages
   bool has_gap_ = false;
   bool is_behind_gap_ = false;

@@ -71,7 +71,7 @@ class Surveyor {
     const run_description_t* run = states.run().run();
     throw InputError(survey_.file.string(),
                      run == nullptr ? "a log with a run's description" : "a log with states",
-                     !states.refusal().empty()                  ? states.refusal()
+                     !states.rejection().empty()                ? states.rejection()
                      : run != nullptr && run->avatar_count == 0 ? "a run without avatars"
                                                                 : "none");
   }

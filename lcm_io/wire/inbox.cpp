@@ -33,9 +33,9 @@ RunReader::Update Inbox::take(std::string_view name, std::span<const uint8_t> by
   ++totals.messages;
   totals.bytes += static_cast<int64_t>(bytes.size());
   const RunReader::Update update = run_.take(name, bytes);
-  if (update == RunReader::Update::kRefused) {
-    ++totals.refused;
-    totals.refusal = run_.refusal();
+  if (update == RunReader::Update::kRejected) {
+    ++totals.rejected;
+    totals.rejection = run_.rejection();
   }
   if (const MessageHeader* header = run_.header()) {
     RunTally& run = run_of(*header);
@@ -48,9 +48,9 @@ RunReader::Update Inbox::take(std::string_view name, std::span<const uint8_t> by
   return update;
 }
 
-int64_t Inbox::refused() const {
+int64_t Inbox::rejected() const {
   int64_t sum = 0;
-  for (const ChannelTotals& totals : totals_) sum += totals.refused;
+  for (const ChannelTotals& totals : totals_) sum += totals.rejected;
   return sum;
 }
 

@@ -30,14 +30,14 @@ class Inbox {
   struct ChannelTotals {
     int64_t messages = 0;  ///< of any run, including damaged ones
     int64_t bytes = 0;
-    int64_t refused = 0;  ///< damaged, malicious or of another version
-    std::string refusal;  ///< reason of the last one
+    int64_t rejected = 0;   ///< damaged, malicious or of another version
+    std::string rejection;  ///< reason of the last one
   };
   const ChannelTotals& totals(Channel channel) const {
     return totals_[static_cast<size_t>(channel)];
   }
   int64_t others() const { return others_; }
-  int64_t refused() const;
+  int64_t rejected() const;
 
  private:
   RunTally& run_of(const MessageHeader& header);

@@ -193,15 +193,15 @@ void Lockstep::take(Controller& controller, std::span<const uint8_t> bytes) {
       defect = fmt::format("a reply to frame {}, expected frame {}", reply_.frame, frame_);
     if (defect.empty()) defect = defect_for_group(run_, controller.group, reply_);
     if (!defect.empty()) {
-      ++counts.refused;
-      counts.refusal = std::move(defect);
+      ++counts.rejected;
+      counts.rejection = std::move(defect);
     } else if (reply_.frame < frame_) {
       ++counts.late;
     } else {
       handle(controller, reply_);
     }
   } catch (const std::exception&) {
-    ++counts.refused;
+    ++counts.rejected;
   }
 }
 

@@ -62,9 +62,9 @@ class Lockstep {
     int64_t late = 0;        ///< to an earlier frame
     int64_t repeated = 0;    ///< to this frame, for avatars that had a reply
     int64_t other_runs = 0;  ///< to another run
-    int64_t refused = 0;  ///< damaged, malicious, to a later frame, or for avatars of another group
-    int64_t clamped = 0;  ///< values clamped to the valid range
-    std::string refusal;
+    int64_t rejected = 0;    ///< damaged, malicious, to a later frame or for another group
+    int64_t clamped = 0;     ///< values clamped to the valid range
+    std::string rejection;
   };
   const std::vector<Counts>& counts() const { return counts_; }
   double timeout_s() const { return timeout_s_; }

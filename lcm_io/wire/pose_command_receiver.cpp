@@ -114,13 +114,13 @@ void PoseCommandReceiver::take(Listener& listener, std::span<const uint8_t> byte
     std::string defect = decode(bytes, message_);
     if (defect.empty()) defect = defect_for_group(run_, listener.group, message_);
     if (!defect.empty()) {
-      ++counts.refused;
-      counts.refusal = std::move(defect);
+      ++counts.rejected;
+      counts.rejection = std::move(defect);
     } else if (is_current(listener, message_, bytes.size())) {
       move(listener, message_);
     }
   } catch (const std::exception&) {
-    ++counts.refused;
+    ++counts.rejected;
   }
 }
 

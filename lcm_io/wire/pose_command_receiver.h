@@ -42,10 +42,10 @@ class PoseCommandReceiver {
     int64_t frames_without_command = 0;  ///< frames without a new command, which keep the last pose
     int64_t missing = 0;                 ///< gaps in seq
     int64_t late = 0;                    ///< ignored, because a newer one arrived before
-    int64_t refused = 0;                 ///< damaged, malicious or for avatars of another group
+    int64_t rejected = 0;                ///< damaged, malicious or for avatars of another group
     int64_t restarts = 0;  ///< restarts of the numbering after a second without accepted messages
     int64_t clamped = 0;   ///< values clamped to the valid range
-    std::string refusal;
+    std::string rejection;
   };
   const std::vector<Counts>& counts() const { return counts_; }
 

@@ -13,7 +13,7 @@ namespace throng {
 inline constexpr double kMaxDensity_per_m2 = 6;
 
 /// Area in m2 of a spawn area that people can stand on, clear of obstacles and the ground's edge.
-double standing_area_m2(const Scene& scene, const Rectangle& area);
+double standing_area_m2(const Scene& scene, const Area& area);
 
 int64_t count_by_density(const Scene& scene, const Group& group);
 

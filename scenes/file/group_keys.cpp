@@ -7,6 +7,7 @@
 #include "crowd/crowd_plan.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {
@@ -93,12 +94,11 @@ void read_count(ReadContext&, Fields& fields, Group& group) {
 }
 
 void read_spawn(ReadContext& context, Fields& fields, Group& group) {
-  const Rectangle& ground = context.scene.ground;
   if (fields.find("spawn") == nullptr && group.count == 0 && may_be_empty(fields) &&
       !has_density(fields))
-    group.spawn = ground;
+    group.spawn = context.scene.ground;
   else
-    group.spawn = read_area(fields.file(), fields.require("spawn"), "spawn", ground);
+    group.spawn = read_area(context, fields.file(), fields.require("spawn"), "spawn");
 }
 
 void read_group_model(ReadContext& context, Fields& fields, Group& group) {
@@ -253,7 +253,7 @@ std::vector<Key<Group>> rows_of_groups() {
       custom_key<Group>(
           "model",
           "`adult`, or a URDF file relative to the scene file; its meshes may be `.tri`, `.stl`, "
-          "`.obj`, `.dae` and many others, see [reliability](../reliability.md)",
+          "`.obj`, `.dae` and many others, see docs/reliability.md",
           "`adult`", {})
           .with_reader(read_group_model)
           .with_hash([](Hasher& hash, const Group& group) {
@@ -319,7 +319,7 @@ std::vector<Key<Group>> rows_of_groups() {
               "at the start, within 0.05 to 2"),
       custom_key<Group>(
           "control_channel",
-          "LCM channel of an [externally controlled group](../control.md); the group then has "
+          "LCM channel of an externally controlled group, see docs/control.md; the group then has "
           "neither goals nor sources, and the model's own height",
           "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
           .with_reader(read_control_channel)
@@ -356,7 +356,7 @@ std::vector<Key<Group>> later_rows_of_groups() {
   after.is_default = [](const Group& group) { return !group.after; };
   Key<Group> social_groups =
       custom_key<Group>("social_groups",
-                        "agents that walk together, see [scenes](../scenes.md#social-groups)",
+                        "agents that walk together, see docs/scenes.md#social-groups",
                         "all agents walk alone", map_rule("social_groups"))
           .with_reader(read_social_group_key)
           .with_hash([](Hasher& hash, const Group& group) {

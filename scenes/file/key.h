@@ -29,12 +29,13 @@ struct Rule {
     kWord,
     kNumbers,
     kPoints,
+    kRings,
     kMap,
     kList
   };
   Kind kind = Kind::kText;
-  Range range{};  ///< kNumber; each number of kNumbers; coordinates of kPoints
-  /// kWhole: the value; kNumbers, kPoints, kList: the length, `max` 0: unlimited.
+  Range range{};  ///< kNumber; each number of kNumbers; coordinates of kPoints and kRings
+  /// kWhole: the value; kNumbers, kPoints, kList, each of kRings: the length, `max` 0: unlimited.
   int64_t min = 0, max = 0;
   std::vector<std::string> words = {};
   std::string map = {};      ///< kMap, each item of kList: name of the map in scene_maps()
@@ -77,6 +78,9 @@ struct ReadContext {
   /// Goals with a queue and their places in the file ("file:line").
   std::vector<std::pair<std::string, Goal>> queued_goals;
   int64_t people = 0;
+  /// Pieces of polygons and walls after the first.
+  std::vector<Obstacle> more_obstacles;
+  uint32_t surfaces = 0;  ///< numbers of Obstacle::surface in use
 };
 
 inline void add_value(Hasher& hash, bool value) { hash.add(uint64_t{value}); }
@@ -84,8 +88,27 @@ inline void add_value(Hasher& hash, int value) { hash.add(static_cast<uint64_t>(
 inline void add_value(Hasher& hash, uint64_t value) { hash.add(value); }
 inline void add_value(Hasher& hash, double value) { hash.add(value); }
 inline void add_value(Hasher& hash, const std::string& value) { hash.add(value); }
+inline void add_value(Hasher& hash, const std::vector<Polygon>& polygons) {
+  const auto add = [&](const Polygon::Ring& ring) {
+    hash.add(uint64_t{ring.size()});
+    for (const Eigen::Vector2d& corner : ring) hash.add(corner.x()).add(corner.y());
+  };
+  hash.add(uint64_t{polygons.size()});
+  for (const Polygon& polygon : polygons) {
+    add(polygon.outline);
+    hash.add(uint64_t{polygon.holes.size()});
+    for (const Polygon::Ring& hole : polygon.holes) add(hole);
+  }
+}
 inline void add_value(Hasher& hash, const Rectangle& r) {
   hash.add(r.min_m.x()).add(r.min_m.y()).add(r.max_m.x()).add(r.max_m.y());
+}
+/// A rectangle adds its corners only, as scenes without polygons do.
+inline void add_value(Hasher& hash, const Area& area) {
+  if (area.is_rectangle())
+    add_value(hash, area.bounds());
+  else
+    add_value(hash.add("polygons"), area.polygons());
 }
 inline void add_value(Hasher& hash, const Distribution& d) {
   hash.add(d.mean).add(d.std_dev).add(d.min).add(d.max);

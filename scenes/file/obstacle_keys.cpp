@@ -1,5 +1,7 @@
 // Keys of an obstacle: its shape and place.
+#include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "avatars/mesh/primitives.h"
 #include "avatars/mesh/tri.h"
@@ -7,6 +9,7 @@
 #include "base/limits.h"
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {
@@ -15,6 +18,9 @@ namespace {
 // 1 mm is the thickness of a tape. Floats resolve it up to 10 km, the wall of the largest scene.
 constexpr Range kSizeRange{1e-3, 1e4};
 constexpr Range kBottomRange{-10, 1000};
+constexpr Range kTopRange{-9, 2000};
+constexpr Range kThicknessRange{1e-3, 100};
+constexpr double kWallThickness_m = 0.1;
 constexpr Range kHeadingRange{-360, 360};
 
 double lowest_m(const Mesh& mesh) {
@@ -52,21 +58,28 @@ void measure_mesh(const Fields& fields, Obstacle& obstacle) {
 void make_shape(const ReadContext& context, const Fields& fields, Obstacle& obstacle) {
   switch (obstacle.kind) {
     case Obstacle::Kind::kBox: {
-      expect_keys_without({"diameter_m", "height_m", "file"}, obstacle_keys(), fields);
+      expect_keys_without(
+          {"diameter_m", "height_m", "file", "polygon", "holes", "line", "thickness_m", "top_m"},
+          obstacle_keys(), fields);
       const std::vector<double> size = fields.numbers("size_m", 3, kSizeRange);
       obstacle.size_m = {size[0], size[1], size[2]};
       obstacle.mesh = box_mesh(obstacle.size_m);
       break;
     }
     case Obstacle::Kind::kCylinder: {
-      expect_keys_without({"size_m", "file"}, obstacle_keys(), fields);
+      expect_keys_without({"size_m", "file", "polygon", "holes", "line", "thickness_m", "top_m"},
+                          obstacle_keys(), fields);
       const double diameter_m = fields.number("diameter_m", kSizeRange);
       obstacle.size_m = {diameter_m, diameter_m, fields.number("height_m", kSizeRange)};
       obstacle.mesh = cylinder_mesh(0.5 * diameter_m, obstacle.size_m.z());
       break;
     }
+    case Obstacle::Kind::kPolygon:
+      break;  // made of pieces, see make_pieces()
     case Obstacle::Kind::kMesh: {
-      expect_keys_without({"size_m", "diameter_m", "height_m"}, obstacle_keys(), fields);
+      expect_keys_without(
+          {"size_m", "diameter_m", "height_m", "polygon", "holes", "line", "thickness_m", "top_m"},
+          obstacle_keys(), fields);
       obstacle.mesh_file = existing_file(context, fields, fields.require("file"), "a .tri file");
       obstacle.mesh = read_tri(obstacle.mesh_file).mesh;
       measure_mesh(fields, obstacle);
@@ -75,7 +88,92 @@ void make_shape(const ReadContext& context, const Fields& fields, Obstacle& obst
   }
 }
 
+constexpr const char* kWall = "wall";
+
+bool is_wall(const Fields& fields) { return fields.text("kind") == kWall; }
+
+/// Bottom and top of a polygon or wall.
+std::pair<double, double> read_heights(const Fields& fields) {
+  const double bottom_m = fields.number_or("bottom_m", kBottomRange, 0);
+  const double top_m = fields.number("top_m", kTopRange);
+  if (!(top_m - bottom_m >= kSizeRange.min))
+    throw InputError(fields.where(fields.require("top_m")),
+                     fmt::format("'top_m' above 'bottom_m' ({} m)", bottom_m),
+                     fmt::format("{} m", top_m));
+  return {bottom_m, top_m};
+}
+
+/// Boxes along a polyline that overlap at its corners.
+std::vector<Polygon::Ring> wall_rings(const Fields& fields) {
+  const std::vector<Eigen::Vector2d> line = fields.points("line", 2, kPositionRange);
+  const double half_m = 0.5 * fields.number_or("thickness_m", kThicknessRange, kWallThickness_m);
+  const bool is_closed = line.front() == line.back();
+  std::vector<Polygon::Ring> rings;
+  for (size_t i = 1; i < line.size(); ++i) {
+    const Eigen::Vector2d span = line[i] - line[i - 1];
+    if (!(span.norm() >= kSizeRange.min))
+      throw InputError(fields.where(fields.require("line")),
+                       fmt::format("corners at least {} m apart in 'line'", kSizeRange.min),
+                       fmt::format("[{}, {}] twice", line[i].x(), line[i].y()));
+    const Eigen::Vector2d along = span.normalized(),
+                          aside = half_m * Eigen::Vector2d(-along.y(), along.x());
+    const double early_m = i > 1 || is_closed ? half_m : 0;
+    const double late_m = i + 1 < line.size() || is_closed ? half_m : 0;
+    const Eigen::Vector2d from = line[i - 1] - early_m * along, to = line[i] + late_m * along;
+    rings.push_back({from - aside, to - aside, to + aside, from + aside});
+  }
+  return rings;
+}
+
+/// A polygon or wall becomes one obstacle for each convex piece: contacts are then found on the
+/// surface, not on a hull around it.
+void make_pieces(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  std::vector<Polygon::Ring> rings;
+  if (is_wall(fields)) {
+    expect_keys_without(
+        {"size_m", "diameter_m", "height_m", "file", "polygon", "holes", "position_m", "yaw_deg"},
+        obstacle_keys(), fields);
+    rings = wall_rings(fields);
+  } else {
+    expect_keys_without({"size_m", "diameter_m", "height_m", "file", "line", "thickness_m",
+                         "position_m", "yaw_deg"},
+                        obstacle_keys(), fields);
+    rings = convex_pieces_of(read_polygon(context, fields, obstacle.name));
+  }
+  const auto [bottom_m, top_m] = read_heights(fields);
+  const std::string name = obstacle.name;
+  const uint32_t surface = rings.size() > 1 ? ++context.surfaces : 0;
+  for (size_t i = 0; i < rings.size(); ++i) {
+    const std::string piece_name = rings.size() > 1 ? fmt::format("{} {}", name, i + 1) : name;
+    if (rings.size() > 1) require_new(fields, piece_name, context.obstacle_names);
+    Obstacle piece = prism_obstacle(piece_name, rings[i], bottom_m, top_m);
+    piece.surface = surface;
+    if (i == 0)
+      obstacle = std::move(piece);
+    else
+      context.more_obstacles.push_back(std::move(piece));
+  }
+}
+
 void complete_obstacle(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  if (obstacle.kind == Obstacle::Kind::kPolygon) {
+    const size_t first = context.more_obstacles.size();
+    make_pieces(context, fields, obstacle);
+    const auto is_outside = [&](const Obstacle& piece) {
+      return clipped(footprint_of(piece), context.scene.ground).empty();
+    };
+    if (is_outside(obstacle) &&
+        std::all_of(context.more_obstacles.begin() + static_cast<ptrdiff_t>(first),
+                    context.more_obstacles.end(), is_outside))
+      throw InputError(fields.where(),
+                       fmt::format("obstacle '{}' on the ground ({})", obstacle.name,
+                                   to_text(context.scene.ground)),
+                       fmt::format("all of it outside, {}; move it or enlarge the ground",
+                                   to_text(bounds_of(footprint_of(obstacle)))));
+    return;
+  }
+  if (fields.find("position_m") == nullptr)
+    throw InputError(fields.where(), "the key 'position_m' in an obstacle", "none");
   make_shape(context, fields, obstacle);
   const bool is_mesh = obstacle.kind == Obstacle::Kind::kMesh;
   obstacle.centre_m.z() += is_mesh ? -lowest_m(obstacle.mesh) : 0.5 * obstacle.size_m.z();
@@ -107,10 +205,16 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
       custom_key<Obstacle>("name", "unique in the scene", "`obstacle 1`, ...", {})
           .with_reader(read_obstacle_name)
           .with_hash(&Obstacle::name),
-      word<Obstacle, Obstacle::Kind>("kind", "`box`, `cylinder` or `mesh`", &Obstacle::kind,
-                                     {{"box", Obstacle::Kind::kBox},
-                                      {"cylinder", Obstacle::Kind::kCylinder},
-                                      {"mesh", Obstacle::Kind::kMesh}})
+      word<Obstacle, Obstacle::Kind>(
+          "kind",
+          "`box`, `cylinder`, `mesh`, `polygon` (upright over an outline) or `wall` (upright along "
+          "a line)",
+          &Obstacle::kind,
+          {{"box", Obstacle::Kind::kBox},
+           {"cylinder", Obstacle::Kind::kCylinder},
+           {"mesh", Obstacle::Kind::kMesh},
+           {"polygon", Obstacle::Kind::kPolygon},
+           {kWall, Obstacle::Kind::kPolygon}})
           .required(),
       custom_key<Obstacle>("yaw_deg", "rotation about z in degrees, counter-clockwise", "0",
                            {.kind = Rule::Kind::kNumber, .range = kHeadingRange})
@@ -120,10 +224,11 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
           })
           .with_hash(&Obstacle::heading_rad),
       custom_key<Obstacle>(
-          "position_m", "`[x, y]` of the centre, of a mesh of its origin", "",
+          "position_m", "`[x, y]` of the centre, of a mesh of its origin",
+          "required, except of a polygon or wall",
           {.kind = Rule::Kind::kNumbers, .range = kPositionRange, .min = 2, .max = 2})
-          .required()
           .with_reader([](ReadContext&, Fields& fields, Obstacle& obstacle) {
+            if (fields.find("position_m") == nullptr) return;
             const std::vector<double> place = fields.numbers("position_m", 2, kPositionRange);
             obstacle.centre_m = {place[0], place[1], 0};
           })
@@ -145,7 +250,24 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
       custom_key<Obstacle>("height_m", "cylinder: length", "required of a cylinder", size_rule(1)),
       custom_key<Obstacle>("file", "mesh: a `.tri` file relative to the scene file",
                            "required of a mesh", {})
-          .with_hash(add_mesh)};
+          .with_hash(add_mesh),
+      custom_key<Obstacle>("polygon",
+                           "polygon: corners `[x, y]`; a concave outline is divided into convex "
+                           "pieces, each an obstacle: `NAME 1`, ...",
+                           "required of a polygon",
+                           {.kind = Rule::Kind::kPoints, .range = kPositionRange, .min = 3}),
+      custom_key<Obstacle>("holes", "polygon: holes, each a list of corners", "none",
+                           {.kind = Rule::Kind::kRings, .range = kPositionRange, .min = 3}),
+      custom_key<Obstacle>("line",
+                           "wall: corners `[x, y]` of its middle line; a closed wall repeats the "
+                           "first one. Each straight piece is an obstacle",
+                           "required of a wall",
+                           {.kind = Rule::Kind::kPoints, .range = kPositionRange, .min = 2}),
+      custom_key<Obstacle>("thickness_m", "wall: thickness", "0.1",
+                           {.kind = Rule::Kind::kNumber, .range = kThicknessRange}),
+      custom_key<Obstacle>("top_m", "polygon, wall: height of the upper end above the ground",
+                           "required of a polygon or wall",
+                           {.kind = Rule::Kind::kNumber, .range = kTopRange})};
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ std::vector<Key<Scene>> rows() {
       custom_key<Scene>("file",
                         "recording, relative to the scene file or to a folder named by an "
                         "environment variable (`$THRONG_RECORDINGS/jam.txt`); its kind is detected "
-                        "by content, see [recordings](../recordings.md)",
+                        "by content, see docs/recordings.md",
                         "", {})
           .required()
           .with_reader([](ReadContext& context, Fields& fields, Scene& scene) {

@@ -7,6 +7,7 @@
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
 namespace throng {
@@ -121,15 +122,13 @@ constexpr Range kRateRange{0, 1000, true};
 constexpr Range kEntersRange{0, 4};
 
 void read_areas(ReadContext& context, Fields& fields, Goal& goal) {
-  const Rectangle& ground = context.scene.ground;
   for (const YamlNode* item : fields.items("any_of", false))
-    goal.areas.push_back(read_area(fields.file(), *item, "a goal", ground));
+    goal.areas.push_back(read_area(context, fields.file(), *item, "a goal"));
   if (!goal.areas.empty()) {
-    expect_keys_without({"min_m", "max_m"}, goal_keys(), fields);
+    expect_keys_without({"min_m", "max_m", "polygon", "holes", "wkt"}, goal_keys(), fields);
     return;
   }
-  goal.areas.push_back(read_rectangle(fields, "a goal"));
-  require_on_ground(fields.where(), "a goal", goal.areas.back(), ground);
+  goal.areas.push_back(read_area(context, fields, "a goal"));
 }
 
 void read_queue(ReadContext& context, Fields& fields, Goal& goal) {
@@ -142,7 +141,7 @@ void read_queue(ReadContext& context, Fields& fields, Goal& goal) {
 
 void add_areas(Hasher& hash, const Goal& goal) {
   hash.add(uint64_t{goal.areas.size()});
-  for (const Rectangle& area : goal.areas) add_value(hash, area);
+  for (const Area& area : goal.areas) add_value(hash, area);
 }
 
 void read_wait(ReadContext&, Fields& fields, Goal& goal) {
@@ -162,7 +161,7 @@ std::vector<Key<Goal>> later_rows_of_goals() {
   Key<Goal> queue =
       custom_key<Goal>("queue",
                        "agents are served one after another in the order of their arrival, see "
-                       "[scenes](../scenes.md#queue-at-counters)",
+                       "docs/scenes.md#queue-at-counters",
                        "none, unless there is a `capacity`", map_rule("queue"))
           .with_reader(read_queue)
           .with_hash(
@@ -179,16 +178,13 @@ void complete_goal(ReadContext& context, const Fields& fields, Goal& goal) {
 }
 
 KeyTable<Goal> make_goal_keys() {
-  const std::vector<KeyText> corners = area_text().keys;
-  return {
+  KeyTable<Goal> table = {
       .text = {.name = "goal",
-               .meaning = "A rectangle to reach, or the fastest of several",
-               .choices = {{"min_m", "max_m"}, {"any_of"}}},
+               .meaning = "An area to reach, or the fastest of several",
+               .choices = {{"min_m", "max_m"}, {"polygon"}, {"wkt"}, {"any_of"}}},
       .title = "a goal",
       .keys =
-          {custom_key<Goal>("min_m", corners[0].meaning, "required, or `any_of`", corners[0].rule),
-           custom_key<Goal>("max_m", corners[1].meaning, "required, or `any_of`", corners[1].rule),
-           custom_key<Goal>(
+          {custom_key<Goal>(
                "any_of",
                "alternative areas; each agent chooses the one with the least expected time",
                "required, or one area", list_rule("area", 1))
@@ -206,6 +202,13 @@ KeyTable<Goal> make_goal_keys() {
                 &Goal::waypoint)},
       .later = later_rows_of_goals(),
       .complete = complete_goal};
+  std::vector<Key<Goal>> area;
+  for (const KeyText& text : area_key_texts())
+    area.push_back(custom_key<Goal>(text.name, text.meaning,
+                                    text.fallback == "none" ? "none" : "required, or `any_of`",
+                                    text.rule));
+  table.keys.insert(table.keys.begin(), area.begin(), area.end());
+  return table;
 }
 
 Key<Source> entering_speed() {
@@ -227,12 +230,12 @@ KeyTable<Source> make_source_keys() {
       .text = {.name = "source", .meaning = "Area where agents enter during the run"},
       .title = "a source",
       .keys =
-          {custom_key<Source>("area", "rectangle in which agents appear where it is free", "",
+          {custom_key<Source>("area", "area in which agents appear where it is free", "",
                               map_rule("area"))
                .required()
                .with_reader([](ReadContext& context, Fields& fields, Source& source) {
-                 source.area = read_area(fields.file(), fields.require("area"),
-                                         "the area of a source", context.scene.ground);
+                 source.area = read_area(context, fields.file(), fields.require("area"),
+                                         "the area of a source");
                })
                .with_hash(&Source::area),
            whole("count",

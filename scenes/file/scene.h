@@ -15,7 +15,6 @@
 #include "base/rectangle.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/steering/steering_rule.h"
-#include "geometry/polygon.h"
 #include "recordings/recording.h"
 #include "scenes/file/pair_rules.h"
 #include "scenes/file/part_volumes.h"
@@ -49,7 +48,6 @@ struct Scene : CrowdPlan {
   std::filesystem::path file;
   double step_s = 1.0 / 60.0;
   double duration_s = 10;
-  std::vector<Polygon> area;  ///< walkable area of a recording; empty: the ground
   std::optional<RecordedPeople> recorded;
   std::optional<PartsBox> box;  ///< set for `kind: box`; groups and obstacles are then empty
   SteeringRule steering;

@@ -156,7 +156,21 @@ std::vector<double> Fields::numbers(const std::string& key, int count, const Ran
 
 std::vector<Eigen::Vector2d> Fields::points(const std::string& key, size_t min,
                                             const Range& range) const {
+  return to_points(key, require(key), min, range);
+}
+
+std::vector<std::vector<Eigen::Vector2d>> Fields::rings(const std::string& key,
+                                                        const Range& range) const {
   const YamlNode& node = require(key);
+  if (node.kind != YamlNode::Kind::kList)
+    throw InputError(where(node), fmt::format("a list of rings for '{}'", key), describe(node));
+  std::vector<std::vector<Eigen::Vector2d>> rings;
+  for (const YamlNode& item : node.items) rings.push_back(to_points(key, item, 3, range));
+  return rings;
+}
+
+std::vector<Eigen::Vector2d> Fields::to_points(const std::string& key, const YamlNode& node,
+                                               size_t min, const Range& range) const {
   if (node.kind != YamlNode::Kind::kList || node.items.size() < min)
     throw InputError(where(node), fmt::format("a list of at least {} points for '{}'", min, key),
                      describe(node));

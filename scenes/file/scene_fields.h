@@ -44,6 +44,8 @@ class Fields {
   std::vector<double> numbers(const std::string& key, int count, const Range& range) const;
   /// List of at least `min` points, each a list of two numbers.
   std::vector<Eigen::Vector2d> points(const std::string& key, size_t min, const Range& range) const;
+  /// List of lists of at least three points.
+  std::vector<std::vector<Eigen::Vector2d>> rings(const std::string& key, const Range& range) const;
   /// Index of the word at this key; empty if the key is absent.
   std::optional<size_t> word(const std::string& key, const std::vector<std::string>& words) const;
   /// Items of a list; empty if the key is absent. A required list has at least one item.
@@ -56,6 +58,8 @@ class Fields {
   const YamlNode& node() const { return node_; }
 
  private:
+  std::vector<Eigen::Vector2d> to_points(const std::string& key, const YamlNode& node, size_t min,
+                                         const Range& range) const;
   double to_number(const std::string& key, const YamlNode& node, const Range& range) const;
 
   const std::string& file_;

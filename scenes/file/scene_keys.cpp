@@ -11,6 +11,7 @@
 #include "crowd/navigation/footprints.h"
 #include "scenes/file/density.h"
 #include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_values.h"
 
@@ -76,14 +77,14 @@ void read_recorded(ReadContext& context, const Fields& fields, Scene& scene) {
   apply_recording(scene, fields.find("ground") != nullptr, inner.where());
   if (fields.find("duration_s") != nullptr) scene.duration_s = duration_s;
   context.people += scene.groups.back().recorded;
-  for (const Obstacle& wall : scene.obstacles) context.obstacle_names.insert(wall.name);
 }
 
 void read_ground(ReadContext& context, Fields& fields, Scene& scene) {
   if (is_box(fields)) return;
   if (is_recorded(fields)) read_recorded(context, fields, scene);
   if (fields.find("ground") != nullptr || !is_recorded(fields))
-    scene.ground = read_rectangle(fields.file(), fields.require("ground"), "ground");
+    read_ground_value(context, fields.require("ground"), fields.file(), scene);
+  for (const Obstacle& wall : scene.obstacles) context.obstacle_names.insert(wall.name);
   // Only navigation needs a ground of limited size.
   if (!is_recorded(fields) || fields.find("groups") != nullptr)
     require_possible_ground(fields, scene);
@@ -129,6 +130,13 @@ void read_obstacles(ReadContext& context, Fields& fields, Scene& scene) {
   expect_at_most(kMaxObstacles, "obstacles", fields);
   const size_t first = scene.obstacles.size();
   read_items(obstacle_keys(), "obstacles", false, context, fields, scene.obstacles);
+  std::move(context.more_obstacles.begin(), context.more_obstacles.end(),
+            std::back_inserter(scene.obstacles));
+  if (static_cast<int64_t>(scene.obstacles.size()) > kMaxObstacles)
+    throw InputError(
+        fields.where(),
+        fmt::format("at most {} obstacles, counting pieces of polygons and walls", kMaxObstacles),
+        fmt::format("{}", scene.obstacles.size()));
   note_cut_obstacles(scene, first);
   require_few(fields.where(), context.people + static_cast<int64_t>(scene.obstacles.size()));
 }
@@ -200,7 +208,7 @@ const KeyTable<Scene>& culling_keys() {
         .keys = {
             custom_key<Scene>("part_volume",
                               "bounding volume of body parts: " + list_of(names, " or ") +
-                                  ", or a map by part, see [culling](../culling.md)",
+                                  ", or a map by part, see docs/culling.md",
                               fmt::format("`{}`", to_text(PartVolumes())), map_rule("part_volumes"))
                 .with_reader(read_part_volume)
                 .with_hash(
@@ -216,27 +224,26 @@ const KeyTable<Scene>& steering_keys() {
     return KeyTable<Scene>{
         .text = {.name = "steering", .meaning = "Settings of the steering model"},
         .title = "steering",
-        .keys = {
-            custom_key<Scene>(
-                "model", "steering model: " + steering_choices() + ", see [motion](../motion.md)",
-                fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
-                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
-                  if (const auto found = fields.word("model", steering_names()))
-                    scene.steering.model = all_steering_kinds()[*found];
-                })
-                .with_hash([](Hasher& hash, const Scene& scene) {
-                  hash.add(name_of(scene.steering.model));
-                }),
-            custom_key<Scene>("density_dependent_speed",
-                              "limit speeds by the density ahead (Weidmann 1993)", "false",
-                              {.kind = Rule::Kind::kFlag})
-                .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
-                  scene.steering.density_dependent_speed =
-                      fields.boolean_or("density_dependent_speed", false);
-                })
-                .with_hash([](Hasher& hash, const Scene& scene) {
-                  add_value(hash, scene.steering.density_dependent_speed);
-                })}};
+        .keys = {custom_key<Scene>("model",
+                                   "steering model: " + steering_choices() + ", see docs/motion.md",
+                                   fmt::format("`{}`", name_of(SteeringRule{}.model)), models)
+                     .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                       if (const auto found = fields.word("model", steering_names()))
+                         scene.steering.model = all_steering_kinds()[*found];
+                     })
+                     .with_hash([](Hasher& hash, const Scene& scene) {
+                       hash.add(name_of(scene.steering.model));
+                     }),
+                 custom_key<Scene>("density_dependent_speed",
+                                   "limit speeds by the density ahead (Weidmann 1993)", "false",
+                                   {.kind = Rule::Kind::kFlag})
+                     .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+                       scene.steering.density_dependent_speed =
+                           fields.boolean_or("density_dependent_speed", false);
+                     })
+                     .with_hash([](Hasher& hash, const Scene& scene) {
+                       add_value(hash, scene.steering.density_dependent_speed);
+                     })}};
   }();
   return table;
 }
@@ -279,15 +286,20 @@ std::vector<Key<Scene>> rows_of_scenes() {
       part_key("contact detection: `part_volume` and `exact`", culling_keys()),
       flag("planted_feet",
            "feet stay in place on curves and while turning; false: they glide, which saves about "
-           "80 ns per person and frame ([motion](../motion.md))",
+           "80 ns per person and frame (docs/motion.md)",
            &Scene::planted_feet),
       part_key("steering: `model` and `density_dependent_speed`", steering_keys()),
       custom_key<Scene>(
           "ground",
-          "rectangle that agents stay on, `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m wide",
-          "required of a crowd", map_rule("area"))
+          "where agents can walk: a rectangle `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m "
+          "wide, or polygons, see [scenes](../scenes.md#ground-and-obstacles)",
+          "required of a crowd", map_rule("ground"))
           .with_reader(read_ground)
-          .with_hash(&Scene::ground),
+          .with_hash([](Hasher& hash, const Scene& scene) {
+            add_value(hash, scene.ground);
+            // A recording adds its own.
+            if (!scene.floor.empty() && !scene.recorded) add_value(hash.add("floor"), scene.floor);
+          }),
       custom_key<Scene>("groups", "groups of agents", "required of a crowd",
                         list_rule("group", 1, kMaxGroups))
           .with_reader(read_groups)
@@ -324,8 +336,8 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
   doors.is_default = [](const Scene& scene) { return scene.doors.empty(); };
   Key<Scene> separation =
       custom_key<Scene>("separation",
-                        "required separation of robots from people, see [contacts](../contacts.md)",
-                        "none", map_rule("separation"))
+                        "required separation of robots from people, see docs/contacts.md", "none",
+                        map_rule("separation"))
           .with_reader(read_separation)
           .with_hash([](Hasher& hash, const Scene& scene) {
             add_keys(separation_keys(), hash, *scene.separation);
@@ -350,8 +362,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
           "group_filter",
           "pairs of groups whose contacts and distances are found, such as `robots: people, "
           "people: doors`; a single name pairs with all; `people`, `robots`, `obstacles` and `all` "
-          "name bodies of a kind, `group:people` the group of that name; see "
-          "[contacts](../contacts.md)",
+          "name bodies of a kind, `group:people` the group of that name; see docs/contacts.md",
           &Scene::group_filter, pair_rules_of),
       pairs("part_filter",
             "pairs of parts whose contacts and distances are found, by words of their names, such "
@@ -359,7 +370,7 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
             &Scene::part_filter, part_rules_of),
       number("proximity_m",
              "margin in metres: pairs of parts within it are reported with bounds of their "
-             "distance, see [contacts](../contacts.md); at most 100, 0: off",
+             "distance, see docs/contacts.md; at most 100, 0: off",
              &Scene::proximity_m, kProximityRange),
       number("closest_parts_m",
              "margin in metres: the closest parts of each two avatars within it are reported; at "
@@ -367,11 +378,11 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
              &Scene::closest_parts_m, kProximityRange),
       flag("contact_points",
            "report contact point, normal and penetration depth of every touching pair of parts; "
-           "requires `culling: {exact: true}`, see [contacts](../contacts.md)",
+           "requires `culling: {exact: true}`, see docs/contacts.md",
            &Scene::contact_points),
       flag("body_avoidance",
            "bodies adapt their posture to neighbours and walls; standing people breathe, sway and "
-           "hold their arms in several ways; requires `planted_feet` ([motion](../motion.md))",
+           "hold their arms in several ways; requires `planted_feet` (docs/motion.md)",
            &Scene::body_avoidance),
       doors,
       separation};
@@ -408,6 +419,7 @@ std::vector<MapText> scene_maps() {
           text_of(separation_keys()),
           text_of(recording_keys()),
           area_text(),
+          ground_text(),
           distribution_text()};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "base/errors.h"
@@ -10,6 +11,7 @@
 #include "base/portable_math.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/footprints.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene.h"
 
 namespace throng {
@@ -56,8 +58,8 @@ double overfill_ratio(const Scene& scene, const std::vector<int64_t>& starts, in
   const auto excess = [](double density, double own_density, double limit) {
     return density / std::max(limit, own_density);
   };
-  double worst = excess(static_cast<double>(total) / scene.ground.area_m2(),
-                        static_cast<double>(before) / scene.ground.area_m2(), kMaxGroundDensity);
+  double worst = excess(static_cast<double>(total) / ground_area_m2(scene),
+                        static_cast<double>(before) / ground_area_m2(scene), kMaxGroundDensity);
   for (size_t i = 0; i < starts.size(); ++i) {
     const double area_m2 = scene.groups[i].spawn.area_m2();
     worst = std::max(worst, excess(static_cast<double>(starts[i]) / area_m2,
@@ -69,7 +71,8 @@ double overfill_ratio(const Scene& scene, const std::vector<int64_t>& starts, in
 void grow_obstacle(Obstacle& obstacle, double factor, double wall_m) {
   double x = obstacle.size_m.x() > wall_m ? factor : 1;
   double y = obstacle.size_m.y() > wall_m ? factor : 1;
-  // Cylinders and meshes keep their proportions.
+  // Cylinders and meshes keep their proportions; pieces of one surface stay together.
+  if (obstacle.surface != 0) x = y = factor;
   if (obstacle.kind != Obstacle::Kind::kBox) x = y = std::max(x, y);
   obstacle.size_m.x() *= x;
   obstacle.size_m.y() *= y;
@@ -80,17 +83,15 @@ void grow_obstacle(Obstacle& obstacle, double factor, double wall_m) {
 void grow_plan(Scene& scene, double factor) {
   const Eigen::Vector2d middle = 0.5 * (scene.ground.min_m + scene.ground.max_m);
   const double wall_m = kWallShare * scene.ground.size_m().minCoeff();
-  const auto grow = [&](Rectangle& area) {
-    area.min_m = middle + factor * (area.min_m - middle);
-    area.max_m = middle + factor * (area.max_m - middle);
-  };
-  grow(scene.ground);
+  const auto grow = [&](Area& area) { area = area.scaled(middle, factor); };
+  scene.ground = Area(scene.ground).scaled(middle, factor).bounds();
+  if (!scene.floor.empty()) scene.floor = Area(scene.floor).scaled(middle, factor).polygons();
   for (Group& group : scene.groups) {
     grow(group.spawn);
     if (group.look_at_m) group.look_at_m = middle + factor * (*group.look_at_m - middle);
     for (Source& source : group.sources) grow(source.area);
     for (Goal& goal : group.goals) {
-      for (Rectangle& area : goal.areas) grow(area);
+      for (Area& area : goal.areas) grow(area);
       for (Eigen::Vector2d& corner : goal.queue.line_m)
         corner = middle + factor * (corner - middle);
     }
@@ -99,9 +100,21 @@ void grow_plan(Scene& scene, double factor) {
     for (Eigen::Vector2d* end : {&door.from_m, &door.to_m})
       *end = middle + factor * (*end - middle);
   for (Obstacle& obstacle : scene.obstacles) {
+    if (obstacle.lines_floor) continue;
     obstacle.centre_m.head<2>() = middle + factor * (obstacle.centre_m.head<2>() - middle);
     grow_obstacle(obstacle, factor, wall_m);
   }
+  const auto wall = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
+                                 [](const Obstacle& each) { return each.lines_floor; });
+  if (wall == scene.obstacles.end()) return;
+  // Walls come first, see read_ground_value(), and keep their thickness.
+  std::vector<Obstacle> others;
+  for (Obstacle& obstacle : scene.obstacles)
+    if (!obstacle.lines_floor) others.push_back(std::move(obstacle));
+  const double height_m = wall->size_m.z();
+  scene.obstacles.clear();
+  add_walls(scene, height_m, scene.name);
+  std::move(others.begin(), others.end(), std::back_inserter(scene.obstacles));
 }
 
 double scale_box(Scene& scene, int total, std::vector<std::string>& notes) {

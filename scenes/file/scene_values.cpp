@@ -15,14 +15,6 @@ namespace fs = std::filesystem;
 constexpr Range kShareRange{0, 1e6};
 constexpr Range kCoordinateRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 
-KeyText point(const std::string& name, const std::string& meaning) {
-  return {name,
-          meaning,
-          "required",
-          true,
-          {.kind = Rule::Kind::kNumbers, .range = kCoordinateRange, .min = 2, .max = 2}};
-}
-
 KeyText share(const std::string& name, std::string_view meaning) {
   return {
       name, std::string(meaning), "0", false, {.kind = Rule::Kind::kNumber, .range = kShareRange}};
@@ -66,26 +58,6 @@ Rectangle read_rectangle(const Fields& fields, const std::string& what) {
     throw InputError(fields.where(), fmt::format("min_m below max_m in {}", what),
                      fmt::format("[{}, {}] and [{}, {}]", min[0], min[1], max[0], max[1]));
   return {{min[0], min[1]}, {max[0], max[1]}};
-}
-
-Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what) {
-  const Fields fields(file, node, what);
-  fields.expect_keys({"min_m", "max_m"});
-  return read_rectangle(fields, what);
-}
-
-void require_on_ground(const std::string& where, const std::string& what, const Rectangle& area,
-                       const Rectangle& ground) {
-  if (!ground.contains(area.min_m) || !ground.contains(area.max_m))
-    throw InputError(where, fmt::format("{} within the ground ({})", what, to_text(ground)),
-                     to_text(area));
-}
-
-Rectangle read_area(const std::string& file, const YamlNode& node, const std::string& what,
-                    const Rectangle& ground) {
-  Rectangle area = read_rectangle(file, node, what);
-  require_on_ground(at_line(file, node.line), what, area, ground);
-  return area;
 }
 
 Distribution read_distribution(const std::string& file, const YamlNode& node,
@@ -157,12 +129,6 @@ void require_few(const std::string& where, int64_t people_and_obstacles) {
 void require_new(const Fields& fields, const std::string& name, std::set<std::string>& earlier) {
   if (!earlier.insert(name).second)
     throw InputError(fields.where(), "every name once", fmt::format("'{}' again", name));
-}
-
-MapText area_text() {
-  return {.name = "area",
-          .meaning = "A rectangle",
-          .keys = {point("min_m", "south-west corner"), point("max_m", "north-east corner")}};
 }
 
 MapText distribution_text() {

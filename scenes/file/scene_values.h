@@ -12,12 +12,7 @@ inline constexpr Range kPositionRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 
 /// Reads {min_m: [x, y], max_m: [x, y]} with min below max. `what` names the value in messages:
 /// "ground".
-Rectangle read_rectangle(const std::string& file, const YamlNode& node, const std::string& what);
 Rectangle read_rectangle(const Fields& fields, const std::string& what);
-Rectangle read_area(const std::string& file, const YamlNode& node, const std::string& what,
-                    const Rectangle& ground);
-void require_on_ground(const std::string& where, const std::string& what, const Rectangle& area,
-                       const Rectangle& ground);
 /// "[0, 0] to [8, 5]".
 std::string to_text(const Rectangle& area);
 
@@ -40,7 +35,6 @@ void require_few(const std::string& where, int64_t people_and_obstacles);
 /// Throws InputError if `name` is among `earlier`; adds it otherwise.
 void require_new(const Fields& fields, const std::string& name, std::set<std::string>& earlier);
 
-MapText area_text();
 MapText distribution_text();
 MapText ages_text();
 MapText styles_text();

@@ -26,7 +26,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    refuse_anchor(mark, anchor);
+    reject_anchor(mark, anchor);
     YamlNode node;
     node.line = mark.line + 1;
     close(std::move(node));
@@ -36,8 +36,8 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
-    refuse_anchor(mark, anchor);
-    refuse_tag(mark, tag);
+    reject_anchor(mark, anchor);
+    reject_tag(mark, tag);
     reject_control_characters(mark, value);
     YamlNode node;
     node.kind = YamlNode::Kind::kScalar;
@@ -65,11 +65,11 @@ class TreeBuilder : public YAML::EventHandler {
 
   std::string at(const YAML::Mark& mark) const { return at_line(name_, mark.line + 1); }
 
-  void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) const {
+  void reject_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) const {
     if (anchor != 0)
       throw InputError(at(mark), "a value", "a YAML anchor ('&'), which scene files do not use");
   }
-  void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
+  void reject_tag(const YAML::Mark& mark, const std::string& tag) const {
     // yaml-cpp reports "?" for plain and "!" for quoted scalars.
     if (!tag.empty() && tag != "?" && tag != "!")
       throw InputError(at(mark), "a value without a tag", fmt::format("the tag '{}'", tag));
@@ -88,8 +88,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
             YamlNode::Kind kind) {
-    refuse_anchor(mark, anchor);
-    refuse_tag(mark, tag);
+    reject_anchor(mark, anchor);
+    reject_tag(mark, tag);
     if (static_cast<int>(stack_.size()) >= kMaxYamlDepth)
       throw InputError(at(mark), fmt::format("at most {} levels of nesting", kMaxYamlDepth),
                        "a deeper level");

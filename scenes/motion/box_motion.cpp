@@ -112,7 +112,7 @@ void BoxDynamics::archive(Archive& a) {
     // Negated comparison: also rejects NaN. The diagonal is the longest displacement.
     const bool is_slow = velocities_mps_[i].norm() <= 2 * options_.max_speed_mps;
     const bool is_unit = std::abs(orientations_[i].norm() - 1) < 1e-6;
-    if (!is_inside || !is_slow || !is_unit) a.refuse("an object in the box", "another");
+    if (!is_inside || !is_slow || !is_unit) a.reject("an object in the box", "another");
   }
 }
 

@@ -92,7 +92,7 @@ void ExternalAvatars::archive(Archive& a) {
       is_possible = is_possible && one.row[i] >= column.lower && one.row[i] <= column.upper;
     }
     if (!is_possible)
-      a.refuse("a possible pose of an externally controlled avatar", "an impossible one");
+      a.reject("a possible pose of an externally controlled avatar", "an impossible one");
   }
 }
 

@@ -129,15 +129,15 @@ void BodyAvoidanceStage::archive(Archive& a, BodyStates& bodies) {
 void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const {
   constexpr float kMaxMagnitude = 1000;  // bound of all numbers here, in any unit
   for (const uint8_t state : presence_)
-    if (state > kThere) a.refuse("a presence of 0 to 2", std::to_string(state));
+    if (state > kThere) a.reject("a presence of 0 to 2", std::to_string(state));
   for (size_t i = 0; i < states_.size(); ++i) {
     const Surroundings& surroundings = surroundings_[i];
     if (surroundings.people_count > NeighbourGrid::kMaxNeighbours ||
         surroundings.wall_count > kMaxAvoidedWalls)
-      a.refuse("at most ten neighbours and a few walls per person",
+      a.reject("at most ten neighbours and a few walls per person",
                std::to_string(surroundings.people_count));
     for (const uint32_t other : surroundings.neighbours())
-      if (other >= states_.size()) a.refuse("an avatar near a person", std::to_string(other));
+      if (other >= states_.size()) a.reject("an avatar near a person", std::to_string(other));
     const AvoidancePosture& posture = bodies.avoidance[i];
     const AvoidanceMotion &m = motions_[i], &w = targets_[i];
     const auto is_sound = [](float value) { return std::abs(value) < kMaxMagnitude; };
@@ -145,16 +145,16 @@ void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const 
                               mean_velocities_mps_[i].y(), states_[i].phase, states_[i].cadence_hz,
                               m.turn_rad, m.turn_rps, m.arms_ps[0], m.arms_ps[1], m.standing_ps,
                               w.turn_rad, posture.trunk_rad, posture.hips_rad})
-      if (!is_sound(value)) a.refuse("a finite posture of body avoidance", std::to_string(value));
+      if (!is_sound(value)) a.reject("a finite posture of body avoidance", std::to_string(value));
     for (const float share : {m.arms[0], m.arms[1], w.arms[0], w.arms[1], posture.arms[0],
                               posture.arms[1], m.standing, posture.standing})
-      if (!(share >= 0 && share <= 1)) a.refuse("an arm share from 0 to 1", std::to_string(share));
+      if (!(share >= 0 && share <= 1)) a.reject("an arm share from 0 to 1", std::to_string(share));
     for (const float stride_scale : {foot_targets_[i].stride_scale, posture.stride_scale})
       if (!(stride_scale > 0.1f && stride_scale < 10))
-        a.refuse("a stride scale from 0.1 to 10", std::to_string(stride_scale));
+        a.reject("a stride scale from 0.1 to 10", std::to_string(stride_scale));
     for (size_t n = 0; n < 4; ++n)
       if (!(std::abs(foot_targets_[i].landing_m[n]) < 1 && std::abs(posture.landing_m[n]) < 1))
-        a.refuse("a landing place within 1 m", std::to_string(posture.landing_m[n]) + " m");
+        a.reject("a landing place within 1 m", std::to_string(posture.landing_m[n]) + " m");
   }
 }
 

@@ -1,6 +1,6 @@
 // NamedBodies finds the bodies that a name means, for filters and --publish-for.
 // Invariant: an unknown name is an InputError, never an empty filter; a kind name means all bodies
-// of that kind, whatever groups are called.
+// of that kind, regardless of the names of groups.
 #pragma once
 
 #include <cstdint>

@@ -76,7 +76,7 @@ void add_counters(CullingCounters& total, const CullingCounters& frame) {
 
 void add_proximity(ProximitySummary& proximity, const Frame& frame) {
   proximity.pairs += frame.proximity_pairs.size();
-  proximity.people += frame.closest_parts.size();
+  proximity.closest_parts += frame.closest_parts.size();
   proximity.pairs_peak = std::max(proximity.pairs_peak, uint64_t{frame.proximity_pairs.size()});
   for (const ProximityRows& rows : {frame.proximity_pairs, frame.closest_parts})
     for (const ProximityPair& row : rows)

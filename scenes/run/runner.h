@@ -23,11 +23,11 @@ struct Quantiles {
 
 struct ProximitySummary {
   bool is_enabled = false;
-  uint64_t pairs = 0;
-  uint64_t people = 0;       ///< number of closest pairs of people over all frames
-  uint64_t pairs_peak = 0;   ///< largest number of rows in a frame
-  float min_distance_m = 0;  ///< least lower bound over all rows
-  Quantiles ms;              ///< wall-clock time of the search, including contact points
+  uint64_t pairs = 0;          ///< number of rows of parts over all frames
+  uint64_t closest_parts = 0;  ///< number of rows of closest parts over all frames
+  uint64_t pairs_peak = 0;     ///< maximum number of rows of parts in a frame
+  float min_distance_m = 0;    ///< least lower bound over all rows
+  Quantiles ms;                ///< wall-clock time of the search, including contact points
   uint64_t hash = 0;
 };
 

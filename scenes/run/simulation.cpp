@@ -45,8 +45,8 @@ void identify_run(const Scene& scene, const SimulationOptions& options, uint64_t
   name.add("throng run 1").add(scene.content_hash);
   if (motion_hash != 0) name.add("world").add(motion_hash);
   const CullerOptions& culler = options.culler;
-  if (culler.budget_ms) name.add("deadline, ms").add(*culler.budget_ms);
-  if (culler.budget_tests) name.add("deadline, tests").add(*culler.budget_tests);
+  if (culler.budget_ms) name.add("budget, ms").add(*culler.budget_ms);
+  if (culler.budget_tests) name.add("budget, tests").add(*culler.budget_tests);
   if (options.strategy != Strategy::kPipeline) name.add("strategy").add(name_of(options.strategy));
   if (!options.culling) name.add("no culling");
   info.run_id = name.value();
@@ -259,22 +259,22 @@ void Simulation::State::archive(Archive& a) {
   for (size_t i = 0; i < avatars; ++i)
     a(bodies.roots[i].position_m, bodies.roots[i].world_from_root, speeds_mps[i]);
   for (const float speed : bodies.gait_mps)
-    if (!(speed >= kNotEntered && speed < 1000)) a.refuse("a gait speed below 1000 m/s", "another");
+    if (!(speed >= kNotEntered && speed < 1000)) a.reject("a gait speed below 1000 m/s", "another");
   for (const float standing_time_s : bodies.standing_time_s)
     if (!(standing_time_s >= 0 && standing_time_s <= kMaxStandingTime_s))
-      a.refuse("a possible standing time", "another");
+      a.reject("a possible standing time", "another");
   constexpr float kFarFoot_m = 10;
   for (const std::vector<float>& numbers : bodies.feet)
     for (const float number : numbers)
       if (!(std::abs(number) < kFarFoot_m))
-        a.refuse("feet within 10 m of their body", std::to_string(number) + " m");
+        a.reject("feet within 10 m of their body", std::to_string(number) + " m");
   constexpr float kMaxMomentum = 1000;
   for (const std::vector<float>& numbers : bodies.gait_rates)
     for (const float number : numbers)
       if (!(std::abs(number) < kMaxMomentum))
-        a.refuse("rates of feet and hips below 1000", std::to_string(number));
+        a.reject("rates of feet and hips below 1000", std::to_string(number));
   for (const float phase : bodies.phases)
-    if (!(phase >= 0 && phase <= 1)) a.refuse("a gait phase from 0 to 1", "another");
+    if (!(phase >= 0 && phase <= 1)) a.reject("a gait phase from 0 to 1", "another");
   motion->archive(a);
   external.archive(a);
   if (body_avoidance) body_avoidance->archive(a, bodies);
@@ -447,7 +447,7 @@ void Simulation::resume(std::span<const uint8_t> bytes, const std::string& name)
   Archive in(bytes, name);
   state_->archive(in);
   in.expect_end();
-  if (state_->frames < 1) in.refuse("a frame number above 0", std::to_string(state_->frames));
+  if (state_->frames < 1) in.reject("a frame number above 0", std::to_string(state_->frames));
   const CullingResult last = state_->culler->frame();
   state_->info.resumed = {state_->frames - 1,
                           state_->frame.utime_us,

@@ -132,7 +132,7 @@ TEST(PartVolumes, RoundTripAsTextAndMatchPartsByWords) {
 }
 
 TEST(PartVolumes, ReportInvalidText) {
-  const auto refusal = [](const char* text) -> std::string {
+  const auto rejection = [](const char* text) -> std::string {
     try {
       Simulation(pressed(text, false), {});
     } catch (const InputError& error) {
@@ -140,15 +140,15 @@ TEST(PartVolumes, ReportInvalidText) {
     }
     return "accepted";
   };
-  EXPECT_EQ(refusal("hands: sphere, default: ordop27").substr(0, 40),
+  EXPECT_EQ(rejection("hands: sphere, default: ordop27").substr(0, 40),
             "test: expected one of sphere, aabb, obb,");
-  EXPECT_EQ(refusal("hands: sphere, hands: obb"),
+  EXPECT_EQ(rejection("hands: sphere, hands: obb"),
             "test: expected each part named once, found 'hands' twice");
-  EXPECT_EQ(refusal("hands: sphere, obb"),
+  EXPECT_EQ(rejection("hands: sphere, obb"),
             "test: expected a volume, or 'hands: sphere, default: ordop26', found 'obb'");
-  EXPECT_EQ(refusal(": obb"),
+  EXPECT_EQ(rejection(": obb"),
             "test: expected words of the name of a part, as in 'hands: sphere', found ''");
-  const std::string unknown = refusal("antennas: sphere");
+  const std::string unknown = rejection("antennas: sphere");
   EXPECT_EQ(unknown.substr(0, 37), "part_volume: expected words of a part");
   EXPECT_NE(unknown.find("found 'antennas'"), std::string::npos) << unknown;
 }

@@ -348,7 +348,7 @@ TEST_F(Separation, MeasuresTheSpeedOfTheArmNotOfTheBase) {
 }
 
 TEST_F(Separation, IsRejectedIfItCannotBeJudged) {
-  const auto refusal = [&](const std::string& text) {
+  const auto rejection = [&](const std::string& text) {
     try {
       Simulation simulation(load(text), {});
     } catch (const InputError& error) {
@@ -356,15 +356,15 @@ TEST_F(Separation, IsRejectedIfItCannotBeJudged) {
     }
     return std::string("accepted");
   };
-  EXPECT_EQ(refusal(scene_text(kNamed)), "accepted");
-  EXPECT_THAT(refusal(scene_text(kNamed, "")), HasSubstr("s.yaml:8: expected 'proximity_m'"));
-  EXPECT_THAT(refusal(scene_text(kNamed, "proximity_m: 0.3\n")),
+  EXPECT_EQ(rejection(scene_text(kNamed)), "accepted");
+  EXPECT_THAT(rejection(scene_text(kNamed, "")), HasSubstr("s.yaml:8: expected 'proximity_m'"));
+  EXPECT_THAT(rejection(scene_text(kNamed, "proximity_m: 0.3\n")),
               HasSubstr("of at least 0.51, the distance that 'separation' requires, found 0.3"));
-  EXPECT_THAT(refusal(scene_text(kMeasured, "proximity_m: 0.05\n")),
+  EXPECT_THAT(rejection(scene_text(kMeasured, "proximity_m: 0.05\n")),
               HasSubstr("of at least 0.1, the distance that 'separation' requires at least"));
   std::string coarse = scene_text(kMeasured);
   coarse.replace(coarse.find("exact: true"), 11, "exact: false");
-  EXPECT_THAT(refusal(coarse), HasSubstr("--exact"));
+  EXPECT_THAT(rejection(coarse), HasSubstr("--exact"));
 }
 
 TEST_F(Separation, ReportsInvalidKeys) {

@@ -64,11 +64,11 @@ TEST(PartPairs, AddUpToTheCountersOfTheRun) {
       EXPECT_EQ(sums["part_volume"].touching, sums["part_box"].touching) << run;
       EXPECT_GT(sums["part_volume"].touching, 0u) << run;
     }
-  for (const char* refused : {"--budget-tests 5", "--budget-ms 5", "--strategy two-pass"}) {
+  for (const char* rejected : {"--budget-tests 5", "--budget-ms 5", "--strategy two-pass"}) {
     const Outcome outcome = shell(
-        std::string("throng run corridor --log off --lcm off --part-pairs p ") + refused, folder);
-    EXPECT_EQ(outcome.exit_code, 2) << refused;
-    EXPECT_EQ(line_count(outcome.err), 1) << refused << outcome.err;
+        std::string("throng run corridor --log off --lcm off --part-pairs p ") + rejected, folder);
+    EXPECT_EQ(outcome.exit_code, 2) << rejected;
+    EXPECT_EQ(line_count(outcome.err), 1) << rejected << outcome.err;
   }
 }
 

@@ -75,12 +75,12 @@ TEST(Compare, MeasuresFlowAtTheGivenLine) {
 
 TEST(Compare, RejectsBadInputBeforeAnyOutput) {
   Workplace place;
-  expect_refused(place, "throng compare my.yaml nowhere.yaml --json out.json", "nowhere");
-  expect_refused(place, "throng compare my.yaml body.tri --json out.json", "body.tri");
-  expect_refused(place, "throng compare my.yaml my.yaml --json my.yaml", "my.yaml");
-  expect_refused(place, "throng compare my.yaml", "B");
-  expect_refused(place, "throng compare my.yaml my.yaml --line 1,2,3", "--line");
-  expect_refused(place, "throng compare my.yaml my.yaml --line 1,2,1,2", "--line");
+  expect_rejected(place, "throng compare my.yaml nowhere.yaml --json out.json", "nowhere");
+  expect_rejected(place, "throng compare my.yaml body.tri --json out.json", "body.tri");
+  expect_rejected(place, "throng compare my.yaml my.yaml --json my.yaml", "my.yaml");
+  expect_rejected(place, "throng compare my.yaml", "B");
+  expect_rejected(place, "throng compare my.yaml my.yaml --line 1,2,3", "--line");
+  expect_rejected(place, "throng compare my.yaml my.yaml --line 1,2,1,2", "--line");
 }
 
 }  // namespace

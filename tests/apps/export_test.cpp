@@ -78,7 +78,7 @@ TEST(Export, RejectsALogWithoutADescriptionBeforeWriting) {
         "throng export h.lcmlog --csv events --out keep.csv",
         "throng export h.lcmlog --csv frame_stats --out new.csv",
         "throng export h.lcmlog --csv states"})
-    expect_refused(place, line, "h.lcmlog: expected a run's description, found none");
+    expect_rejected(place, line, "h.lcmlog: expected a run's description, found none");
 }
 
 TEST(Export, RejectsALogOfSeveralRunsBeforeWriting) {
@@ -89,8 +89,8 @@ TEST(Export, RejectsALogOfSeveralRunsBeforeWriting) {
       place.folder());
   ASSERT_EQ(other.exit_code, 0) << other.err;
   write_file(place / "keep.mcap", "precious\n");
-  expect_refused(place, "throng export both.lcmlog --mcap keep.mcap",
-                 "both.lcmlog: expected one run, found several");
+  expect_rejected(place, "throng export both.lcmlog --mcap keep.mcap",
+                  "both.lcmlog: expected one run, found several");
 }
 
 TEST(Export, ReportsDamageAndContinuesBehindIt) {

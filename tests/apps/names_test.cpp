@@ -43,12 +43,12 @@ TEST(Names, AreRejectedWithTheirLineIfUnprintable) {
        "s.yaml:1: expected a name of 1 to 120 printable bytes for 'name', found one "
        "with a control character: 'a\\x0ab'"},
       {"a\xff", "s.yaml:1: expected text in UTF-8, found '\\xff'"}};
-  for (const auto& [name, refusal] : cases) {
+  for (const auto& [name, rejection] : cases) {
     write_file(folder / "s.yaml", scene_named(name));
     const Outcome run =
         shell("throng run s.yaml --seconds 0.1 --lcm off --log s.lcmlog --json s.json", folder);
     EXPECT_EQ(run.exit_code, 2) << run.err;
-    EXPECT_THAT(run.err, HasSubstr(refusal));
+    EXPECT_THAT(run.err, HasSubstr(rejection));
     EXPECT_FALSE(std::filesystem::exists(folder / "s.lcmlog"));
   }
   const std::string text = scene_named("x");

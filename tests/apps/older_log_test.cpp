@@ -30,8 +30,8 @@ TEST(OutputPlan, KeepsThePreviousDefaultLog) {
   EXPECT_NE(two, one);
   EXPECT_THAT(shell(run + "3", place.folder()).err, HasSubstr("in place of the one of"));
   EXPECT_EQ(read_file(place / "out/my.previous.lcmlog"), two);
-  expect_refused(place, run + "4 --json out/my.previous.lcmlog", kTwice);
-  expect_refused(place, run + "4 --json out/my.lcmlog", kTwice);
+  expect_rejected(place, run + "4 --json out/my.previous.lcmlog", kTwice);
+  expect_rejected(place, run + "4 --json out/my.lcmlog", kTwice);
 }
 
 TEST(OutputPlan, NotesAReplacedLog) {

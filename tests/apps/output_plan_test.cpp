@@ -118,10 +118,10 @@ TEST(OutputPlan, RejectsTwoOutputsInOneFile) {
           Workplace place;
           shell(alias.prepare, place.folder());
           const std::string line = "throng " + command.command + " " + command.line;
-          expect_refused(place, fmt::format("{} {} x.csv {} {}", line, first, second, alias.second),
-                         kTwice);
+          expect_rejected(
+              place, fmt::format("{} {} x.csv {} {}", line, first, second, alias.second), kTwice);
           if (&alias == kAliases)
-            expect_refused(
+            expect_rejected(
                 place, fmt::format("{} {} x.csv {} {}", line, second, first, alias.second), kTwice);
           ++tried;
         }
@@ -139,18 +139,18 @@ TEST(OutputPlan, RejectsOutputsThatAreInputs) {
         const char* said = is_folder ? "a file of that name" : kTwice;
         Workplace place;
         fs::create_symlink(file, place / name);
-        expect_refused(
+        expect_rejected(
             place, fmt::format("throng {} {} {} {}", command.command, command.line, option, name),
             said);
         if (ending_of(command, option).empty())
-          expect_refused(
+          expect_rejected(
               place, fmt::format("throng {} {} {} {}", command.command, command.line, option, file),
               said);
       }
   // The files of a folder are outputs as well.
   Workplace place;
   shell("mkdir c; ln my.yaml c/part_contacts.csv", place.folder());
-  expect_refused(place, "throng run my.yaml --lcm off --log off --contacts c", "my.yaml");
+  expect_rejected(place, "throng run my.yaml --lcm off --log off --contacts c", "my.yaml");
 }
 
 TEST(OutputPlan, LetsOnlyTheSameRunOverwriteItsCheckpoint) {
@@ -162,8 +162,8 @@ TEST(OutputPlan, LetsOnlyTheSameRunOverwriteItsCheckpoint) {
   const std::string resumed = "throng run my.yaml --seconds 0.2 --lcm off --resume c.csv ";
   for (const std::string& option : commands()[0].outputs) {
     if (option == "--checkpoint") continue;
-    expect_refused(place, fmt::format("{}{} c.csv", resumed, option), kTwice);
-    expect_refused(place, fmt::format("{}--checkpoint c.csv {} c.csv", resumed, option), kTwice);
+    expect_rejected(place, fmt::format("{}{} c.csv", resumed, option), kTwice);
+    expect_rejected(place, fmt::format("{}--checkpoint c.csv {} c.csv", resumed, option), kTwice);
   }
   EXPECT_EQ(shell(resumed + "--log off --checkpoint c.csv --checkpoint-every 0.05", place.folder())
                 .exit_code,
@@ -180,9 +180,9 @@ TEST(OutputPlan, DistinguishesFilesAndFolders) {
       shell(is_folder ? fmt::format("echo old >{}", name)
                       : fmt::format("mkdir {0}; echo old >{0}/old", name),
             place.folder());
-      expect_refused(place,
-                     fmt::format("throng {} {} {} {}", command.command, command.line, option, name),
-                     "of that name");
+      expect_rejected(
+          place, fmt::format("throng {} {} {} {}", command.command, command.line, option, name),
+          "of that name");
     }
 }
 
@@ -191,10 +191,10 @@ TEST(OutputPlan, ReportsAMissingFolderBeforeTheWork) {
     for (const std::string& option : command.outputs) {
       if (is_always_folder(option) || (option == "--out" && command.command != "render")) continue;
       Workplace place;
-      expect_refused(place,
-                     fmt::format("throng {} {} {} no/x{}", command.command, command.line, option,
-                                 ending_of(command, option)),
-                     "the folder no does not exist", 3);
+      expect_rejected(place,
+                      fmt::format("throng {} {} {} no/x{}", command.command, command.line, option,
+                                  ending_of(command, option)),
+                      "the folder no does not exist", 3);
     }
 }
 
@@ -203,12 +203,12 @@ TEST(OutputPlan, RejectsOutputsAmongTheFilesOfAFolder) {
   const std::string run = "throng run my.yaml --seconds 0.1 --lcm off --log off --contacts c ";
   for (const char* name :
        {"contacts.csv", "part_contacts.csv", "contact_parts.svg", "../c/people.csv"})
-    expect_refused(place, run + "--json c/" + name, kTwice);
-  expect_refused(place, "throng paper --out c --json c/figure_1.svg", kTwice);
+    expect_rejected(place, run + "--json c/" + name, kTwice);
+  expect_rejected(place, "throng paper --out c --json c/figure_1.svg", kTwice);
   const Outcome separate = shell(run + "--json c/run.json", place.folder());
   EXPECT_EQ(separate.exit_code, 0) << separate.err;
   EXPECT_THAT(read_file(place / "c/run.json"), HasSubstr("\"hash\""));
-  expect_refused(place, run + "--trajectory t.sqlite --json t.sqlite-journal", kTwice);
+  expect_rejected(place, run + "--trajectory t.sqlite --json t.sqlite-journal", kTwice);
 }
 
 TEST(OutputPlan, RejectsTheFileOfTheStandardOutput) {
@@ -250,7 +250,7 @@ TEST(OutputPlan, LeavesAllFilesUnchangedIfARunIsRejected) {
   broken.replace(broken.find("body.urdf"), 9, "missing.urdf");
   write_file(place / "no_model.yaml", broken);
   write_file(place / "damaged", "THRONGCP and then nothing");
-  const std::pair<const char*, const char*> refused[] = {
+  const std::pair<const char*, const char*> rejected[] = {
       {"bad.yaml", "bad.yaml:2"},
       {"no_model.yaml", "missing.urdf"},
       {"missing.yaml", "missing.yaml"},
@@ -261,14 +261,14 @@ TEST(OutputPlan, LeavesAllFilesUnchangedIfARunIsRejected) {
       {"my.yaml --resume x.checkpoint --seconds 0.001", "increase --seconds"},
       {"my.yaml --avatars 0", "--avatars"},
       {"my.yaml --nonsense", "--nonsense"}};
-  for (const auto& [line, said] : refused) {
-    expect_refused(place, std::string("throng run --lcm off ") + line + kAllOutputs, said);
-    expect_refused(place, std::string("throng run --lcm off --json x.json ") + line, said);
+  for (const auto& [line, said] : rejected) {
+    expect_rejected(place, std::string("throng run --lcm off ") + line + kAllOutputs, said);
+    expect_rejected(place, std::string("throng run --lcm off --json x.json ") + line, said);
   }
-  expect_refused(place, "throng render a.lcmlog --frame 999 --out x.png", "expected frame 999");
-  expect_refused(place, "throng render bad.yaml --frame 0 --out x.png", "bad.yaml");
-  expect_refused(place, "throng view bad.yaml --html x.html", "bad.yaml");
-  expect_refused(place, "throng check bad.yaml --repair x.lcmlog", "bad.yaml");
+  expect_rejected(place, "throng render a.lcmlog --frame 999 --out x.png", "expected frame 999");
+  expect_rejected(place, "throng render bad.yaml --frame 0 --out x.png", "bad.yaml");
+  expect_rejected(place, "throng view bad.yaml --html x.html", "bad.yaml");
+  expect_rejected(place, "throng check bad.yaml --repair x.lcmlog", "bad.yaml");
 }
 
 TEST(OutputPlan, LeavesOtherOutputsUnchangedIfOneFails) {
@@ -286,7 +286,7 @@ TEST(OutputPlan, LeavesOtherOutputsUnchangedIfOneFails) {
     std::string line = std::string("throng run my.yaml --lcm off --seconds 0.1") + kAllOutputs;
     if (option != "--trajectory")
       line = std::regex_replace(line, std::regex(fmt::format("{} \\S+", option)), "");
-    expect_refused(place, fmt::format("{} {} {}", line, option, last), "File name too long", 3);
+    expect_rejected(place, fmt::format("{} {} {}", line, option, last), "File name too long", 3);
   }
 }
 
@@ -312,13 +312,13 @@ TEST(OutputPlan, SeesThroughFoldersCreatedOnTheWay) {
   Workplace place;
   shell("mkdir c; cp my.yaml body.urdf body.tri rock.tri c; mv c/my.yaml c/contacts.csv",
         place.folder());
-  expect_refused(place, "throng run c/contacts.csv --lcm off --log off --contacts c/new/..",
-                 "would overwrite");
-  expect_refused(place,
-                 "throng run my.yaml --lcm off --log off --contacts c --json "
-                 "c/new/../part_contacts.csv",
-                 kTwice);
-  expect_refused(place, "throng run my.yaml --lcm off --log no/../my.yaml", "cannot write it", 3);
+  expect_rejected(place, "throng run c/contacts.csv --lcm off --log off --contacts c/new/..",
+                  "would overwrite");
+  expect_rejected(place,
+                  "throng run my.yaml --lcm off --log off --contacts c --json "
+                  "c/new/../part_contacts.csv",
+                  kTwice);
+  expect_rejected(place, "throng run my.yaml --lcm off --log no/../my.yaml", "cannot write it", 3);
 }
 
 TEST(OutputPlan, AllowsAPipedStandardOutput) {
@@ -350,19 +350,19 @@ TEST(OutputPlan, RejectsEmptyFileNames) {
       for (const std::string& option : options) {
         const std::string line =
             fmt::format("throng {} {} {} ", command.command, command.line, option);
-        if (ending_of(command, option).empty()) expect_refused(place, line + "''", "found none");
+        if (ending_of(command, option).empty()) expect_rejected(place, line + "''", "found none");
         if (option != "--json" && ending_of(command, option).empty())
-          expect_refused(place, line + "-", "only --json writes to stdout");
+          expect_rejected(place, line + "-", "only --json writes to stdout");
       }
 }
 
 TEST(OutputPlan, RejectsFilesAsLcmUrls) {
   Workplace place;
-  expect_refused(place, "throng run my.yaml --log off --lcm 'file://my.yaml?mode=w'",
-                 "--log FILE writes a log");
-  expect_refused(place, "throng monitor --once --lcm 'file://my.yaml?mode=w'", "a network");
-  expect_refused(place, "LCM_DEFAULT_URL='file://my.yaml?mode=w' throng monitor --once --lcm ''",
-                 "found ");
+  expect_rejected(place, "throng run my.yaml --log off --lcm 'file://my.yaml?mode=w'",
+                  "--log FILE writes a log");
+  expect_rejected(place, "throng monitor --once --lcm 'file://my.yaml?mode=w'", "a network");
+  expect_rejected(place, "LCM_DEFAULT_URL='file://my.yaml?mode=w' throng monitor --once --lcm ''",
+                  "found ");
 }
 
 TEST(OutputPlan, KeepsTheOldResultUntilTheNewOneIsComplete) {

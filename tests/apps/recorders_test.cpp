@@ -57,9 +57,9 @@ TEST(TrajectoryFiles, RequireAChoiceForADividedArea) {
   for (const char* piece : {"largest", "1", "2"})
     EXPECT_EQ(shell(run + "t.sqlite --trajectory-area " + piece, folder).exit_code, 0) << piece;
   for (const char* piece : {"0", "3", "all", "-1"}) {
-    const Outcome refused = shell(run + "t.sqlite --trajectory-area=" + piece, folder);
-    EXPECT_EQ(refused.exit_code, 2) << piece;
-    EXPECT_EQ(line_count(refused.err), 1) << refused.err;
+    const Outcome rejected = shell(run + "t.sqlite --trajectory-area=" + piece, folder);
+    EXPECT_EQ(rejected.exit_code, 2) << piece;
+    EXPECT_EQ(line_count(rejected.err), 1) << rejected.err;
   }
 }
 

@@ -26,9 +26,9 @@ std::string table(const std::string& header) {
 TEST(RunRecording, NeedsTheColumnNamesOfACustomTable) {
   const ScratchFolder folder;
   write_file(folder / "walk.csv", table("who;when;east;north"));
-  const Outcome refused = shell("throng run walk.csv --lcm off --log off", folder);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--columns"));
+  const Outcome rejected = shell("throng run walk.csv --lcm off --log off", folder);
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_THAT(rejected.err, HasSubstr("--columns"));
   const Outcome outcome = shell(
       "throng run walk.csv --columns id=who,t=when,x=east,y=north --lcm off --log walk.lcmlog "
       "--trajectory walk.sqlite --exact --json -",

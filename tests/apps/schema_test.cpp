@@ -79,8 +79,8 @@ TEST(SceneKeys, AreDocumented) {
     const std::string keys = section(page, map.name);
     ASSERT_FALSE(keys.empty()) << "docs/reference/scene-keys.md has no section " << map.name;
     for (const KeyText& key : map.keys) {
-      // The page has the text of a link without the link.
-      const std::string meaning = key.meaning.substr(0, key.meaning.find('['));
+      // The page shows the name of a document as a link.
+      const std::string meaning = key.meaning.substr(0, key.meaning.find("docs/"));
       EXPECT_NE(keys.find(fmt::format("\n| `{}` | {}", key.name, meaning)), std::string::npos)
           << "docs/reference/scene-keys.md lacks " << key.name << " of " << map.name;
       EXPECT_TRUE(key.fallback.find('[') != std::string::npos ||

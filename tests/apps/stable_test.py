@@ -4,11 +4,8 @@ stable_test.py ROOT BUILD [--update]: collects commands and options, scene keys,
 `throng run --json`, LCM fingerprints, exported Python names and public headers. Prints what differs and exits with 1,
 or with --update writes the list: an entry that disappears breaks programs of users.
 """
-import ast
-import json
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
@@ -16,59 +13,28 @@ ROOT, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 LIST = ROOT / "tests/apps/stable.txt"
 HEADERS = r"^\s*(?:HEADERS |throng_install\(\w+ HEADERS )([^\n)]*?)(?: REQUIRES|$)"
 
-
-def throng(*arguments, folder=None):
-    done = subprocess.run([BUILD / "throng", *arguments], capture_output=True, text=True, cwd=folder)
-    if done.returncode != 0:
-        sys.exit(f"throng {' '.join(arguments)}: exit code {done.returncode}: {done.stderr}")
-    return done.stdout
+sys.dont_write_bytecode = True  # the tree of sources stays as it is
+sys.path.insert(0, str(ROOT / "scripts"))
+import printed_names  # noqa: E402
 
 
-def options():
-    commands = re.search(r"Subcommands:\n(.*?)(?:\n\n|\Z)", throng("--help"), flags=re.S).group(1)
-    for command in re.findall(r"^  (\w+)", commands, flags=re.M):
+def command_line(program):
+    for command in printed_names.commands(program):
         yield f"command {command}"
         if command != "help":
-            for option in re.findall(r"^  (?:-\w,)?(--[\w-]+)", throng(command, "--help"), flags=re.M):
+            for option in printed_names.options(program, command):
                 yield f"option {command} {option}"
 
 
-def scene_keys():
-    schema = json.loads(throng("scenes", "--schema"))
-
-    def walk(name, node):
-        if isinstance(node, list):
-            for child in node:
-                yield from walk(name, child)
-        elif isinstance(node, dict):
-            for key, child in node.get("properties", {}).items():
-                yield f"scene key {name}{key}"
-                yield from walk(f"{name}{key}.", child)
-            for key, child in node.items():
-                if key not in ("properties", "$defs", "definitions"):
-                    yield from walk(name, child)
-            for table in ("$defs", "definitions"):
-                for key, child in node.get(table, {}).items():
-                    yield from walk(f"({key}) ", child)
-
-    yield from walk("", schema)
+def scene_keys(program):
+    for name, rule in printed_names.scene_maps(program).items():
+        for key in printed_names.map_rule(rule)["properties"]:
+            yield f"scene key {key}" if name == "scene" else f"scene key ({name}) {key}"
 
 
-def run_fields():
-    with tempfile.TemporaryDirectory() as folder:
-        throng("run", "robot_in_crowd", "--seconds", "0.1", "--exact", "--contact-points", "--proximity", "0.2",
-               "--lcm", "off", "--log", "off", "--json", "run.json", folder=folder)
-        report = json.loads((pathlib.Path(folder) / "run.json").read_text())
-
-    def walk(name, node):
-        if isinstance(node, dict):
-            for key, child in node.items():
-                yield f"run JSON {name}{key}"
-                yield from walk(f"{name}{key}.", child)
-        elif isinstance(node, list) and node:
-            yield from walk(name, node[0])
-
-    yield from walk("", report)
+def run_fields(program):
+    for path in printed_names.SmallRun(program).json_paths():
+        yield f"run JSON {path}"
 
 
 def fingerprints():
@@ -83,11 +49,8 @@ def fingerprints():
 
 
 def python_names():
-    module = ast.parse((ROOT / "python/throng/__init__.py").read_text())
-    for node in module.body:
-        if isinstance(node, ast.Assign) and node.targets[0].id == "_PLACES":
-            for name in ast.literal_eval(node.value):
-                yield f"Python {name}"
+    for name in printed_names.python_places():
+        yield f"Python {name}"
 
 
 def headers():
@@ -98,7 +61,13 @@ def headers():
 
 
 def main():
-    found = sorted({*options(), *scene_keys(), *run_fields(), *fingerprints(), *python_names(), *headers()})
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            program = printed_names.Program(BUILD / "throng", folder)
+            printed = {*command_line(program), *scene_keys(program), *run_fields(program)}
+    except printed_names.ProgramError as error:
+        sys.exit(str(error))
+    found = sorted({*printed, *fingerprints(), *python_names(), *headers()})
     if "--update" in sys.argv:
         LIST.write_text("".join(f"{line}\n" for line in found))
         return

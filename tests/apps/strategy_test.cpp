@@ -71,10 +71,10 @@ TEST(RunStrategy, RejectsBudgetsAndOtherNames) {
   const ScratchFolder folder;
   for (const char* options : {"--strategy two-pass --budget-ms 5", "--strategy three-pass",
                               "--strategy sphere --exact"}) {
-    const Outcome refused =
+    const Outcome rejected =
         shell(std::string("throng run paper_15 --lcm off --log off ") + options, folder);
-    EXPECT_EQ(refused.exit_code, 2) << options;
-    EXPECT_EQ(line_count(refused.err), 1) << refused.err;
+    EXPECT_EQ(rejected.exit_code, 2) << options;
+    EXPECT_EQ(line_count(rejected.err), 1) << rejected.err;
   }
 }
 

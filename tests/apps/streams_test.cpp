@@ -26,8 +26,8 @@ TEST_P(UnwritableStderr, LosesOnlyMessages) {
   EXPECT_THAT(plain.out, HasSubstr("hash"));
   const Outcome check = shell("throng check run.lcmlog", folder);
   EXPECT_EQ(check.exit_code, 0) << check.out;
-  const Outcome refused = shell(std::string("throng run nowhere ") + GetParam(), folder);
-  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  const Outcome rejected = shell(std::string("throng run nowhere ") + GetParam(), folder);
+  EXPECT_EQ(rejected.exit_code, 2) << rejected.err;
 }
 
 INSTANTIATE_TEST_SUITE_P(Stderr, UnwritableStderr, testing::Values("2>/dev/full", "2>&-"));

@@ -111,11 +111,11 @@ TEST_F(View, RejectsARunWithoutAvatars) {
              "name: nobody\nground: {min_m: [-5, -5], max_m: [5, 5]}\nduration_s: 1\n"
              "groups: [{name: none, count: 0, spawn: {min_m: [-1, -1], max_m: [1, 1]},\n"
              "          goals: [{min_m: [2, 2], max_m: [3, 3]}]}]\n");
-  const Outcome refused =
+  const Outcome rejected =
       shell("throng run nobody.yaml --lcm off --log n.lcmlog --html n.html", folder_);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_EQ(line_count(refused.err), 1) << refused.err;
-  EXPECT_THAT(refused.err, HasSubstr("--html: expected a run with people or robots"));
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_EQ(line_count(rejected.err), 1) << rejected.err;
+  EXPECT_THAT(rejected.err, HasSubstr("--html: expected a run with people or robots"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "n.lcmlog"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "n.html"));
   ASSERT_EQ(shell("throng run nobody.yaml --lcm off --log n.lcmlog", folder_).exit_code, 0);

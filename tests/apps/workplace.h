@@ -22,7 +22,7 @@ duration_s: 1
 ground: {min_m: [-10, -10], max_m: [10, 10]}
 groups:
   - {name: them, model: body.urdf, count: 4, spawn: {min_m: [-8, -8], max_m: [0, 0]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}
-  - {name: somebody, count: 1, spawn: {min_m: [-8, -8], max_m: [0, 0]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}
+  - {name: visitor, count: 1, spawn: {min_m: [-8, -8], max_m: [0, 0]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}
 proximity_m: 0.1
 separation: {human_speed_mps: 0, robot_speed_mps: 0, reaction_s: 0, stopping_s: 0}
 obstacles:
@@ -86,8 +86,8 @@ inline std::string without_notes(const std::string& text) {
 }
 
 /// Expects one line with `said`, the exit code, and an unchanged folder.
-inline void expect_refused(Workplace& place, const std::string& line, const std::string& said,
-                           int exit_code = 2) {
+inline void expect_rejected(Workplace& place, const std::string& line, const std::string& said,
+                            int exit_code = 2) {
   SCOPED_TRACE(line);
   place.look();
   const Outcome outcome = shell(line, place.folder());

@@ -154,7 +154,7 @@ TEST(GaitFile, IsRejectedIfDamagedOrShort) {
   write_gait_file(*adult, GaitStyle::kPlain, folder.path);
   const fs::path file = folder.path / gait_file_name(*adult, GaitStyle::kPlain);
   const std::vector<uint8_t> whole = RegularFile(file, "a gait", 1 << 28).bytes();
-  const auto is_refused = [&](const std::vector<uint8_t>& bytes) {
+  const auto is_rejected = [&](const std::vector<uint8_t>& bytes) {
     write_file_atomically(file, bytes);
     EXPECT_THROW(read_gait_file(file), InputError) << bytes.size();
   };
@@ -163,10 +163,10 @@ TEST(GaitFile, IsRejectedIfDamagedOrShort) {
     const auto at = static_cast<size_t>(
         random_uniform({kSeed, i, 1, Purpose::kGaitPhase}, 0, static_cast<double>(whole.size())));
     bytes[at] ^= 0x10;
-    is_refused(bytes);
-    is_refused({whole.begin(), whole.begin() + static_cast<ptrdiff_t>(at)});
+    is_rejected(bytes);
+    is_rejected({whole.begin(), whole.begin() + static_cast<ptrdiff_t>(at)});
   }
-  is_refused({});
+  is_rejected({});
 }
 
 TEST(GaitFile, SupportsModelsWithoutLegs) {

@@ -210,7 +210,7 @@ TEST(Stepping, SlidesLessThan1CmOnAnSCurve) {
     }
 }
 
-/// A foot is dragged only as far as necessary. Hips follow 1.2 rad/s on the spot.
+/// A foot is dragged no farther than necessary. Hips follow 1.2 rad/s on the spot.
 TEST(Stepping, KeepsTheFeetNearTheirPlaceWhenSpun) {
   Path path(1.2f);
   path.steps({1.2f, 0, 0}, 2);

@@ -1,4 +1,4 @@
-// An atomically written file has its old or its new content, whatever fails.
+// An atomically written file has its old or its new content, even if an operation fails.
 #include "base/files/atomic_file.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Whatever a sandboxed parser does, the caller gets its bytes or a one-line error in bounded time,
-// and nothing of the child remains.
+// The caller of a sandboxed parser gets its bytes or a one-line error in bounded time, even if the
+// parser hangs or crashes; nothing of the child remains.
 #include "base/files/sandboxed_parser.h"
 
 #include <fcntl.h>
@@ -178,7 +178,7 @@ TEST_F(SandboxedParserTest, QuotesExceptions) {
       EndsWith("a.foo: expected two feet, found three"));
   EXPECT_THAT(
       complaint([](const RegularFile&) -> Bytes { throw std::runtime_error("no\x1b foo"); }),
-      EndsWith("a.foo: expected a foo, found one that libfoo refuses: no  foo"));
+      EndsWith("a.foo: expected a foo, found one that libfoo rejects: no  foo"));
   EXPECT_THAT(complaint([](const RegularFile&) -> Bytes { throw 7; }),
               HasSubstr("something that is no std::exception"));
   EXPECT_LT(complaint([](const RegularFile&) -> Bytes {
@@ -323,7 +323,7 @@ TEST_F(SandboxedParserTest, RejectsInvalidReplies) {
   EXPECT_THAT(complaint(replying(head({.kind = sandbox::ReplyHeader::Kind{77}}))),
               HasSubstr("ends the"));
   EXPECT_THAT(complaint(replying(
-                  head({.kind = sandbox::ReplyHeader::Kind::kRefused, .expected_size = ~0ull}))),
+                  head({.kind = sandbox::ReplyHeader::Kind::kRejected, .expected_size = ~0ull}))),
               HasSubstr("a.foo: expected , found "));
 }
 

@@ -209,10 +209,10 @@ TEST(BenchCommand, ChecksPairsOfAnotherProgram) {
            {header + "0,1\n", "f/altered.csv:2: expected three whole numbers, FRAME,A,B"},
            {header + "0,1,-2\n", "f/altered.csv:2: expected three whole numbers"},
            {header + "0,1,2,3\n", "f/altered.csv:2: expected three whole numbers"}}) {
-    const Outcome refused = checked(text);
-    EXPECT_EQ(refused.exit_code, 2) << text;
-    EXPECT_THAT(refused.err, HasSubstr(expected));
-    EXPECT_EQ(line_count(refused.err), 1);
+    const Outcome rejected = checked(text);
+    EXPECT_EQ(rejected.exit_code, 2) << text;
+    EXPECT_THAT(rejected.err, HasSubstr(expected));
+    EXPECT_EQ(line_count(rejected.err), 1);
   }
   std::ofstream(folder / "alone.csv") << header;
   EXPECT_EQ(shell("throng bench --check alone.csv", folder).exit_code, 2);

@@ -20,7 +20,7 @@ namespace {
 constexpr time_t kSeconds = time_t{10} * THRONG_SLOWNESS;
 constexpr unsigned kWallSeconds = 100 * THRONG_SLOWNESS;
 constexpr int kUsed = 0;
-constexpr int kRefused = 2;
+constexpr int kRejected = 2;
 constexpr int kOtherError = 9;
 /// Three times the need of the largest scene of a few people.
 constexpr rlim_t kMemory = rlim_t{4} << 30;
@@ -44,7 +44,7 @@ constexpr rlim_t kMemory = rlim_t{4} << 30;
     const std::string_view words = error.what();
     const bool is_a_line = words.find("expected") != words.npos && words.find('\n') == words.npos;
     if (!is_a_line) std::fprintf(stderr, "expected one line with 'expected': %s\n", error.what());
-    code = is_a_line ? kRefused : kOtherError;
+    code = is_a_line ? kRejected : kOtherError;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "another kind of error: %s\n", error.what());
     code = kOtherError;
@@ -89,8 +89,8 @@ void try_case(const std::string& input, const std::string& kept, const std::func
     ++tally.ran;
     return;
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kRefused) {
-    ++tally.refused;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kRejected) {
+    ++tally.rejected;
     return;
   }
   const bool hung =
@@ -101,11 +101,11 @@ void try_case(const std::string& input, const std::string& kept, const std::func
 }
 
 int report(const std::string& what, const Tally& tally) {
-  std::printf("[ inputs ] %s: %lld tried, %lld refused, %lld ran, %lld crashed, %lld hung\n",
+  std::printf("[ inputs ] %s: %lld tried, %lld rejected, %lld ran, %lld crashed, %lld hung\n",
               what.c_str(), static_cast<long long>(tally.tried),
-              static_cast<long long>(tally.refused), static_cast<long long>(tally.ran),
+              static_cast<long long>(tally.rejected), static_cast<long long>(tally.ran),
               static_cast<long long>(tally.crashed), static_cast<long long>(tally.hung));
-  return tally.crashed + tally.hung == 0 && tally.ran > 0 && tally.refused > 0 ? 0 : 1;
+  return tally.crashed + tally.hung == 0 && tally.ran > 0 && tally.rejected > 0 ? 0 : 1;
 }
 
 Arguments read_arguments(int argc, char** argv, int64_t count) {

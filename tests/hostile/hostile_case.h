@@ -28,7 +28,7 @@ class Draw {
 
 struct Tally {
   int64_t tried = 0;
-  int64_t refused = 0;
+  int64_t rejected = 0;
   int64_t ran = 0;
   int64_t crashed = 0;
   int64_t hung = 0;

@@ -150,7 +150,7 @@ Bytes damaged(Bytes bytes, Dice& dice) {
 struct Progress {
   std::atomic<int> next = 0;  ///< the current case, or the first one
   std::atomic<int64_t> began_ms = 0;
-  int refused = 0, read = 0, hung = 0;
+  int rejected = 0, read = 0, hung = 0;
   int assimp_crashed = 0, assimp_stalled = 0, assimp_hoarded = 0;
 };
 
@@ -186,7 +186,7 @@ class Cases {
         read_mesh(file);
         ++progress.read;
       } catch (const InputError& error) {
-        ++progress.refused;
+        ++progress.rejected;
         const std::string_view message = error.what();
         progress.assimp_crashed += message.find("crashes assimp") != message.npos ? 1 : 0;
         progress.assimp_stalled += message.find("keeps assimp busy") != message.npos ? 1 : 0;
@@ -279,9 +279,9 @@ int main(int argc, char** argv) {
       "in the sandbox: assimp crashed %d times, was stopped %d times for its time and %d "
       "times for its memory\n",
       progress.assimp_crashed, progress.assimp_stalled, progress.assimp_hoarded);
-  std::printf("[ inputs ] meshes: %d tried, %d refused, %d read, %d crashed, %d hung\n", count,
-              progress.refused, progress.read, crashed, progress.hung);
+  std::printf("[ inputs ] meshes: %d tried, %d rejected, %d read, %d crashed, %d hung\n", count,
+              progress.rejected, progress.read, crashed, progress.hung);
   // A reader that rejects or accepts everything was not tested.
-  const bool is_tried = progress.read > 0 && progress.refused > 0;
+  const bool is_tried = progress.read > 0 && progress.rejected > 0;
   return crashed + progress.hung == 0 && is_tried ? 0 : 1;
 }

@@ -51,7 +51,7 @@ TEST(ContactPointMessages, PreserveEveryRowBitForBit) {
       ASSERT_LE(m.bytes.size(), kMaxMessageBytes);
       messages += m.channel == Channel::kContactPoints;
       const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
-      ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
+      ASSERT_NE(update, RunReader::Update::kRejected) << reader.rejection();
       updates += update == RunReader::Update::kContactPoints;
       reader.take(name_of(m.channel), m.bytes);  // the network may repeat a datagram
     }

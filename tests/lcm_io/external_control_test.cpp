@@ -268,20 +268,20 @@ TEST(PoseCommandReceiver, CountsMissingLateAndRejectedMessages) {
   other.avatar = {0};
   run.send(other);
   EXPECT_EQ(run.x_after_a_step(), 2);
-  EXPECT_EQ(run.counts().refusal, "avatar 0 is not of group 'rovers'");
+  EXPECT_EQ(run.counts().rejection, "avatar 0 is not of group 'rovers'");
   pose_command_t joints = run.message(5);
   joints.joint_positions = {1};
   joints.joint_position_count = 1;
   run.send(joints);
   EXPECT_EQ(run.x_after_a_step(), 2);
-  EXPECT_EQ(run.counts().refusal, "1 joint positions, expected 3");
+  EXPECT_EQ(run.counts().rejection, "1 joint positions, expected 3");
   pose_command_t old = run.message(5);
   old.schema = 2;
   run.send(old);
   EXPECT_EQ(run.x_after_a_step(), 2);
   EXPECT_EQ(run.counts().missing, 3) << "one of the four gaps was filled late";
   EXPECT_EQ(run.counts().late, 1);
-  EXPECT_EQ(run.counts().refused, 3);
+  EXPECT_EQ(run.counts().rejected, 3);
   run.next_seq = 0;  // a restarted controller
   run.send(run.message(7));
   EXPECT_EQ(run.x_after_a_step(), 7);
@@ -341,7 +341,7 @@ TEST(PoseCommandReceiver, SurvivesDamagedMessages) {
     for (const float value : row_of(frame, static_cast<uint32_t>(run.id)))
       ASSERT_LE(std::abs(value), 3.2f);
   }
-  EXPECT_GT(run.counts().refused, 1000);
+  EXPECT_GT(run.counts().rejected, 1000);
   EXPECT_GT(run.counts().messages, 1000);
 }
 

@@ -37,6 +37,6 @@ grep -q "'robot' is controlled through LCM channel ROBOT" "$dir/err" || {
 [ "$(number messages)" -gt 0 ] && sed -n '/"external_control"/,$p' "$dir/run.json" >"$dir/external"
 messages=$(sed -n 's/.*"messages": \([0-9]*\).*/\1/p' "$dir/external" | head -n 1)
 [ "$messages" -gt 100 ] || { echo "$messages messages moved the robot"; exit 1; }
-grep -q '"refused": 0' "$dir/external" || { echo "messages were refused"; exit 1; }
+grep -q '"rejected": 0' "$dir/external" || { echo "messages were rejected"; exit 1; }
 "$throng" check "$dir/a.lcmlog" >/dev/null
 "$throng" info "$dir/a.lcmlog" | grep 'group robot: 1 avatar, controlled by ROBOT'

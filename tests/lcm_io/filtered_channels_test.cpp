@@ -93,8 +93,8 @@ std::vector<PairKey> of_bodies(const Rows& rows, const std::set<uint32_t>& bodie
 
 std::vector<PairKey> proximity_of(const Frame& frame, const std::set<uint32_t>& bodies) {
   std::vector<PairKey> own = of_bodies(frame.proximity_pairs, bodies);
-  const std::vector<PairKey> people = of_bodies(frame.closest_parts, bodies);
-  own.insert(own.end(), people.begin(), people.end());
+  const std::vector<PairKey> closest = of_bodies(frame.closest_parts, bodies);
+  own.insert(own.end(), closest.begin(), closest.end());
   return own;
 }
 
@@ -195,7 +195,7 @@ TEST(FilteredChannels, SelectKindsByWordAndBodiesById) {
 
 TEST(FilteredChannels, RejectUnknownBodiesAndInvalidChannels) {
   const SyntheticRun run({.avatars = 20});
-  const auto refusal = [&run](const std::string& text) {
+  const auto rejection = [&run](const std::string& text) {
     try {
       const FilteredChannels own(run.info(),
                                  std::vector<FilteredChannel>{parse_filtered_channel(text)});
@@ -205,15 +205,15 @@ TEST(FilteredChannels, RejectUnknownBodiesAndInvalidChannels) {
     return std::string();
   };
   for (const char* wrong : {"", "7", "7:", ":MINE", "7:THRONG_PROXIMITY", "7:A CHANNEL"})
-    EXPECT_THAT(refusal(wrong),
+    EXPECT_THAT(rejection(wrong),
                 testing::StartsWith("--publish-for: expected WHO:CHANNEL, WHO a group, "))
         << wrong;
-  EXPECT_NE(refusal("7:" + std::string(54, 'x')), "");
-  EXPECT_EQ(refusal("7:" + std::string(53, 'x')), "");
-  EXPECT_EQ(refusal("all:MINE"), "");
-  EXPECT_EQ(refusal(run.info().groups[0] + ":MINE"), "");
+  EXPECT_NE(rejection("7:" + std::string(54, 'x')), "");
+  EXPECT_EQ(rejection("7:" + std::string(53, 'x')), "");
+  EXPECT_EQ(rejection("all:MINE"), "");
+  EXPECT_EQ(rejection(run.info().groups[0] + ":MINE"), "");
   for (const char* unknown : {"unknown:MINE", "99999:MINE", "-1:MINE", "7x:MINE"})
-    EXPECT_THAT(refusal(unknown), testing::HasSubstr("a body id from 0 to ")) << unknown;
+    EXPECT_THAT(rejection(unknown), testing::HasSubstr("a body id from 0 to ")) << unknown;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ cat "$dir/latency"
 grep -q '^60 frames, 0 missing' "$dir/latency" || fail "some frames were not received"
 grep '^published  *picker by ROBOT: 1 bodies' "$dir/table" || fail "the run does not report the published rows"
 rows=$(sed -n 's/^published  *all by ALL_BODIES:.* \([0-9]*\) proximity rows/\1/p' "$dir/table")
-grep -q "^proximity .* $rows of two people" "$dir/table" || fail "expected all rows, found $rows"
+grep -q "^proximity .* $rows of closest parts" "$dir/table" || fail "expected all rows, found $rows"
 run --lcm off --log "$dir/quiet.lcmlog"
 cmp "$dir/published.lcmlog" "$dir/quiet.lcmlog" || fail "the logs differ"
 for wrong in "--publish-for nobody:ROBOT" "--publish-for picker" "--publish-for picker:ROBOT --lcm off"; do

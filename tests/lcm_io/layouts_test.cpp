@@ -178,7 +178,7 @@ std::vector<Bytes> values_in_place_of(std::span<const uint8_t> was) {
 TEST(Layouts, CheckEveryFieldOfEveryType) {
   const Definitions definitions;
   const std::map<std::string, Bytes> sound = samples();
-  std::set<FieldName> met, refused;
+  std::set<FieldName> met, rejected;
   for (const auto& [type, bytes] : sound) {
     ASSERT_EQ(defect_of(type, bytes), "") << type;
     for (const Place& place : Reading(definitions, bytes).places_of(type)) {
@@ -192,7 +192,7 @@ TEST(Layouts, CheckEveryFieldOfEveryType) {
         std::copy(value.begin(), value.end(), changed.begin() + static_cast<ptrdiff_t>(place.at));
         std::string defect;
         ASSERT_NO_THROW(defect = defect_of(type, changed));
-        if (!defect.empty()) refused.insert(place.field);
+        if (!defect.empty()) rejected.insert(place.field);
         if (place.is_length && changed != bytes) {
           EXPECT_NE(defect, "") << "a length that exceeds the message";
         }
@@ -204,7 +204,7 @@ TEST(Layouts, CheckEveryFieldOfEveryType) {
       EXPECT_TRUE(met.contains({type, field.name}))
           << type << "::" << field.name << " is missing in the samples";
   for (const FieldName& field : definitions.ruled)
-    EXPECT_TRUE(refused.contains(field))
+    EXPECT_TRUE(rejected.contains(field))
         << field.first << "::" << field.second << " takes any value";
   EXPECT_GT(definitions.ruled.size(), 30u);
 }

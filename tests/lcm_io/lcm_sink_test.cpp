@@ -28,7 +28,7 @@ struct Loop {
     EXPECT_LE(bytes.size(), kMaxMessageBytes);
     ++messages;
     received += static_cast<int64_t>(bytes.size());
-    EXPECT_NE(reader.take(channel, bytes), RunReader::Update::kRefused) << reader.refusal();
+    EXPECT_NE(reader.take(channel, bytes), RunReader::Update::kRejected) << reader.rejection();
     for (const PairEvent& event : reader.new_events())
       if (channel == "THRONG_EVENTS") ++(event.kind == EventKind::kBegin ? begins : ends);
   }

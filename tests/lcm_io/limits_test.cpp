@@ -152,7 +152,7 @@ TEST(Limits, MakeEveryLoadedSceneLoggable) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "throng_limits_test";
   std::filesystem::create_directories(folder);
-  int refused = 0, read_back = 0;
+  int rejected = 0, read_back = 0;
   for (uint64_t seed = 1; seed <= 600; ++seed) {
     SCOPED_TRACE(fmt::format("seed {}", seed));
     SceneAtLimits changed(seed);
@@ -164,7 +164,7 @@ TEST(Limits, MakeEveryLoadedSceneLoggable) {
       if (const int total = changed.total(); total > 0) scale_to(scene, total, notes);
       simulation = std::make_unique<Simulation>(std::move(scene), SimulationOptions{});
     } catch (const InputError& error) {
-      ++refused;
+      ++rejected;
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       continue;
     }
@@ -174,11 +174,11 @@ TEST(Limits, MakeEveryLoadedSceneLoggable) {
     if (testing::Test::HasFailure()) break;
   }
   std::filesystem::remove_all(folder);
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(rejected, 100);
   EXPECT_GT(read_back, 100);
 }
 
-std::string refusal_of(Scene scene, int total) {
+std::string rejection_of(Scene scene, int total) {
   std::vector<std::string> notes;
   try {
     scale_to(scene, total, notes);
@@ -193,13 +193,14 @@ TEST(Limits, HoldForScaledPlans) {
   street.ground = {{-50'000, -2}, {50'000, 2}};
   street.obstacles.clear();
   for (Group& group : street.groups) group.spawn = street.ground;
-  EXPECT_EQ(refusal_of(street, 400'000), "accepted");
-  EXPECT_THAT(refusal_of(street, 8'000'000),
+  EXPECT_EQ(rejection_of(street, 400'000), "accepted");
+  EXPECT_THAT(rejection_of(street, 8'000'000),
               testing::HasSubstr("expected a ground within 100000 m of the origin, found "));
   Scene box = load_scene("paper_15");
-  EXPECT_EQ(refusal_of(box, 16'000'000), "accepted");
+  EXPECT_EQ(rejection_of(box, 16'000'000), "accepted");
   box.box->edge_m = 900;
-  EXPECT_THAT(refusal_of(box, 30), testing::HasSubstr("expected a box of at most 1000 m, found "));
+  EXPECT_THAT(rejection_of(box, 30),
+              testing::HasSubstr("expected a box of at most 1000 m, found "));
 }
 
 TEST(Limits, CoverTheNumbersOfGroupsAndModels) {

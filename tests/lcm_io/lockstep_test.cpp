@@ -146,7 +146,7 @@ TEST(Lockstep, GivesAHashIndependentOfDelaysAndOtherReplies) {
     EXPECT_EQ(run.hash_after(kFrames), expected) << "seed " << kSeed << " trial " << trial;
     EXPECT_EQ(run.counts().replies, kFrames + 1);
     EXPECT_EQ(run.counts().other_runs, kFrames + 1);
-    EXPECT_EQ(run.counts().refused, kFrames + 1);
+    EXPECT_EQ(run.counts().rejected, kFrames + 1);
     EXPECT_GE(run.counts().late + run.counts().repeated, 2 * kFrames - 1);
   }
 }
@@ -167,23 +167,23 @@ TEST(Lockstep, CountsAndIgnoresInvalidReplies) {
   });
   const uint32_t id = rover_of(run.simulation);
   run.lockstep.begin(run.simulation);
-  const std::vector<std::string> refusals = {"avatar 0 is not of group 'rovers'",
-                                             "a reply to frame 5, expected frame 1"};
+  const std::vector<std::string> rejections = {"avatar 0 is not of group 'rovers'",
+                                               "a reply to frame 5, expected frame 1"};
   for (int64_t i = 0; i <= 5; ++i) {
     const Frame& frame = run.step();
     if (i > 0) {
       EXPECT_EQ(frame.roots[id].position_m.x(), 3) << "frame " << i;
     }
     if (i < 2) {
-      EXPECT_EQ(run.counts().refusal, refusals[static_cast<size_t>(i)]);
+      EXPECT_EQ(run.counts().rejection, rejections[static_cast<size_t>(i)]);
     }
   }
   EXPECT_EQ(run.simulation.step().roots[id].position_m.x(), 7) << "the first reply counts";
-  EXPECT_EQ(run.counts().refused, 3);
+  EXPECT_EQ(run.counts().rejected, 3);
   EXPECT_EQ(run.counts().late, 1);
   EXPECT_EQ(run.counts().other_runs, 1);
   EXPECT_EQ(run.counts().replies, 7);
-  EXPECT_EQ(run.counts().refusal, "schema 2, this program reads 1");
+  EXPECT_EQ(run.counts().rejection, "schema 2, this program reads 1");
 }
 
 TEST(Lockstep, NamesAvatarsWithoutAReply) {
@@ -267,7 +267,7 @@ TEST(Lockstep, ResumesFromACheckpoint) {
 }
 
 TEST(Lockstep, RejectsUnsuitableScenes) {
-  const auto refusal = [](Scene scene) {
+  const auto rejection = [](Scene scene) {
     const Simulation simulation(std::move(scene), {});
     try {
       const Lockstep lockstep(simulation.info(), std::make_shared<lcm::LCM>("memq://"));
@@ -278,19 +278,19 @@ TEST(Lockstep, RejectsUnsuitableScenes) {
   };
   Scene no_rovers = rover_in_crowd(20);
   no_rovers.groups.pop_back();
-  EXPECT_EQ(refusal(no_rovers),
+  EXPECT_EQ(rejection(no_rovers),
             "--lockstep: expected a scene with an externally controlled group (control_channel: "
             "CHANNEL), found none");
   Scene longer = rover_in_crowd(20);
   longer.groups.back().control_channel = std::string(58, 'x');
-  EXPECT_THAT(refusal(longer),
+  EXPECT_THAT(rejection(longer),
               testing::HasSubstr("at most 57 characters, because '_REPLY' is appended"));
   Scene shared = rover_in_crowd(20);
   shared.groups.push_back(shared.groups.back());
-  EXPECT_EQ(refusal(shared),
+  EXPECT_EQ(rejection(shared),
             "--lockstep: expected a separate control channel for each group, found "
             "'ROBOT_DRIVE' for several groups");
-  EXPECT_EQ(refusal(rover_in_crowd(20)), "");
+  EXPECT_EQ(rejection(rover_in_crowd(20)), "");
 }
 
 TEST(Lockstep, SurvivesDamagedReplies) {
@@ -319,7 +319,7 @@ TEST(Lockstep, SurvivesDamagedReplies) {
         << "seed " << kSeed << " round " << round;
     ASSERT_NEAR(frame.roots[id].world_from_root.norm(), 1, 1e-5f);
   }
-  EXPECT_GT(run.counts().refused + run.counts().other_runs, 1000);
+  EXPECT_GT(run.counts().rejected + run.counts().other_runs, 1000);
 }
 
 }  // namespace

@@ -349,7 +349,7 @@ TEST(Log, IsRejectedInOneLineIfOfAnotherVersion) {
     put_big_endian(bytes.data() + event.offset + kLogHeadBytes + event.channel.size() + 56,
                    kSchema - 1);
   write_bytes(file.path(), bytes);
-  const auto refusal = [&file](auto read) -> std::string {
+  const auto rejection = [&file](auto read) -> std::string {
     try {
       read(file.path());
     } catch (const InputError& error) {
@@ -359,10 +359,10 @@ TEST(Log, IsRejectedInOneLineIfOfAnotherVersion) {
   };
   const std::string why =
       fmt::format("THRONG_RUN: schema {}, this program reads {}", kSchema - 1, kSchema);
-  EXPECT_THAT(refusal([](auto path) { check_log(path); }),
+  EXPECT_THAT(rejection([](auto path) { check_log(path); }),
               testing::HasSubstr("expected messages of this version of Throng, found " + why +
                                  "; record the run again with this version"));
-  EXPECT_THAT(refusal([](auto path) { ExportedLog(path, [] { return true; }); }),
+  EXPECT_THAT(rejection([](auto path) { ExportedLog(path, [] { return true; }); }),
               testing::HasSubstr("expected a run's description, found none (" + why +
                                  "); record the run again with this version"));
 }

@@ -136,7 +136,7 @@ TEST(MessageValidation, NeitherThrowsNorAllocatesOnMaliciousDescriptions) {
 TEST(MessageValidation, GivesAMessageOrAReasonAfterRandomDamage) {
   constexpr uint64_t kSeed = 77;
   const auto messages = one_of_each();
-  int refused = 0;
+  int rejected = 0;
   for (uint64_t round = 0; round < 20'000; ++round) {
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << " round " << round);
     const RandomKey key{kSeed, round, 0, Purpose::kStyle};
@@ -145,9 +145,9 @@ TEST(MessageValidation, GivesAMessageOrAReasonAfterRandomDamage) {
     for (uint32_t hit = 0; hit < 4; ++hit)
       bytes[random_bits(key, 2 * hit + 1) % bytes.size()] =
           static_cast<uint8_t>(random_bits(key, 2 * hit + 2));
-    ASSERT_NO_THROW(refused += check_message(m.channel, bytes).empty() ? 0 : 1);
+    ASSERT_NO_THROW(rejected += check_message(m.channel, bytes).empty() ? 0 : 1);
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(rejected, 1000);
 }
 
 TEST(MessageValidation, RejectsImpossibleHeaders) {

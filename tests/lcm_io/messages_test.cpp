@@ -110,8 +110,8 @@ TEST(Messages, CarryStatesWithinHalfAQuantisationStep) {
   encoder.frame(run.info(), sent);
   RunReader reader;
   for (const auto& m : list.messages)
-    ASSERT_NE(reader.take(name_of(m.channel), m.bytes), RunReader::Update::kRefused)
-        << reader.refusal();
+    ASSERT_NE(reader.take(name_of(m.channel), m.bytes), RunReader::Update::kRejected)
+        << reader.rejection();
   ASSERT_EQ(reader.state().frame, 0) << "seed " << kSeed;
 
   double position = 0, angle = 0, speed = 0, joint = 0, allowed = 0;

@@ -125,7 +125,7 @@ TEST(Monitor, SurvivesAHundredThousandDamagedMessages) {
       (void)monitor.recent(static_cast<double>(i));
     }
   }
-  EXPECT_GT(inbox.refused(), 10'000);
+  EXPECT_GT(inbox.rejected(), 10'000);
   EXPECT_LE(monitor.notes().size(), Monitor::kNotes);
 }
 

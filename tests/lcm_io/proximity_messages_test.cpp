@@ -49,10 +49,10 @@ TEST(ProximityMessages, PreserveEveryRowBitForBit) {
   RunInfo info = run.info();
   info.culler.proximity = {0.3f, 1.0f, 0.1};
   for (const size_t count : {0, 1, 700, 3000}) {
-    const std::vector<ProximityPair> parts = some_rows(count), people = some_rows(count / 2);
+    const std::vector<ProximityPair> parts = some_rows(count), closest_parts = some_rows(count / 2);
     Frame frame = run.step();
     frame.proximity_pairs = parts;
-    frame.closest_parts = people;
+    frame.closest_parts = closest_parts;
     MessageList list;
     RunEncoder encoder({}, list);
     encoder.begin(info);
@@ -63,17 +63,17 @@ TEST(ProximityMessages, PreserveEveryRowBitForBit) {
       ASSERT_LE(m.bytes.size(), kMaxMessageBytes);
       messages += m.channel == Channel::kProximity;
       const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
-      ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
+      ASSERT_NE(update, RunReader::Update::kRejected) << reader.rejection();
       updates += update == RunReader::Update::kProximity;
     }
     EXPECT_EQ(updates, 1);
     EXPECT_EQ(messages, count < 500 ? 1 : count < 1000 ? 2 : 7) << "680 rows per message";
     ASSERT_EQ(reader.proximity_pairs().size(), parts.size());
-    ASSERT_EQ(reader.closest_parts().size(), people.size());
+    ASSERT_EQ(reader.closest_parts().size(), closest_parts.size());
     for (size_t i = 0; i < parts.size(); ++i)
       ASSERT_TRUE(same(reader.proximity_pairs()[i], parts[i])) << i;
-    for (size_t i = 0; i < people.size(); ++i)
-      ASSERT_TRUE(same(reader.closest_parts()[i], people[i])) << i;
+    for (size_t i = 0; i < closest_parts.size(); ++i)
+      ASSERT_TRUE(same(reader.closest_parts()[i], closest_parts[i])) << i;
   }
 }
 

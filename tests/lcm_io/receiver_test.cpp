@@ -46,7 +46,7 @@ TEST(Receiver, ReceivesAllMessagesOfALiveRun) {
     EXPECT_EQ(tally[channel].messages, sink.target_state().totals(channel).messages);
     EXPECT_EQ(tally[channel].missing, 0) << name_of(channel);
   }
-  EXPECT_EQ(receiver.inbox().refused(), 0);
+  EXPECT_EQ(receiver.inbox().rejected(), 0);
 }
 
 TEST(Receiver, RethrowsExceptionsOfTheListener) {
@@ -182,7 +182,7 @@ TEST(Receiver, FollowsTheRunDespiteAHundredThousandDamagedPackets) {
   int64_t received = 0;
   for (const Channel channel : kAllChannels) received += receiver.inbox().totals(channel).messages;
   EXPECT_EQ(received, sent) << "all were checked, seed " << kSeed;
-  EXPECT_GT(receiver.inbox().refused(), 50'000);
+  EXPECT_GT(receiver.inbox().rejected(), 50'000);
   EXPECT_LE(receiver.inbox().runs().size(), Inbox::kMaxRuns);
   EXPECT_EQ(receiver.inbox().others(), 0);
 }

@@ -29,7 +29,7 @@ TEST(RunReader, ReconstructsARun) {
   const Frame* frame = nullptr;
   for (const auto& m : run_of(4, 50)) {
     const Update update = take(reader, m);
-    ASSERT_NE(update, Update::kRefused) << reader.refusal();
+    ASSERT_NE(update, Update::kRejected) << reader.rejection();
     if (update == Update::kState) {
       frame = &oracle.step();
       ASSERT_EQ(reader.state().frame, frame->number);
@@ -57,7 +57,7 @@ TEST(RunReader, KnowsPresenceAndLevels) {
   int64_t absent = 0, whole = 0;
   for (const auto& m : messages_of(run, 50)) {
     const Update update = take(reader, m);
-    ASSERT_NE(update, Update::kRefused) << reader.refusal();
+    ASSERT_NE(update, Update::kRejected) << reader.rejection();
     if (update == Update::kState) {
       frame = &oracle.step();
       ASSERT_TRUE(std::equal(frame->present.begin(), frame->present.end(),
@@ -89,8 +89,8 @@ TEST(RunReader, RejectsPairsOutsideTheRun) {
     events.b[0] = 6;  // five avatars and an obstacle have ids 0 to 5
     std::vector<uint8_t> bytes(static_cast<size_t>(events.getEncodedSize()));
     events.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    EXPECT_EQ(reader.take("THRONG_EVENTS", bytes), Update::kRefused);
-    EXPECT_NE(reader.refusal().find("that the run does not have"), std::string::npos);
+    EXPECT_EQ(reader.take("THRONG_EVENTS", bytes), Update::kRejected);
+    EXPECT_NE(reader.rejection().find("that the run does not have"), std::string::npos);
     EXPECT_TRUE(reader.touching().empty());
   }
 }
@@ -225,11 +225,11 @@ TEST(RunReader, IgnoresMaliciousMessages) {
     take(reader, m);
     auto bytes = m.bytes;
     bytes.resize(bytes.size() / 2);
-    EXPECT_EQ(reader.take(name_of(m.channel), bytes), Update::kRefused);
+    EXPECT_EQ(reader.take(name_of(m.channel), bytes), Update::kRejected);
     EXPECT_EQ(reader.take("SOMEBODY_ELSE", m.bytes), Update::kNothing);
   }
   EXPECT_EQ(reader.state().frame, 9);
-  EXPECT_GT(reader.refused(), 20);
+  EXPECT_GT(reader.rejected(), 20);
 }
 
 TEST(RunReader, RejectsStatesThatDoNotFitTheModels) {
@@ -245,10 +245,10 @@ TEST(RunReader, RejectsStatesThatDoNotFitTheModels) {
     states.first_avatar = 1;
     std::vector<uint8_t> bytes(static_cast<size_t>(states.getEncodedSize()));
     states.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    EXPECT_EQ(reader.take("THRONG_STATES", bytes), Update::kRefused);
+    EXPECT_EQ(reader.take("THRONG_STATES", bytes), Update::kRejected);
     states.first_avatar = INT32_MAX;
     states.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    EXPECT_EQ(reader.take("THRONG_STATES", bytes), Update::kRefused);
+    EXPECT_EQ(reader.take("THRONG_STATES", bytes), Update::kRejected);
   }
 }
 

@@ -32,7 +32,7 @@ TEST(SeparationMessages, CarryTheShortfallsOfTheMonitor) {
       for (; taken < list.messages.size(); ++taken) {
         const auto& m = list.messages[taken];
         const RunReader::Update update = reader.take(name_of(m.channel), m.bytes);
-        ASSERT_NE(update, RunReader::Update::kRefused) << reader.refusal();
+        ASSERT_NE(update, RunReader::Update::kRejected) << reader.rejection();
         if (update == RunReader::Update::kSeparation)
           received.insert(received.end(), reader.new_shortfalls().begin(),
                           reader.new_shortfalls().end());
@@ -85,18 +85,18 @@ TEST(SeparationMessages, AreRejectedWhenInvalid) {
     return decode(bytes, out);
   };
   EXPECT_EQ(defect(row), "");
-  const auto refused = [&](auto member, auto value) {
+  const auto rejected = [&](auto member, auto value) {
     Shortfall other = row;
     other.*member = value;
     return !defect(other).empty();
   };
-  EXPECT_TRUE(refused(&Shortfall::begin_frame, int64_t{6}));
-  EXPECT_TRUE(refused(&Shortfall::begin_frame, int64_t{-1}));
-  EXPECT_TRUE(refused(&Shortfall::robot, 2u));
-  EXPECT_TRUE(refused(&Shortfall::min_distance_lo_m, 0.3f));
-  EXPECT_TRUE(refused(&Shortfall::min_distance_lo_m, NAN));
-  EXPECT_TRUE(refused(&Shortfall::max_shortfall_m, -1.f));
-  EXPECT_TRUE(refused(&Shortfall::region, static_cast<BodyRegion>(9)));
+  EXPECT_TRUE(rejected(&Shortfall::begin_frame, int64_t{6}));
+  EXPECT_TRUE(rejected(&Shortfall::begin_frame, int64_t{-1}));
+  EXPECT_TRUE(rejected(&Shortfall::robot, 2u));
+  EXPECT_TRUE(rejected(&Shortfall::min_distance_lo_m, 0.3f));
+  EXPECT_TRUE(rejected(&Shortfall::min_distance_lo_m, NAN));
+  EXPECT_TRUE(rejected(&Shortfall::max_shortfall_m, -1.f));
+  EXPECT_TRUE(rejected(&Shortfall::region, static_cast<BodyRegion>(9)));
 }
 
 }  // namespace

@@ -41,10 +41,10 @@ class Examples(Case):
     def lines(self, code):
         return [line for line in code.splitlines() if line.strip()]
 
-    def test_own_poses_notebook_gives_a_table_in_ten_lines(self):
+    def test_custom_poses_notebook_gives_a_table_in_ten_lines(self):
         self.needs("pandas")
         shutil.copy(SOURCES / "examples/picker.urdf", self.folder)
-        (code,) = code_of(SOURCES / "examples/own_poses.ipynb")
+        (code,) = code_of(SOURCES / "examples/custom_poses.ipynb")
         self.assertLessEqual(len(self.lines(code)), 10)
         table = shown(code, {})
         self.assertGreater(len(table), 10)

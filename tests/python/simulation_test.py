@@ -283,14 +283,14 @@ class Arrays(Case):
 class Threads(Case):
     def test_that_step_concurrently_are_rejected_without_loss(self):
         simulation = throng.Simulation("plaza", avatars=3000, threads=1)
-        numbers, refused = [], []
+        numbers, rejected = [], []
 
         def step():
             for _ in range(15):
                 try:
                     numbers.append(simulation.step().number)
                 except RuntimeError as error:
-                    refused.append(str(error))
+                    rejected.append(str(error))
 
         threads = [threading.Thread(target=step) for _ in range(3)]
         for thread in threads:
@@ -298,8 +298,8 @@ class Threads(Case):
         for thread in threads:
             thread.join()
         self.assertEqual(sorted(numbers), list(range(len(numbers))))
-        self.assertEqual(len(numbers) + len(refused), 45)
-        self.assertTrue(all("thread" in why or "over" in why for why in refused))
+        self.assertEqual(len(numbers) + len(rejected), 45)
+        self.assertTrue(all("thread" in why or "over" in why for why in rejected))
 
     def test_may_read_arrays_while_another_steps(self):
         simulation = throng.Simulation("plaza", threads=2)

@@ -42,10 +42,10 @@ TEST_F(ArchiveText, ReadsRateAndUnitFromComments) {
 
 TEST_F(ArchiveText, RequestsAllMissingFactsAtOnce) {
   const std::string bare = "1 43 79.035 774.009 183.02\n1 44 79.1 764.6 183.02\n";
-  EXPECT_THAT(refusal(bare), HasSubstr("--fps 16 --unit cm"));
-  EXPECT_THAT(refusal(bare, {.fps = 16}), HasSubstr("--unit cm"));
-  EXPECT_THAT(refusal(bare, {.fps = 16}), Not(HasSubstr("--fps")));
-  EXPECT_THAT(refusal(bare, {.unit_m = 0.01}), HasSubstr("--fps 25"));
+  EXPECT_THAT(rejection(bare), HasSubstr("--fps 16 --unit cm"));
+  EXPECT_THAT(rejection(bare, {.fps = 16}), HasSubstr("--unit cm"));
+  EXPECT_THAT(rejection(bare, {.fps = 16}), Not(HasSubstr("--fps")));
+  EXPECT_THAT(rejection(bare, {.unit_m = 0.01}), HasSubstr("--fps 25"));
   EXPECT_EQ(read(bare, {.fps = 16, .unit_m = 0.01})->facts().fps, 16);
 }
 
@@ -86,7 +86,7 @@ TEST_F(ArchiveText, CountsAnomaliesAndNamesTheFirst) {
                   "1 duplicate positions (the first is used): id 5 at frame 10",
                   "1 people with a single position: id 6 at frame 10"));
   EXPECT_EQ(track(*recording, 4)[0].position_m.x(), 0) << "the first is kept";
-  EXPECT_THAT(refusal(text, {.strict = true}),
+  EXPECT_THAT(rejection(text, {.strict = true}),
               testing::AllOf(HasSubstr("--strict"), HasSubstr("id 1 at frame 11")));
 }
 
@@ -108,7 +108,7 @@ TEST_F(ArchiveText, StartsARangeAtItsFirstFrame) {
   ASSERT_EQ(part->people().size(), 1u);
   EXPECT_EQ(track(*part, 0).front().time_s, 0);
   EXPECT_EQ(track(*part, 0).front().position_m.x(), 0.25);
-  EXPECT_THAT(refusal(text, {.start_s = 10}), HasSubstr("expected a person between 10 s"));
+  EXPECT_THAT(rejection(text, {.start_s = 10}), HasSubstr("expected a person between 10 s"));
 }
 
 TEST_F(ArchiveText, IgnoresTheOrderOfLines) {

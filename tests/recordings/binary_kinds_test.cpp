@@ -191,7 +191,7 @@ TEST(WalkableWkt, NamesUnsupportedGeometries) {
   const std::string expected =
       "a.wkt: expected only POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION in the walkable area "
       "(WKT), found ";
-  const auto refusal = [](const std::string& wkt) -> std::string {
+  const auto rejection = [](const std::string& wkt) -> std::string {
     try {
       parse_wkt(wkt, "a.wkt");
     } catch (const InputError& error) {
@@ -202,13 +202,13 @@ TEST(WalkableWkt, NamesUnsupportedGeometries) {
   for (const char* kind : {"LINESTRING", "POINT", "MULTIPOINT", "MULTILINESTRING", "CURVEPOLYGON"})
     for (const char* rest : {" (0 0, 1 1)", " Z (0 0 1)", " EMPTY"}) {
       const std::string geometry = std::string(kind) + rest;
-      EXPECT_EQ(refusal(geometry), expected + kind + "; state the area as polygons");
+      EXPECT_EQ(rejection(geometry), expected + kind + "; state the area as polygons");
       for (const std::string& members : {geometry, "POLYGON ((0 0, 1 0, 1 1)), " + geometry,
                                          geometry + ", POLYGON ((0 0, 1 0, 1 1))"})
-        EXPECT_EQ(refusal("GEOMETRYCOLLECTION (" + members + ")"),
+        EXPECT_EQ(rejection("GEOMETRYCOLLECTION (" + members + ")"),
                   expected + kind + "; leave it out of the collection");
     }
-  EXPECT_EQ(refusal("linestring(0 0, 1 1)"), expected + "LINESTRING; state the area as polygons");
+  EXPECT_EQ(rejection("linestring(0 0, 1 1)"), expected + "LINESTRING; state the area as polygons");
 }
 
 }  // namespace

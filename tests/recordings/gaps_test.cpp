@@ -94,7 +94,7 @@ TEST_F(Gaps, ExcludeRowsOfSeparators) {
   expect_empty("id\tt\tx\ty\n1\t0\t3\t4\n1\t1\t3\t4\n\t\t\t\n", 1, "line 4");
   expect_empty("id,t,x,y\n1,0,3,4\n\"\",\"\",\"\",\"\"\n1,1,3,4\n", 1, "line 3");
   EXPECT_EQ(read("# framerate: 10,,,\nid,frame,x,y\n1,0,3,4\n1,1,3,4\n")->facts().fps, 10);
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,3,4\n1,,,\n"), HasSubstr("expected"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,3,4\n1,,,\n"), HasSubstr("expected"));
 }
 
 TEST_F(Gaps, MayBeginATableWithoutNames) {
@@ -120,20 +120,20 @@ TEST_F(Gaps, AreNanOrNullInBinaryFiles) {
 }
 
 TEST_F(Gaps, DoNotMakeARecording) {
-  EXPECT_THAT(refusal("# framerate: 25\n# id frame x/m y/m\n1 0 nan nan\n1 1 nan 3\n"),
+  EXPECT_THAT(rejection("# framerate: 25\n# id frame x/m y/m\n1 0 nan nan\n1 1 nan 3\n"),
               HasSubstr("at least one position of a person, found only 2 missing ones"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,?,?\n"), HasSubstr("only 1 missing ones"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,1,2\n1,2,?,?\n", {.strict = true}),
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,?,?\n"), HasSubstr("only 1 missing ones"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n1,1,1,2\n1,2,?,?\n", {.strict = true}),
               AllOf(HasSubstr("--strict"), HasSubstr("missing positions")));
 }
 
 TEST_F(Gaps, ExcludeIdsTimesAndInfinities) {
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n,1,1,2\n"), HasSubstr(":3: expected a whole number"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,nan,1,2\n"), HasSubstr(":3: expected a number"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,1.#INF,2\n"), HasSubstr("'1.#INF'"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,inf,2\n"), HasSubstr(":3: expected a number"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n1,1,far,2\n"), HasSubstr("'far'"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,1,2\n-1,1,nan,2\n"), HasSubstr("an id of 0 or more"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n,1,1,2\n"), HasSubstr(":3: expected a whole number"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n1,nan,1,2\n"), HasSubstr(":3: expected a number"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n1,1,1.#INF,2\n"), HasSubstr("'1.#INF'"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n1,1,inf,2\n"), HasSubstr(":3: expected a number"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n1,1,far,2\n"), HasSubstr("'far'"));
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,1,2\n-1,1,nan,2\n"), HasSubstr("an id of 0 or more"));
 }
 
 }  // namespace

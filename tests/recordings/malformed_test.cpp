@@ -24,7 +24,7 @@ class MalformedText : public RecordingTest, public testing::WithParamInterface<M
 
 TEST_P(MalformedText, IsRejectedInOneLine) {
   const Malformed& malformed = GetParam();
-  const std::string error = refusal(malformed.text, malformed.options);
+  const std::string error = rejection(malformed.text, malformed.options);
   EXPECT_THAT(error, StartsWith(malformed.words.front()));
   for (const std::string& words : malformed.words) EXPECT_THAT(error, HasSubstr(words));
   EXPECT_THAT(error, HasSubstr("expected "));
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class MalformedBinary : public RecordingTest {
  protected:
-  std::string refusal_of(const std::filesystem::path& file, RecordingOptions options = {}) const {
+  std::string rejection_of(const std::filesystem::path& file, RecordingOptions options = {}) const {
     options.file = file;
     try {
       read_recording(options);
@@ -178,13 +178,13 @@ class MalformedBinary : public RecordingTest {
       return error.what();
     }
   }
-  std::string sqlite_refusal(const std::string& sql) const {
+  std::string sqlite_rejection(const std::string& sql) const {
     make_sqlite(path("a.sqlite"), sql);
-    return refusal_of(path("a.sqlite"));
+    return rejection_of(path("a.sqlite"));
   }
-  std::string hdf5_refusal(const Hdf5Plan& plan) const {
+  std::string hdf5_rejection(const Hdf5Plan& plan) const {
     make_hdf5(path("a.h5"), plan);
-    return refusal_of(path("a.h5"));
+    return rejection_of(path("a.h5"));
   }
   static std::string content(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
@@ -193,11 +193,11 @@ class MalformedBinary : public RecordingTest {
 };
 
 TEST_F(MalformedBinary, RejectsSqliteInOneLine) {
-  EXPECT_THAT(sqlite_refusal("CREATE TABLE people(id)"),
+  EXPECT_THAT(sqlite_rejection("CREATE TABLE people(id)"),
               HasSubstr("the tables trajectory_data and metadata, as JuPedSim writes them, found "
                         "'people' alone"));
-  EXPECT_THAT(sqlite_refusal("VACUUM"), HasSubstr("expected"));
-  const auto with = [&](const std::string& more) { return sqlite_refusal(jupedsim_2() + more); };
+  EXPECT_THAT(sqlite_rejection("VACUUM"), HasSubstr("expected"));
+  const auto with = [&](const std::string& more) { return sqlite_rejection(jupedsim_2() + more); };
   EXPECT_THAT(with("UPDATE trajectory_data SET pos_x = 'far' WHERE frame = 1 AND id = 5"),
               HasSubstr("a number as pos_x in row 4 of trajectory_data, found 'far'"));
   EXPECT_THAT(with("UPDATE trajectory_data SET id = 1.5 WHERE frame = 1 AND id = 5"),
@@ -223,33 +223,33 @@ TEST_F(MalformedBinary, RejectsSqliteInOneLine) {
               HasSubstr("row 1: expected x and y within 1e8 m"));
   make_sqlite(path("a.sqlite"), jupedsim_2());
   const std::string whole = content(path("a.sqlite"));
-  EXPECT_THAT(refusal_of(write("cut.sqlite", whole.substr(0, whole.size() / 2))),
+  EXPECT_THAT(rejection_of(write("cut.sqlite", whole.substr(0, whole.size() / 2))),
               HasSubstr("a SQLite database"));
   EXPECT_THAT([&] { read_recording({.file = path("a.sqlite"), .columns = "id=id"}); },
               testing::ThrowsMessage<InputError>(StartsWith("--columns: expected a table")));
 }
 
 TEST_F(MalformedBinary, RejectsHdf5InOneLine) {
-  EXPECT_THAT(hdf5_refusal({.dataset = "paths"}), HasSubstr("one without such a dataset"));
-  EXPECT_THAT(hdf5_refusal({.x_name = "breadth"}), HasSubstr("one without the column x"));
-  EXPECT_THAT(hdf5_refusal({.fps = 0}), HasSubstr("--fps 25"));
-  EXPECT_THAT(hdf5_refusal({.fps = -1}), HasSubstr("an fps above 0"));
-  EXPECT_THAT(hdf5_refusal({.fps = std::nan("")}), HasSubstr("--fps 25"));
-  EXPECT_THAT(hdf5_refusal({.id_is_real = true}), HasSubstr("whole numbers in the column id"));
-  EXPECT_THAT(hdf5_refusal({.rows = {}}), HasSubstr("position of a person"));
-  EXPECT_THAT(hdf5_refusal({.rows = {{-1, 0, 0, 0, 0}}}), HasSubstr("row 1: expected an id"));
-  EXPECT_THAT(hdf5_refusal({.rows = {{1, 0, 0, 0, 0}, {1, 1, INFINITY, 0, 0}}}),
+  EXPECT_THAT(hdf5_rejection({.dataset = "paths"}), HasSubstr("one without such a dataset"));
+  EXPECT_THAT(hdf5_rejection({.x_name = "breadth"}), HasSubstr("one without the column x"));
+  EXPECT_THAT(hdf5_rejection({.fps = 0}), HasSubstr("--fps 25"));
+  EXPECT_THAT(hdf5_rejection({.fps = -1}), HasSubstr("an fps above 0"));
+  EXPECT_THAT(hdf5_rejection({.fps = std::nan("")}), HasSubstr("--fps 25"));
+  EXPECT_THAT(hdf5_rejection({.id_is_real = true}), HasSubstr("whole numbers in the column id"));
+  EXPECT_THAT(hdf5_rejection({.rows = {}}), HasSubstr("position of a person"));
+  EXPECT_THAT(hdf5_rejection({.rows = {{-1, 0, 0, 0, 0}}}), HasSubstr("row 1: expected an id"));
+  EXPECT_THAT(hdf5_rejection({.rows = {{1, 0, 0, 0, 0}, {1, 1, INFINITY, 0, 0}}}),
               HasSubstr("row 2: expected x and y"));
-  EXPECT_THAT(hdf5_refusal({.wkt = "POLYGON (("}), HasSubstr("walkable area (WKT)"));
+  EXPECT_THAT(hdf5_rejection({.wkt = "POLYGON (("}), HasSubstr("walkable area (WKT)"));
   make_hdf5(path("a.h5"), {});
   const std::string whole = content(path("a.h5"));
-  EXPECT_THAT(refusal_of(write("cut.h5", whole.substr(0, whole.size() / 2))),
+  EXPECT_THAT(rejection_of(write("cut.h5", whole.substr(0, whole.size() / 2))),
               HasSubstr("damaged or cut short"));
 }
 
 TEST_F(MalformedBinary, RejectsMissingFilesAndFolders) {
-  EXPECT_THAT(refusal_of(path("none.txt")), HasSubstr("found no such file"));
-  EXPECT_THAT(refusal_of(path("")), HasSubstr("found a directory"));
+  EXPECT_THAT(rejection_of(path("none.txt")), HasSubstr("found no such file"));
+  EXPECT_THAT(rejection_of(path("")), HasSubstr("found a directory"));
 }
 
 }  // namespace

@@ -137,9 +137,9 @@ TEST_F(RatesAndTimes, NoteDifferences) {
       "30 per second of the name of the frames' column '30 fps', 25 of the times; that of the "
       "times is used");
   EXPECT_EQ(read("id,frame (1/30 s),x,y\n1,0,0,0\n1,1,0,0\n")->facts().fps, 30);
-  EXPECT_THAT(refusal("# framerate: 25\nid,frame [30 fps],x,y\n1,0,0,0\n1,1,0,0\n"),
+  EXPECT_THAT(rejection("# framerate: 25\nid,frame [30 fps],x,y\n1,0,0,0\n1,1,0,0\n"),
               StartsWith("recording:2: expected one frame rate, 25"));
-  EXPECT_THAT(refusal("id,frame [1],x,y\n1,0,0,0\n"), HasSubstr("--fps"));
+  EXPECT_THAT(rejection("id,frame [1],x,y\n1,0,0,0\n"), HasSubstr("--fps"));
   std::string jittered = "# framerate: 50\nid,t,x,y\n";
   for (int frame = 0; frame < 99; ++frame)
     jittered += fmt::format("1,{:.4f},0,0\n", 0.04 * frame + 0.001 * (frame % 7));
@@ -147,7 +147,7 @@ TEST_F(RatesAndTimes, NoteDifferences) {
       << "no regular rate";
   EXPECT_EQ(note(walk("id,t,x,y\n", 10), {.fps = 50}),
             "50 per second of --fps, 10 of the times; 50 is used");
-  EXPECT_THAT(refusal(walk("id,t,x,y\n", 10), {.fps = 16}), HasSubstr("(--fps)"));
+  EXPECT_THAT(rejection(walk("id,t,x,y\n", 10), {.fps = 16}), HasSubstr("(--fps)"));
   std::string archive = "# framerate: 30\n# id frame t x/m y/m\n";
   for (int frame = 0; frame < 50; ++frame)
     archive += fmt::format("1 {} {} 0 0\n", frame, frame / 25.0);

@@ -37,7 +37,7 @@ class RecordingTest : public ::testing::Test {
     return read_recording(options);
   }
   /// Error of reading a text, without the folder; "" for none.
-  std::string refusal(std::string_view text, RecordingOptions options = {}) const {
+  std::string rejection(std::string_view text, RecordingOptions options = {}) const {
     try {
       read(text, std::move(options));
       return "";

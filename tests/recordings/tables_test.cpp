@@ -104,7 +104,7 @@ TEST_F(Tables, TreatIrregularTimesAsEvents) {
     text += fmt::format("{:.3f},1,{},0\n", time_s, time_s);
   }
   EXPECT_EQ(read(text)->facts().fps, 0);
-  EXPECT_THAT(refusal(text, {.fps = 25}), HasSubstr("(--fps)"));
+  EXPECT_THAT(rejection(text, {.fps = 25}), HasSubstr("(--fps)"));
 }
 
 TEST_F(Tables, AcceptNamesByOption) {
@@ -113,9 +113,9 @@ TEST_F(Tables, AcceptNamesByOption) {
       .fps = 10, .columns = "id=who,frame=when,x=easting,y=northing", .separator = '|'};
   EXPECT_EQ(read(text, options)->facts().fps, 10);
   EXPECT_THAT(
-      refusal("who;when;east;north\n4;0;1;2\n", {.columns = "id=whos,t=when,x=east,y=north"}),
+      rejection("who;when;east;north\n4;0;1;2\n", {.columns = "id=whos,t=when,x=east,y=north"}),
       HasSubstr("did you mean 'who'?"));
-  EXPECT_THAT(refusal(text, {.columns = "id=who,where=x"}), HasSubstr("--columns: expected"));
+  EXPECT_THAT(rejection(text, {.columns = "id=who,where=x"}), HasSubstr("--columns: expected"));
   const auto bare = read("0 1.5 2 4\n1 1.75 2 4\n", {.columns = "t=1,x=2,y=3,id=4"});
   EXPECT_EQ(bare->facts().samples, 2);
   EXPECT_EQ(bare->people()[0].id, 4);
@@ -133,7 +133,7 @@ TEST_F(Tables, TakeUnitsFromNamesOrOptions) {
 
 TEST_F(Tables, RequestMissingRates) {
   const std::string text = "ID,Frame,x,y,v_x,v_y\n21,1010,0.2,-0.1,0,0\n21,1020,0.3,-0.1,0,0\n";
-  EXPECT_THAT(refusal(text), HasSubstr("--fps 25"));
+  EXPECT_THAT(rejection(text), HasSubstr("--fps 25"));
   EXPECT_EQ(read(text, {.fps = 25})->facts().fps, 2.5);
 }
 
@@ -196,17 +196,17 @@ TEST_F(Tables, IgnoreUnrelatedComments) {
   const auto in_cm = read("# unit: cm\n" + rows);
   EXPECT_DOUBLE_EQ(track(*in_cm, 0)[0].position_m.x(), 0.4);
   EXPECT_EQ(track(*read("# - - cm ft\n" + rows), 0)[0].position_m.y(), 2 * 0.3048);
-  EXPECT_THAT(refusal("# unit: px\n" + rows), HasSubstr("a unit of length"));
-  EXPECT_THAT(refusal("# framerate: fast\n" + rows), HasSubstr("a frame rate as in"));
-  EXPECT_THAT(refusal(rows + "# unit: cm\n" + rows), HasSubstr("split the file there"));
-  EXPECT_THAT(refusal(rows + "# framerate: 30\n" + rows), HasSubstr("split the file there"));
+  EXPECT_THAT(rejection("# unit: px\n" + rows), HasSubstr("a unit of length"));
+  EXPECT_THAT(rejection("# framerate: fast\n" + rows), HasSubstr("a frame rate as in"));
+  EXPECT_THAT(rejection(rows + "# unit: cm\n" + rows), HasSubstr("split the file there"));
+  EXPECT_THAT(rejection(rows + "# framerate: 30\n" + rows), HasSubstr("split the file there"));
   // Names take precedence over the more likely order.
   const RecordingOptions given = {.fps = 15, .unit_m = 1};
   const auto named = read("# frame id x y\n" + rows, given);
   EXPECT_EQ(named->people().size(), 5u);
   EXPECT_EQ(named->facts().fps, 2.5);
   EXPECT_EQ(read("# id frame x y\n" + rows, given)->people().size(), 20u);
-  EXPECT_THAT(refusal("# id frame\n" + rows), HasSubstr("found archive text"));
+  EXPECT_THAT(rejection("# id frame\n" + rows), HasSubstr("found archive text"));
   std::string archive;
   for (int id = 1; id <= 5; ++id)
     for (int frame = 0; frame < 50; ++frame)
@@ -228,18 +228,18 @@ TEST_F(Tables, RejectDamagedGzipFiles) {
     text += fmt::format("{:.2f},{},{},{}\n", 0.5 * i, i % 7,
                         random_bits({1, i, 0, Purpose::kStyle}, 0) % 997, i);
   const std::string packed = gzip(text);
-  EXPECT_THAT(refusal(packed.substr(0, packed.size() - 20)), HasSubstr("cut short"));
+  EXPECT_THAT(rejection(packed.substr(0, packed.size() - 20)), HasSubstr("cut short"));
   std::string flipped = packed;
   for (size_t i = flipped.size() / 2; i < flipped.size() / 2 + 50; ++i) flipped[i] ^= 0x55;
-  EXPECT_THAT(refusal(flipped), HasSubstr("expected"));
+  EXPECT_THAT(rejection(flipped), HasSubstr("expected"));
   EXPECT_FALSE(is_recording(write("bad", "\x1f\x8b\x08nonsense")));
   // One repeated line compresses by more than a factor of 300.
   const std::string line = "0.00,0,0,0\n";
   std::string bomb = "time,pedID,posX,posY\n";
   while (bomb.size() < (20u << 20)) bomb += line;
-  EXPECT_THAT(refusal(gzip(bomb)), HasSubstr("at most 300 times its size"));
-  EXPECT_THAT(refusal(gzip(std::string(1 << 20, ' '))), HasSubstr("expected"));
-  EXPECT_THAT(refusal(gzip("time,pedID,posX,posY\n" + std::string(1 << 20, '1'))),
+  EXPECT_THAT(rejection(gzip(bomb)), HasSubstr("at most 300 times its size"));
+  EXPECT_THAT(rejection(gzip(std::string(1 << 20, ' '))), HasSubstr("expected"));
+  EXPECT_THAT(rejection(gzip("time,pedID,posX,posY\n" + std::string(1 << 20, '1'))),
               HasSubstr(":2: expected lines of at most 64 KiB"));
 }
 

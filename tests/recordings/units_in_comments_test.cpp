@@ -86,17 +86,18 @@ TEST_F(UnitsInComments, AreReadInArchiveText) {
   for (const char* comments : {"# id frame x/px y/px\n", "# id frame x [furlong] y [furlong]\n",
                                "# unit: px\n", "#X,Y,Z: coordinates (in pixels)\n",
                                "# x, y in furlongs\n", "# id frame x (in px) y (in px)\n"})
-    EXPECT_THAT(refusal(std::string("# framerate: 25\n") + comments + rows),
+    EXPECT_THAT(rejection(std::string("# framerate: 25\n") + comments + rows),
                 AllOf(StartsWith("recording:2: expected a unit of length"), HasSubstr("--unit")))
         << comments;
-  EXPECT_THAT(refusal("# framerate: 25\n# unit: m\n# id frame x/cm y/cm\n" + rows),
+  EXPECT_THAT(rejection("# framerate: 25\n# unit: m\n# id frame x/cm y/cm\n" + rows),
               AllOf(StartsWith("recording:3: "), HasSubstr("m for x"), HasSubstr("'cm'")));
   // Prose states nothing.
   for (const char* comments :
        {"# x y and frame of each id, in the world frame\n",
         "#ANGLE: orientation of the ellipse (in degrees)\n", "# made in a unit test [v2]\n",
         "# unit tests: 5\n", "# positions (of heads)\n"})
-    EXPECT_THAT(refusal(std::string("# framerate: 25\n") + comments + rows), HasSubstr("--unit cm"))
+    EXPECT_THAT(rejection(std::string("# framerate: 25\n") + comments + rows),
+                HasSubstr("--unit cm"))
         << comments;
 }
 
@@ -104,7 +105,8 @@ TEST_F(UnitsInComments, AreReadInTables) {
   const std::string rows = "id,t,x,y\n1,0,300,400\n1,1,300,400\n";
   EXPECT_EQ(first_of("# unit: cm\n" + rows), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first_of("# x, y: positions (in cm)\n" + rows), Eigen::Vector2d(3, 4));
-  EXPECT_THAT(refusal("# unit: px\n" + rows), StartsWith("recording:1: expected a unit of length"));
+  EXPECT_THAT(rejection("# unit: px\n" + rows),
+              StartsWith("recording:1: expected a unit of length"));
   EXPECT_EQ(read("# units: cm, ms\n" + rows)->facts().duration_s, 0.001);
   EXPECT_EQ(first_of("$VISION\n* COORDCENTX: centre, x [ft]\n* COORDCENTY: centre, y [ft]\n"
                      "* SIMSEC: SimSec, simulation second (Simulation time [s]) [s]\n"
@@ -146,14 +148,14 @@ TEST_F(UnitsInComments, AreReadFromLists) {
             Eigen::Vector2d(3, 4));
   for (const char* list : {"#,ms,px,mm", "#,ms,cm", "#,ms,cm,mm,mm,mm", "#,ms,cm,blobs", "# ms cm",
                            "#,cm,ms,mm", "#,ms,miles,mm", "# - ms cm furlongs", "#,ms,Mm,mm"})
-    EXPECT_THAT(refusal(fmt::format("id,t,x,y\n{}\n{}", list, rows)),
+    EXPECT_THAT(rejection(fmt::format("id,t,x,y\n{}\n{}", list, rows)),
                 AllOf(StartsWith("recording:2: expected a unit of"), HasSubstr("the comment '")))
         << list;
   for (const char* list : {"#,ms,cm,cm", "#,s,,", "# - s m m"})
-    EXPECT_THAT(refusal(fmt::format("id,frame,x,y\n{}\n1,0,3,4\n", list), {.fps = 25}),
+    EXPECT_THAT(rejection(fmt::format("id,frame,x,y\n{}\n1,0,3,4\n", list), {.fps = 25}),
                 StartsWith("recording:2: expected a unit of length"))
         << list << ": frames have none";
-  EXPECT_THAT(refusal("id,t,x [m],y [m]\n#,s,cm,cm\n" + rows), HasSubstr("expected m for x"));
+  EXPECT_THAT(rejection("id,t,x [m],y [m]\n#,s,cm,cm\n" + rows), HasSubstr("expected m for x"));
   for (const char* prose :
        {"# all in m here", "# recorded in Aachen, m, 2013", "# s", "# h", "# door in the middle",
         "# camera in, door out", "# in", "# run 3 h", "# 1 2 3 4", "# m, s"}) {
@@ -199,10 +201,10 @@ TEST_F(UnitsInComments, ExcludeUnrelatedComments) {
   EXPECT_EQ(first_of("# all lengths in cm; time in s; heights in mm\n" + rows),
             Eigen::Vector2d(3, 4));
   // Ordinary names next to their opposites.
-  EXPECT_THAT(refusal("id,t,x_in,y_in,x_out,y_out\n1,0,300,400,1,1\n1,1,300,400,1,1\n"),
+  EXPECT_THAT(rejection("id,t,x_in,y_in,x_out,y_out\n1,0,300,400,1,1\n1,1,300,400,1,1\n"),
               HasSubstr("expected"));
   // Two different lines of names.
-  EXPECT_THAT(refusal("# framerate: 10\n# id frame x/m y/m\n# id frame x/cm y/cm\n1 0 300 400\n"),
+  EXPECT_THAT(rejection("# framerate: 10\n# id frame x/m y/m\n# id frame x/cm y/cm\n1 0 300 400\n"),
               HasSubstr("expected"));
 }
 
@@ -231,13 +233,13 @@ TEST_F(UnitsInComments, IncludeRatesOrRejectThem) {
        {"# framerate: 25 fps or so", "# framerate: fast", "# fps: 1,000", "# framerate: 1/25",
         "# framerate: 25 16", "# framerate: 25 fps (every tenth)", "# framerate: 10 Hz, 25 Hz",
         "# framerate: 10;25"}) {
-    EXPECT_THAT(refusal(fmt::format("{}\n{}", comment, rows)),
+    EXPECT_THAT(rejection(fmt::format("{}\n{}", comment, rows)),
                 AllOf(StartsWith("recording:1: expected a frame rate as in 25"),
                       HasSubstr("--fps overrides")))
         << comment;
     EXPECT_EQ(read(fmt::format("{}\n{}", comment, rows), {.fps = 25})->facts().fps, 25);
   }
-  EXPECT_THAT(refusal("# framerate: 25\n# framerate: 16\n" + rows),
+  EXPECT_THAT(rejection("# framerate: 25\n# framerate: 16\n" + rows),
               AllOf(StartsWith("recording:2: expected one frame rate, 25"), HasSubstr("'16'")));
 }
 
@@ -247,7 +249,7 @@ TEST_F(UnitsInComments, AreReadInBinaryFiles) {
     options.file = path("a.sqlite");
     return read_recording(options);
   };
-  const auto sqlite_refusal = [&](const std::string& more) {
+  const auto sqlite_rejection = [&](const std::string& more) {
     try {
       sqlite(more);
       return std::string();
@@ -261,21 +263,21 @@ TEST_F(UnitsInComments, AreReadInBinaryFiles) {
   const std::string open =
       "DROP TABLE metadata; CREATE TABLE metadata(key, value); "
       "INSERT INTO metadata VALUES('fps', 25), ('version', 2), ";
-  EXPECT_THAT(sqlite_refusal(open + "('fps', 30)"),
+  EXPECT_THAT(sqlite_rejection(open + "('fps', 30)"),
               AllOf(HasSubstr("expected one frame rate, 25, found 30 as fps"),
                     HasSubstr("--fps overrides")));
   EXPECT_EQ(sqlite(open + "('fps', '25.0 Hz')")->facts().fps, 25) << "the same twice";
   EXPECT_EQ(sqlite(open + "('FPS', 30)", {.fps = 10})->facts().fps, 10);
-  EXPECT_THAT(sqlite_refusal(open + "('unit', 'm'), ('units', 'cm')"),
+  EXPECT_THAT(sqlite_rejection(open + "('unit', 'm'), ('units', 'cm')"),
               AllOf(HasSubstr("expected one unit, 'm', found 'cm' as units"), HasSubstr("--unit")));
   const std::string unclear = "UPDATE metadata SET value = '25 or so' WHERE key = 'fps'";
-  EXPECT_THAT(sqlite_refusal(unclear), AllOf(HasSubstr("a frame rate as in 25"),
-                                             HasSubstr("'25 or so'"), HasSubstr("--fps")));
+  EXPECT_THAT(sqlite_rejection(unclear), AllOf(HasSubstr("a frame rate as in 25"),
+                                               HasSubstr("'25 or so'"), HasSubstr("--fps")));
   EXPECT_EQ(sqlite(unclear, {.fps = 25})->facts().fps, 25);
   const auto in_cm = sqlite("INSERT INTO metadata VALUES('unit', 'cm')");
   EXPECT_EQ(track(*in_cm, 1)[0].position_m, Eigen::Vector2d(0.01, 0.01));
   EXPECT_EQ(in_cm->facts().wkt_unit_m, 0.01);
-  EXPECT_THAT(sqlite_refusal("INSERT INTO metadata VALUES('unit', 'px')"),
+  EXPECT_THAT(sqlite_rejection("INSERT INTO metadata VALUES('unit', 'px')"),
               HasSubstr("a unit of length (m, cm, mm, km, ft, in)"));
 
   const auto hdf5 = [&](const Hdf5Plan& plan) {
@@ -309,8 +311,8 @@ TEST_F(UnitsInComments, AreReadInFootsteps) {
       "1 400 900 250 710 300 710\n1 900 1400 300 710 350 710\n");
   EXPECT_DOUBLE_EQ(recording->facts().duration_s, 1);
   EXPECT_EQ(track(*recording, 0)[0].position_m, Eigen::Vector2d(2.5, 7.1));
-  EXPECT_THAT(refusal("pedestrianId simTime endTime startX/px startY/px endX/px endY/px\n"
-                      "1 0.4 0.9 2 7 3 7\n"),
+  EXPECT_THAT(rejection("pedestrianId simTime endTime startX/px startY/px endX/px endY/px\n"
+                        "1 0.4 0.9 2 7 3 7\n"),
               HasSubstr("a unit of length"));
 }
 

@@ -184,7 +184,7 @@ TEST_F(RecordedUnits, KeepOrdinaryNames) {
       Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("id,time,pos_x,pos_y\n1,0,3,4\n"), Eigen::Vector2d(3, 4));
   for (const char* header : {"id,t,x_smooth,y_smooth", "id,t,x_min,y_min", "id,t,x_left,y_left"})
-    EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)), HasSubstr("--columns")) << header;
+    EXPECT_THAT(rejection(fmt::format("{}\n1,0,3,4\n", header)), HasSubstr("--columns")) << header;
   EXPECT_EQ(first("id,t,x_smooth,y_smooth\n1,0,3,4\n", {.columns = "x=x_smooth,y=y_smooth"}),
             Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("id,t,east_cm,north [ft]\n1,0,300,10\n", {.columns = "x=east_cm,y=north [ft]"}),
@@ -199,23 +199,24 @@ TEST_F(RecordedUnits, RejectUnknownUnitsWithAlternatives) {
       const std::string header =
           fmt::format("id,t,{},{}", named(spelling, "x", unit), named(spelling, "y", unit));
       EXPECT_THAT(
-          refusal("# a comment\n" + header + "\n1,0,3,4\n"),
+          rejection("# a comment\n" + header + "\n1,0,3,4\n"),
           AllOf(StartsWith("recording:2: expected a unit of length (m, cm, mm, km, ft, in)"),
                 HasSubstr("; --unit overrides the file")))
           << header;
     }
-  EXPECT_THAT(refusal("id,t,x,y_px\n1,0,3,4\n"), HasSubstr("expected a unit of length"));
-  EXPECT_THAT(refusal("id,t,x_px,y_px\n1,0,3,4\n"), HasSubstr("found 'px'"));
-  EXPECT_THAT(refusal("id,t,x px,y px\n1,0,3,4\n"), HasSubstr("found 'px'"));
-  EXPECT_THAT(refusal("id,t,x,y,z [px]\n1,0,3,4,5\n"), HasSubstr("the column 'z [px]'"));
-  EXPECT_THAT(refusal("id,t,x [s],y [m]\n1,0,3,4\n"), HasSubstr("found 's'"));
-  EXPECT_THAT(refusal("id,t,x [m/s],y [m/s]\n1,0,3,4\n"), HasSubstr("found 'm/s'"));
-  EXPECT_THAT(refusal("id,t [fortnight],x,y\n1,0,3,4\n"),
+  EXPECT_THAT(rejection("id,t,x,y_px\n1,0,3,4\n"), HasSubstr("expected a unit of length"));
+  EXPECT_THAT(rejection("id,t,x_px,y_px\n1,0,3,4\n"), HasSubstr("found 'px'"));
+  EXPECT_THAT(rejection("id,t,x px,y px\n1,0,3,4\n"), HasSubstr("found 'px'"));
+  EXPECT_THAT(rejection("id,t,x,y,z [px]\n1,0,3,4,5\n"), HasSubstr("the column 'z [px]'"));
+  EXPECT_THAT(rejection("id,t,x [s],y [m]\n1,0,3,4\n"), HasSubstr("found 's'"));
+  EXPECT_THAT(rejection("id,t,x [m/s],y [m/s]\n1,0,3,4\n"), HasSubstr("found 'm/s'"));
+  EXPECT_THAT(rejection("id,t [fortnight],x,y\n1,0,3,4\n"),
               HasSubstr("a unit of time (s, ms, us, ns, min, h) in the column 't [fortnight]'"));
-  EXPECT_THAT(refusal("id,t [m],x,y\n1,0,3,4\n"), HasSubstr("a unit of time"));
-  EXPECT_THAT(refusal("id,t,x,y,heading [gon]\n1,0,3,4,5\n"),
+  EXPECT_THAT(rejection("id,t [m],x,y\n1,0,3,4\n"), HasSubstr("a unit of time"));
+  EXPECT_THAT(rejection("id,t,x,y,heading [gon]\n1,0,3,4,5\n"),
               HasSubstr("a unit of angle (rad, deg)"));
-  EXPECT_THAT(refusal("id,frame [s],x,y\n1,0,3,4\n", {.fps = 25}), HasSubstr("a column of frames"));
+  EXPECT_THAT(rejection("id,frame [s],x,y\n1,0,3,4\n", {.fps = 25}),
+              HasSubstr("a column of frames"));
   EXPECT_EQ(first("id,t,x,y,mood [furlong]\n1,0,3,4,5\n"), Eigen::Vector2d(3, 4))
       << "in an ignored column";
 }
@@ -223,17 +224,17 @@ TEST_F(RecordedUnits, RejectUnknownUnitsWithAlternatives) {
 TEST_F(RecordedUnits, DistinguishCapitals) {
   for (const char* header : {"id,t,x [Mm],y [Mm]", "id,t,x [MM],y [MM]", "id,t,x/Mm,y/Mm",
                              "id,t,x (in Mm),y (in Mm)", "id,t,x Mm,y Mm", "id,t,x_Mm,y_MM"})
-    EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)),
+    EXPECT_THAT(rejection(fmt::format("{}\n1,0,3,4\n", header)),
                 AllOf(StartsWith("recording:1: expected a unit of length (m, cm, mm, km, ft, in)"),
                       HasSubstr("'M")))
         << header;
   for (const char* header : {"id,t [Ms],x,y", "id,t [MS],x,y", "id,time_Ms,x,y", "id,t (Msec),x,y"})
-    EXPECT_THAT(refusal(fmt::format("{}\n1,0,3,4\n", header)), HasSubstr("a unit of time"))
+    EXPECT_THAT(rejection(fmt::format("{}\n1,0,3,4\n", header)), HasSubstr("a unit of time"))
         << header;
-  EXPECT_THAT(refusal("id,t,x,y\ns,,,\n,Ms,Mm,Mm\n1,0,3,4\n"), HasSubstr("expected"));
-  EXPECT_THAT(refusal("t,id,x,y\ns,,Mm,Mm\n0,1,3,4\n"), HasSubstr("a unit of length"));
-  EXPECT_THAT(refusal("# unit: Mm\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
-  EXPECT_THAT(refusal("# x in MM\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
+  EXPECT_THAT(rejection("id,t,x,y\ns,,,\n,Ms,Mm,Mm\n1,0,3,4\n"), HasSubstr("expected"));
+  EXPECT_THAT(rejection("t,id,x,y\ns,,Mm,Mm\n0,1,3,4\n"), HasSubstr("a unit of length"));
+  EXPECT_THAT(rejection("# unit: Mm\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
+  EXPECT_THAT(rejection("# x in MM\nid,t,x,y\n1,0,3,4\n"), HasSubstr("a unit of length"));
   for (const char* header : {"ID,T,X [MM],Y [MM]", "id,t,X MM,Y MM", "ID,T,X_MM,POSY_MM",
                              "id,t,xMm,posYMm", "# UNIT: MM\nid,t,x,y"})
     EXPECT_EQ(first(fmt::format("{}\n1,0,3000,4000\n", header)), Eigen::Vector2d(3, 4)) << header;
@@ -261,7 +262,7 @@ TEST_F(RecordedUnits, TreatOtherWordsAsRemarks) {
   EXPECT_EQ(first("id,t,x_cm (head),y_cm (head)\n1,0,300,400\n"), Eigen::Vector2d(3, 4));
   EXPECT_EQ(first("# framerate: 25\n# unit: cm\n# id frame x (head) y (head)\n1 0 300 400\n"),
             Eigen::Vector2d(3, 4));
-  EXPECT_THAT(refusal("id,time (UTC),x,y\n1,12:00:01,3,4\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(rejection("id,time (UTC),x,y\n1,12:00:01,3,4\n"), HasSubstr("expected a number"));
   for (const char* unit : {"(px)",        "(pixels)",   "(furlongs)",   "(yards)",
                            "(miles)",     "(Meilen)",   "(mtr)",        "(pxl)",
                            "(Zoll)",      "(sekunden)", "(kilometros)", "(mtres)",
@@ -270,12 +271,12 @@ TEST_F(RecordedUnits, TreatOtherWordsAsRemarks) {
                            "(ab)",        "(relative)", "(cells)",      "(pixel coordinates)",
                            "(head, px)",  "(voxels)",   "(decimetres)", "(grid units)",
                            "(left foot)", "(1)",        "(-)"}) {
-    EXPECT_THAT(refusal(fmt::format("id;t;x {0};y {0}\n1;0;3;4\n", unit)),
+    EXPECT_THAT(rejection(fmt::format("id;t;x {0};y {0}\n1;0;3;4\n", unit)),
                 HasSubstr("expected a unit of length"))
         << unit;
   }
   for (const char* unit : {"(frames)", "(frame)", "(ticks)", "(steps)", "[UTC]", "/UTC", "(days)"})
-    EXPECT_THAT(refusal(fmt::format("id,t {},x,y\n1,0,3,4\n", unit)), HasSubstr("a unit of time"))
+    EXPECT_THAT(rejection(fmt::format("id,t {},x,y\n1,0,3,4\n", unit)), HasSubstr("a unit of time"))
         << unit;
 }
 
@@ -287,7 +288,7 @@ TEST_F(RecordedUnits, AreOverriddenByOptionsWithANote) {
   EXPECT_EQ(recording->facts().anomalies[0].what, "columns whose units --unit overrides");
   EXPECT_EQ(recording->facts().anomalies[0].count, 2);
   EXPECT_EQ(recording->facts().anomalies[0].first, "'cm' of the column 'x [cm]'");
-  EXPECT_THAT(refusal(text, {.unit_m = 1, .strict = true}), HasSubstr("--unit overrides"));
+  EXPECT_THAT(rejection(text, {.unit_m = 1, .strict = true}), HasSubstr("--unit overrides"));
   EXPECT_TRUE(
       read("id,t,x [cm],y [cm]\n1,0,3,4\n1,1,3,4\n", {.unit_m = 0.01})->facts().anomalies.empty())
       << "equal to the file";
@@ -341,11 +342,11 @@ TEST_F(RecordedUnits, ApplyToHeadings) {
   EXPECT_FLOAT_EQ(heading("heading_rad", 99), 99) << "said to be rad";
   // Beyond a full turn a unit is required.
   const std::string text = "id,t,x,y,heading\n1,0,3,4,0\n1,1,3,4,90\n";
-  EXPECT_THAT(refusal(text),
+  EXPECT_THAT(rejection(text),
               AllOf(StartsWith("recording:3: expected headings from -2 pi to 2 pi rad"),
                     HasSubstr("found '90'"), HasSubstr("--heading-unit deg")));
-  EXPECT_THAT(refusal("id,t,x,y,heading\n1,0,3,4,-7\n"), HasSubstr("found '-7'"));
-  EXPECT_EQ(refusal("id,t,x,y,heading\n1,0,3,4,6.2832\n"), "") << "a turn, rounded";
+  EXPECT_THAT(rejection("id,t,x,y,heading\n1,0,3,4,-7\n"), HasSubstr("found '-7'"));
+  EXPECT_EQ(rejection("id,t,x,y,heading\n1,0,3,4,6.2832\n"), "") << "a turn, rounded";
   EXPECT_FLOAT_EQ(heading("heading", 90, {.heading_unit_rad = kTurn_rad / 360}), quarter);
   EXPECT_FLOAT_EQ(heading("heading", 90, {.heading_unit_rad = 1}), 90);
   EXPECT_FLOAT_EQ(heading("heading_deg", 90, {.columns = "heading=heading_deg"}), quarter);
@@ -353,9 +354,9 @@ TEST_F(RecordedUnits, ApplyToHeadings) {
       read("id,t,x,y,heading [deg]\n1,0,3,4,1\n1,1,3,4,1\n", {.heading_unit_rad = 1});
   EXPECT_EQ(track(*overruled, 0)[0].heading_rad, 1);
   EXPECT_THAT(overruled->facts().anomalies.at(0).what, HasSubstr("--heading-unit overrides"));
-  EXPECT_THAT(refusal("id,t,x,y\n1,0,3,4\n", {.heading_unit_rad = 1}),
+  EXPECT_THAT(rejection("id,t,x,y\n1,0,3,4\n", {.heading_unit_rad = 1}),
               StartsWith("--heading-unit: expected a table with a column of headings"));
-  EXPECT_THAT(refusal("# framerate: 25\n# id frame x/m y/m\n1 0 3 4\n", {.heading_unit_rad = 1}),
+  EXPECT_THAT(rejection("# framerate: 25\n# id frame x/m y/m\n1 0 3 4\n", {.heading_unit_rad = 1}),
               StartsWith("--heading-unit: expected"));
 }
 
@@ -367,11 +368,11 @@ TEST_F(RecordedUnits, AreReadFromALineOfUnits) {
   EXPECT_EQ(track(*mixed, 0)[0].position_m, Eigen::Vector2d(3, 4));
   EXPECT_EQ(mixed->facts().duration_s, 0.5);
   EXPECT_EQ(track(*read_with("[ms],-,-,-,[cm],(m),m\n"), 0)[0].position_m, Eigen::Vector2d(3, 4));
-  EXPECT_THAT(refusal(names + "\"s\",\"\",\"\",\"\",\"px\",\"px\",\"\"\n" + row),
+  EXPECT_THAT(rejection(names + "\"s\",\"\",\"\",\"\",\"px\",\"px\",\"\"\n" + row),
               AllOf(StartsWith("recording:2: expected a unit of length"), HasSubstr("'px'")));
-  EXPECT_THAT(refusal(names + "\"blink\",\"\",\"\",\"\",\"m\",\"m\",\"\"\n" + row),
+  EXPECT_THAT(rejection(names + "\"blink\",\"\",\"\",\"\",\"m\",\"m\",\"\"\n" + row),
               AllOf(StartsWith("recording:2: expected a unit of time"), HasSubstr("'blink'")));
-  EXPECT_THAT(refusal("t,id,x [cm],y\ns,,m,m\n0,0,3,4\n"),
+  EXPECT_THAT(rejection("t,id,x [cm],y\ns,,m,m\n0,0,3,4\n"),
               AllOf(StartsWith("recording:2: expected cm for x"), HasSubstr("found 'm'")));
 }
 

@@ -34,7 +34,7 @@ TEST(ProximityRun, IsIndependentOfThreadsAndKeepsEvents) {
   const RunSummary one = summary_of(plaza(0.2, 0.6), 1), three = summary_of(plaza(0.2, 0.6), 3),
                    none = summary_of(plaza(0, 0), 1);
   EXPECT_GT(one.proximity.pairs, 100u);
-  EXPECT_GT(one.proximity.people, 100u);
+  EXPECT_GT(one.proximity.closest_parts, 100u);
   EXPECT_EQ(one.proximity.hash, three.proximity.hash);
   EXPECT_EQ(one.hash, three.hash);
   EXPECT_EQ(one.hash, none.hash);
@@ -94,17 +94,17 @@ TEST(ContactPointsRun, MatchesPairsAndKeepsEvents) {
   EXPECT_GT(points, 100u);
 }
 
-/// In rows of two people all other parts are at least as far apart.
-TEST(ProximityRun, ReportsClosestPartsOfTwoPeople) {
+/// In rows of closest parts all other parts are at least as far apart.
+TEST(ProximityRun, ReportsClosestPartsOfTwoAvatars) {
   Simulation simulation(plaza(0.3, 0.3), {});
   int rows = 0;
   for (int i = 0; i < 20; ++i) {
     const Frame& frame = simulation.step();
-    for (const ProximityPair& people : frame.closest_parts) {
+    for (const ProximityPair& closest : frame.closest_parts) {
       ++rows;
       for (const ProximityPair& parts : frame.proximity_pairs)
-        if (parts.pair.a() == people.pair.a() && parts.pair.b() == people.pair.b()) {
-          ASSERT_LE(people.hi_m, parts.hi_m);
+        if (parts.pair.a() == closest.pair.a() && parts.pair.b() == closest.pair.b()) {
+          ASSERT_LE(closest.hi_m, parts.hi_m);
         }
     }
   }
@@ -125,7 +125,7 @@ std::vector<ListedRow> rows_of(const ProximityRows& rows) {
 }
 
 struct ListedFrames {
-  std::vector<std::vector<ListedRow>> parts, people;
+  std::vector<std::vector<ListedRow>> parts, closest_parts;
   size_t rows() const {
     size_t sum = 0;
     for (const auto& frame : parts) sum += frame.size();
@@ -141,7 +141,7 @@ ListedFrames rows_of_run(const Scene& scene, int threads) {
   for (int i = 0; i < 8; ++i) {
     const Frame& frame = run.step();
     out.parts.push_back(rows_of(frame.proximity_pairs));
-    out.people.push_back(rows_of(frame.closest_parts));
+    out.closest_parts.push_back(rows_of(frame.closest_parts));
   }
   return out;
 }
@@ -199,13 +199,14 @@ TEST(ProximityRun, RowsDependOnTheirOwnMarginOnly) {
             for (size_t frame = 0; frame < expected.parts.size(); ++frame)
               ASSERT_EQ(found.parts[frame], expected.parts[frame]) << "frame " << frame;
           }
-        // Closest parts of two people do not depend on the other margin either.
+        // Closest parts do not depend on the other margin either.
         scene.proximity_m = 0;
         scene.closest_parts_m = 0.3;
         const ListedFrames alone = rows_of_run(scene, 1);
         for (const double proximity_m : {0.1, 0.8}) {
           scene.proximity_m = proximity_m;
-          EXPECT_EQ(rows_of_run(scene, 1).people, alone.people) << "proximity_m " << proximity_m;
+          EXPECT_EQ(rows_of_run(scene, 1).closest_parts, alone.closest_parts)
+              << "proximity_m " << proximity_m;
         }
       }
 }
@@ -433,7 +434,7 @@ TEST(PairRules, ChangeTheRunIdOnly) {
 }
 
 TEST(PairRules, RejectUnknownNames) {
-  const auto refusal = [](const char* groups, const char* parts) -> std::string {
+  const auto rejection = [](const char* groups, const char* parts) -> std::string {
     Scene scene = hall();
     if (*groups != 0) scene.group_filter = pair_rules_of(groups, "--filter-groups");
     if (*parts != 0) scene.part_filter = pair_rules_of(parts, "--filter-parts");
@@ -444,13 +445,13 @@ TEST(PairRules, RejectUnknownNames) {
     }
     return "";
   };
-  EXPECT_NE(refusal("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
-      << refusal("robbots: people", "");
-  EXPECT_NE(refusal("group:robots: people", "").find("did you mean 'group:robot'"),
+  EXPECT_NE(rejection("robbots: people", "").find("did you mean 'robots'"), std::string::npos)
+      << rejection("robbots: people", "");
+  EXPECT_NE(rejection("group:robots: people", "").find("did you mean 'group:robot'"),
             std::string::npos)
-      << refusal("group:robots: people", "");
-  EXPECT_NE(refusal("", "tail").find("words of a part"), std::string::npos);
-  EXPECT_EQ(refusal("robots: people", "hands"), "");
+      << rejection("group:robots: people", "");
+  EXPECT_NE(rejection("", "tail").find("words of a part"), std::string::npos);
+  EXPECT_EQ(rejection("robots: people", "hands"), "");
   for (const char* text : {"", "a:", ":b", "a: b: c", "a,,b", " , "})
     EXPECT_THROW(pair_rules_of(text, "--filter-groups"), InputError) << '\'' << text << '\'';
 }

@@ -197,7 +197,7 @@ TEST(CheckpointFile, RejectsTruncatedAndChangedFiles) {
 TEST(CheckpointFile, RejectsOrResumesAnyState) {
   constexpr uint64_t kSeed = 5;
   const Stopped stopped;
-  int refused = 0;
+  int rejected = 0;
   for (uint64_t round = 0; round < 9; ++round) {
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", round " << round);
     const RandomKey key{kSeed, round, 0, Purpose::kStyle};
@@ -215,10 +215,10 @@ TEST(CheckpointFile, RejectsOrResumesAnyState) {
       for (int i = 0; i < 7; ++i) rest.step();
       rest.finish();
     } catch (const InputError&) {
-      ++refused;
+      ++rejected;
     }
   }
-  EXPECT_GE(refused, 3) << "every cut";
+  EXPECT_GE(rejected, 3) << "every cut";
 }
 
 TEST(CheckpointFile, KeepsTheOldFileIfWritingFails) {

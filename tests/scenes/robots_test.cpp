@@ -38,7 +38,7 @@ class Robots : public testing::Test {
               keys + "}\n");
     return load_scene((folder_ / "s.yaml").string());
   }
-  std::string refusal_of(const std::string& keys) const {
+  std::string rejection_of(const std::string& keys) const {
     try {
       scene_with(keys);
     } catch (const InputError& error) {
@@ -171,30 +171,31 @@ TEST_F(Robots, FitIntoTheirSteeringDiscs) {
     EXPECT_GE(apart_m("model: r.urdf, radius_m: 2", seed), 4) << "seed " << seed;
     EXPECT_GE(apart_m("model: r.urdf, radius_m: 0.05", seed), 0.1) << "seed " << seed;
   }
-  EXPECT_THAT(refusal_of("model: r.urdf, radius_m: 2.01"), HasSubstr("'radius_m' from 0.05 to 2"));
+  EXPECT_THAT(rejection_of("model: r.urdf, radius_m: 2.01"),
+              HasSubstr("'radius_m' from 0.05 to 2"));
 }
 
 TEST_F(Robots, AndPeopleInWrongUnitsAreRejected) {
   write("r.urdf",
         "<robot name='r'><link name='a'><collision><geometry><box size='0.001 0.001 "
         "0.001'/></geometry></collision></link></robot>");
-  EXPECT_EQ(refusal_of("model: r.urdf"), "accepted");
-  EXPECT_EQ(refusal_of("model: r.urdf, height_m: 1"), "accepted");
-  EXPECT_THAT(refusal_of("model: r.urdf, height_m: 1.01"),
+  EXPECT_EQ(rejection_of("model: r.urdf"), "accepted");
+  EXPECT_EQ(rejection_of("model: r.urdf, height_m: 1"), "accepted");
+  EXPECT_THAT(rejection_of("model: r.urdf, height_m: 1.01"),
               HasSubstr("s.yaml:3: expected a model at least 0.00101 m tall for avatars of 1.01 m, "
                         "found 'r' of 0.001 m; is it in other units?"));
   write(
       "r.urdf",
       "<robot name='r'><link name='a'><collision><origin xyz='0 0 9000'/><geometry><box size='9000 "
       "1 1'/></geometry></collision></link></robot>");
-  EXPECT_THAT(refusal_of("model: r.urdf"),
+  EXPECT_THAT(rejection_of("model: r.urdf"),
               HasSubstr("expected a model with all parts within 10000 m of its root, found 'r'"));
   write("r.urdf",
         "<robot name='r'><link name='a'><collision><geometry><box size='1 1 "
         "9900'/></geometry></collision></link><link name='b'><collision><origin xyz='0 0 "
         "9900'/><geometry><box size='1 1 9900'/></geometry></collision></link><joint name='j' "
         "type='fixed'><parent link='a'/><child link='b'/></joint></robot>");
-  EXPECT_THAT(refusal_of("model: r.urdf, height_m: 0.01"),
+  EXPECT_THAT(rejection_of("model: r.urdf, height_m: 0.01"),
               HasSubstr("s.yaml:3: expected a model at most 10000 m tall for avatars of 0.01 m, "
                         "found 'r' of 19800 m; is it in other units?"));
 }

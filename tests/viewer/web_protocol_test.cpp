@@ -84,22 +84,22 @@ TEST(WebProtocol, UnmasksAFrame) {
 
 TEST(WebProtocol, RejectsALongFrameByItsHead) {
   const std::string huge = std::string("\x82\xff\x00\x00\x00\x40\x00\x00\x00\x00", 10) + "mask";
-  EXPECT_EQ(parse_frame(as_bytes(huge), 4096).status, ClientFrame::Status::kRefused);
+  EXPECT_EQ(parse_frame(as_bytes(huge), 4096).status, ClientFrame::Status::kRejected);
   const std::string wraps = std::string("\x82\xff\xff\xff\xff\xff\xff\xff\xff\xff", 10) + "mask";
-  EXPECT_EQ(parse_frame(as_bytes(wraps), 4096).status, ClientFrame::Status::kRefused);
+  EXPECT_EQ(parse_frame(as_bytes(wraps), 4096).status, ClientFrame::Status::kRejected);
 }
 
 TEST(WebProtocol, RejectsFramesThatBrowsersNeverSend) {
-  EXPECT_EQ(parse_frame(as_bytes("\x81\x05hello"), 100).status, ClientFrame::Status::kRefused)
+  EXPECT_EQ(parse_frame(as_bytes("\x81\x05hello"), 100).status, ClientFrame::Status::kRejected)
       << "not masked";
   EXPECT_EQ(parse_frame(as_bytes(masked("\x01\x85", "hello")), 100).status,
-            ClientFrame::Status::kRefused)
+            ClientFrame::Status::kRejected)
       << "fragmented";
   EXPECT_EQ(parse_frame(as_bytes(masked("\xc1\x85", "hello")), 100).status,
-            ClientFrame::Status::kRefused)
+            ClientFrame::Status::kRejected)
       << "compressed";
   EXPECT_EQ(parse_frame(as_bytes(masked("\x83\x85", "hello")), 100).status,
-            ClientFrame::Status::kRefused)
+            ClientFrame::Status::kRejected)
       << "unknown opcode";
 }
 

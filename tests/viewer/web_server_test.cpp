@@ -58,7 +58,7 @@ TEST(WebServer, ClosesOnAnEndlessHead) {
   TestSocket browser(server.port());
   browser.send("GET / HTTP/1.1\r\nX: " + std::string(3 * WebServer::kMaxRequestBytes, 'x'));
   EXPECT_TRUE(browser.is_closed());
-  EXPECT_EQ(server.refused(), 1u);
+  EXPECT_EQ(server.rejected(), 1u);
 }
 
 TEST(WebServer, RejectsForeignOrigins) {
@@ -69,7 +69,7 @@ TEST(WebServer, RejectsForeignOrigins) {
   EXPECT_EQ(rebound.open("http://evil.example:80", "evil.example:80"), "HTTP/1.1 403 Forbidden");
   TestSocket own(server.port());
   EXPECT_EQ(own.open("http://127.0.0.1:" + std::to_string(server.port())), kAccepted);
-  EXPECT_EQ(server.refused(), 2u);
+  EXPECT_EQ(server.rejected(), 2u);
 }
 
 TEST(WebServer, LimitsTheNumberOfClients) {
@@ -151,7 +151,7 @@ TEST(WebServer, DisconnectsClientsWithLongMessages) {
   EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
 }
 
-// Offering frames returns at once whatever a client does. Dropped frames are counted, and other
+// Offering frames returns at once even if a client stalls. Dropped frames are counted, and other
 // clients get every frame.
 TEST(WebServer, ServesOthersDespiteAStalledClient) {
   WebServer server({.send_buffer_bytes = 65536}, kPage, {});

@@ -127,7 +127,7 @@ void LiveView::send_status() {
                               {{"received", received_.load()},
                                {"dropped", server_.frames_dropped()},
                                {"lost", missing()},
-                               {"refused", inbox.refused()},
+                               {"rejected", inbox.rejected()},
                                {"pages", server_.client_count()}}}}));
 }
 

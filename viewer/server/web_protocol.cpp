@@ -108,7 +108,7 @@ std::string close_payload(uint16_t code, std::string_view reason) {
 ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t max_bytes) {
   ClientFrame frame;
   if (bytes.size() < 2) return frame;
-  frame.status = ClientFrame::Status::kRefused;
+  frame.status = ClientFrame::Status::kRejected;
   const bool is_whole = (bytes[0] & 0x80) != 0;
   const bool is_masked = (bytes[1] & 0x80) != 0;
   const bool has_extension = (bytes[0] & 0x70) != 0;

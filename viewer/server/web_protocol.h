@@ -43,14 +43,14 @@ std::string close_payload(uint16_t code, std::string_view reason);
 
 /// A client frame at the start of a buffer.
 struct ClientFrame {
-  enum class Status { kComplete, kIncomplete, kRefused };
+  enum class Status { kComplete, kIncomplete, kRejected };
   Status status = Status::kIncomplete;
   Opcode opcode = Opcode::kText;
   std::string payload;  ///< unmasked
   size_t bytes = 0;     ///< size of the whole frame
 };
 
-/// Refuses frames that are longer than `max_bytes`, unmasked, fragmented or of an unknown kind.
+/// Rejects frames that are longer than `max_bytes`, unmasked, fragmented or of an unknown kind.
 ClientFrame parse_frame(std::span<const uint8_t> bytes, size_t max_bytes);
 
 }  // namespace throng

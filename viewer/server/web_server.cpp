@@ -168,7 +168,7 @@ void WebServer::accept_loop() {
     if (options_.send_buffer_bytes > 0)
       ::setsockopt(descriptor, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes, sizeof(int));
     if (connections_.size() >= static_cast<size_t>(options_.max_clients) + kExtraConnections) {
-      ++refused_;
+      ++rejected_;
       ::close(descriptor);
       continue;
     }
@@ -196,22 +196,22 @@ void WebServer::serve(Connection& connection) {
   const auto end = Clock::now() + kRequestTime;
   while (head_bytes(buffer) == 0) {
     if (stopping_ || Clock::now() > end || buffer.size() > kMaxRequestBytes) {
-      ++refused_;
+      ++rejected_;
       return;
     }
     if (!read_some(descriptor, buffer)) return;
   }
   const size_t head = head_bytes(buffer);
   const auto request = parse_request({reinterpret_cast<const char*>(buffer.data()), head});
-  const auto refuse = [&](std::string_view status) {
-    ++refused_;
+  const auto reject = [&](std::string_view status) {
+    ++rejected_;
     reply(descriptor, status, "text/plain; charset=utf-8", fmt::format("{}\n", status));
   };
-  if (!request || head > kMaxRequestBytes) return refuse("400 Bad Request");
-  if (!is_same_origin(*request, loopback_)) return refuse("403 Forbidden");
-  if (request->method != "GET") return refuse("405 Method Not Allowed");
+  if (!request || head > kMaxRequestBytes) return reject("400 Bad Request");
+  if (!is_same_origin(*request, loopback_)) return reject("403 Forbidden");
+  if (request->method != "GET") return reject("405 Method Not Allowed");
   if (request->path == "/ws") {
-    if (!request->is_web_socket_upgrade()) return refuse("426 Upgrade Required");
+    if (!request->is_web_socket_upgrade()) return reject("426 Upgrade Required");
     return serve_socket(connection, *request,
                         Bytes(buffer.begin() + static_cast<std::ptrdiff_t>(head), buffer.end()));
   }
@@ -219,10 +219,10 @@ void WebServer::serve(Connection& connection) {
   reply(descriptor, "404 Not Found", "text/plain; charset=utf-8", "404 Not Found\n");
 }
 
-/// A browser hides the status of a refused socket from its page. The page gets a socket that closes
-/// at once, with the reason; a program without Origin gets the status.
-void WebServer::refuse_socket(int descriptor, const HttpRequest& request) {
-  ++refused_;
+/// A browser hides the status of a rejected socket from its page. The page gets a socket that
+/// closes at once, with the reason; a program without Origin gets the status.
+void WebServer::reject_socket(int descriptor, const HttpRequest& request) {
+  ++rejected_;
   const std::string reason = counted(options_.max_clients, "page is", "pages are") + " open";
   if (request.header("origin").empty())
     return reply(descriptor, "503 Service Unavailable", "text/plain; charset=utf-8",
@@ -245,7 +245,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
       clients_.push_back(client);
     }
   }
-  if (client == nullptr) return refuse_socket(descriptor, request);
+  if (client == nullptr) return reject_socket(descriptor, request);
   if (handlers_.opened) handlers_.opened(client);
   read_messages(connection, *client, std::move(rest));
   client->finish();
@@ -257,7 +257,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
 void WebServer::read_messages(Connection& connection, WebClient& client, Bytes buffer) {
   while (!stopping_ && !client.finished_) {
     const ClientFrame frame = parse_frame(buffer, kMaxClientMessageBytes);
-    if (frame.status == ClientFrame::Status::kRefused) return;
+    if (frame.status == ClientFrame::Status::kRejected) return;
     if (frame.status == ClientFrame::Status::kIncomplete) {
       if (!read_some(connection.descriptor, buffer)) return;
       continue;

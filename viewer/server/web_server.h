@@ -104,14 +104,14 @@ class WebServer {
   size_t client_count() const;
   /// Returns the number of frames dropped for present and former clients.
   uint64_t frames_dropped() const;
-  /// Returns the number of refused requests: foreign origin, too many clients, malformed HTTP.
-  uint64_t refused() const { return refused_; }
+  /// Returns the number of rejected requests: foreign origin, too many clients, malformed HTTP.
+  uint64_t rejected() const { return rejected_; }
 
  private:
   struct Connection;
   void accept_loop();
   void serve(Connection& connection);
-  void refuse_socket(int descriptor, const struct HttpRequest& request);
+  void reject_socket(int descriptor, const struct HttpRequest& request);
   void serve_socket(Connection& connection, const struct HttpRequest& request, Bytes rest);
   void read_messages(Connection& connection, WebClient& client, Bytes buffer);
   void reply(int descriptor, std::string_view status, std::string_view type, std::string_view body);
@@ -126,7 +126,7 @@ class WebServer {
   int listener_ = -1;
   int port_ = 0;
   std::atomic<bool> stopping_{false};
-  std::atomic<uint64_t> refused_{0};
+  std::atomic<uint64_t> rejected_{0};
   std::atomic<uint64_t> past_drops_{0};
   mutable std::mutex mutex_;
   std::list<std::unique_ptr<Connection>> connections_;

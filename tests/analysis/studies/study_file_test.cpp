@@ -52,8 +52,8 @@ class StudyFile : public testing::Test {
   std::string error(const std::string& text) const {
     try {
       plan(text);
-    } catch (const InputError& refused) {
-      const std::string message = refused.what();
+    } catch (const InputError& rejected) {
+      const std::string message = rejected.what();
       const std::string folder = folder_.string() + "/";
       return message.starts_with(folder) ? message.substr(folder.size()) : message;
     }

@@ -66,8 +66,8 @@ TEST_F(StudyFiles, RejectIncompleteOrInconsistentShards) {
   const auto error = [](const std::vector<std::pair<std::string, StudyTable>>& tables) {
     try {
       merged(tables);
-    } catch (const InputError& refused) {
-      return std::string(refused.what());
+    } catch (const InputError& rejected) {
+      return std::string(rejected.what());
     }
     return std::string("none");
   };
