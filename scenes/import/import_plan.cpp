@@ -130,15 +130,27 @@ void round_to_grid(std::vector<Eigen::Vector2d>& points) {
   points.erase(std::unique(points.begin(), points.end()), points.end());
 }
 
-/// Whether a polygon without repeated corners is left; holes without area are dropped.
+/// Whether the corners do not lie on one line. A figure of eight has an extent, but no area.
+bool has_extent(const Polygon::Ring& ring) {
+  if (ring.size() < 3) return false;
+  Eigen::Vector2d along = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : ring)
+    if ((corner - ring[0]).norm() > along.norm()) along = corner - ring[0];
+  return std::any_of(ring.begin(), ring.end(), [&](const Eigen::Vector2d& corner) {
+    const Eigen::Vector2d arm = corner - ring[0];
+    return std::abs(along.x() * arm.y() - along.y() * arm.x()) > 0.5 * kPlanGrid_m * along.norm();
+  });
+}
+
+/// Whether a polygon without repeated corners is left; holes without extent are dropped.
 bool clean(Polygon& polygon) {
-  const auto has_area = [](Polygon::Ring& ring) {
+  const auto clean_ring = [](Polygon::Ring& ring) {
     round_to_grid(ring);
     while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-    return ring.size() >= 3 && std::abs(doubled_area(ring)) > kPlanGrid_m * kPlanGrid_m;
+    return has_extent(ring);
   };
-  if (!has_area(polygon.outline)) return false;
-  std::erase_if(polygon.holes, [&](Polygon::Ring& hole) { return !has_area(hole); });
+  if (!clean_ring(polygon.outline)) return false;
+  std::erase_if(polygon.holes, [&](Polygon::Ring& hole) { return !clean_ring(hole); });
   return true;
 }
 
@@ -183,17 +195,11 @@ void keep_to_ground(ImportedPlan& plan) {
   if (plan.walkable.empty()) return;
   // Walls along the edge reach onto the ground by half of their thickness.
   constexpr double kArea_m = -0.001, kWall_m = 0.01;
-  ImportedPlan walkable;
-  walkable.walkable = plan.walkable;
-  const Rectangle ground = *plan_bounds(walkable);
+  const Rectangle ground = bounds_of(plan.walkable);
   const auto is_beside = [&](const std::vector<Eigen::Vector2d>& points, double grown_m) {
-    Eigen::Vector2d min = points.front(), max = points.front();
-    for (const Eigen::Vector2d& point : points) {
-      min = min.cwiseMin(point);
-      max = max.cwiseMax(point);
-    }
-    return (min.array() - grown_m >= ground.max_m.array()).any() ||
-           (max.array() + grown_m <= ground.min_m.array()).any();
+    const Rectangle bounds = bounds_of(points);
+    return (bounds.min_m.array() - grown_m >= ground.max_m.array()).any() ||
+           (bounds.max_m.array() + grown_m <= ground.min_m.array()).any();
   };
   size_t dropped = std::erase_if(plan.obstacles, [&](const NamedPolygon& each) {
     return is_beside(each.polygon.outline, kArea_m);
@@ -226,13 +232,10 @@ void keep_to_ground(ImportedPlan& plan) {
                             counted(cut, "start or goal", "starts and goals"));
 }
 
-/// Defect of a polygon, as words after "found", or "".
-std::string defect_of(const Polygon&) { return ""; }
-
-void require_sound(const Polygon& polygon, std::string_view what, const std::string& file) {
-  if (const std::string defect = defect_of(polygon); !defect.empty())
-    throw InputError(file, fmt::format("{} without crossing edges", what),
-                     defect + "; draw it without crossings");
+void require_sound(const Polygon& polygon, const std::string& what, const std::string& file) {
+  if (const std::optional<PolygonFault> fault = fault_of(polygon))
+    throw InputError(file, fmt::format("{} in {}", fault->expected, what),
+                     fault->found + " (metres); correct the plan there");
 }
 
 void clean(ImportedPlan& plan, const std::string& file) {
@@ -253,16 +256,15 @@ void clean(ImportedPlan& plan, const std::string& file) {
 }  // namespace
 
 std::optional<Rectangle> plan_bounds(const ImportedPlan& plan) {
-  std::optional<Rectangle> out;
-  ImportedPlan copy = plan;
-  for_each_ring(copy, [&](const std::vector<Eigen::Vector2d>& ring) {
-    for (const Eigen::Vector2d& point : ring) {
-      if (!out) out = Rectangle{point, point};
-      out->min_m = out->min_m.cwiseMin(point);
-      out->max_m = out->max_m.cwiseMax(point);
-    }
-  });
-  return out;
+  std::vector<Eigen::Vector2d> points;
+  const auto add = [&](const std::vector<Eigen::Vector2d>& more) {
+    points.insert(points.end(), more.begin(), more.end());
+  };
+  for (const Polygon& area : plan.walkable) add(area.outline);
+  for (const auto* named : {&plan.obstacles, &plan.starts, &plan.goals})
+    for (const NamedPolygon& area : *named) add(area.polygon.outline);
+  for (const PlanWall& wall : plan.walls) add(wall.line_m);
+  return points.empty() ? std::nullopt : std::optional(bounds_of(points));
 }
 
 ImportedPlan import_plan(const ImportOptions& options) {

@@ -15,7 +15,7 @@
 namespace throng {
 
 /// Number of vertices of a plan at most.
-inline constexpr size_t kMaxPlanVertices = 100'000;
+inline constexpr size_t kMaxPlanVertices = kMaxVertices;
 /// Bytes of a plan at most.
 inline constexpr uint64_t kMaxPlanBytes = 64 << 20;
 /// Bytes at the beginning of a file that decide its kind.

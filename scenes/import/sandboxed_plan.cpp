@@ -64,7 +64,7 @@ class PlanArchive {
     uint64_t count = values.size();
     archive_(count);
     if (archive_.is_reading()) {
-      if (count > kMaxPlanItems) archive_.refuse("a plan", "one with too many parts");
+      if (count > kMaxPlanItems) archive_.reject("a plan", "one with too many parts");
       values.resize(static_cast<size_t>(count));
     }
     for (T& value : values) each(value);
@@ -100,7 +100,7 @@ class PlanCheck {
 
  private:
   void expect(bool is_kept, const std::string& what) const {
-    if (!is_kept) archive_.refuse(what, "another value");
+    if (!is_kept) archive_.reject(what, "another value");
   }
   void name(const std::string& text) const { expect(defect_of_name(text).empty(), "a name"); }
   void line(const std::string& text) const {
@@ -117,7 +117,7 @@ class PlanCheck {
     for (const Eigen::Vector2d& point : line)
       expect(point.cwiseAbs().maxCoeff() <= kMaxPlanNumber, "coordinates within 1e15");
     if (vertices_ > kMaxPlanVertices)
-      archive_.refuse(fmt::format("at most {} vertices in a plan", kMaxPlanVertices),
+      archive_.reject(fmt::format("at most {} vertices in a plan", kMaxPlanVertices),
                       "more; simplify the plan");
   }
 

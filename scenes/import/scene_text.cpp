@@ -46,23 +46,9 @@ std::string rectangle_keys(const Rectangle& rectangle) {
                      point_text(rectangle.max_m));
 }
 
-/// Rectangle that a polygon is: four corners, edges along x and y.
-std::optional<Rectangle> as_rectangle(const Polygon& polygon) {
-  const Polygon::Ring& ring = polygon.outline;
-  if (ring.size() != 4 || !polygon.holes.empty()) return std::nullopt;
-  const Rectangle out{ring[0].cwiseMin(ring[2]), ring[0].cwiseMax(ring[2])};
-  for (size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d edge = ring[(i + 1) % 4] - ring[i];
-    if ((edge.x() == 0) == (edge.y() == 0)) return std::nullopt;
-  }
-  if (out.min_m != ring[1].cwiseMin(ring[3]) || out.max_m != ring[1].cwiseMax(ring[3]))
-    return std::nullopt;
-  return out;
-}
-
 /// "min_m: ..., max_m: ..." or "polygon: ..., holes: ...".
 std::string shape_keys(const Polygon& polygon, bool allows_rectangle = true) {
-  const std::optional<Rectangle> rectangle = as_rectangle(polygon);
+  const std::optional<Rectangle> rectangle = rectangle_of(polygon);
   if (rectangle && allows_rectangle) return rectangle_keys(*rectangle);
   std::string out = "polygon: " + ring_text(polygon.outline);
   if (polygon.holes.empty()) return out;
@@ -73,12 +59,6 @@ std::string shape_keys(const Polygon& polygon, bool allows_rectangle = true) {
 }
 
 std::string area_text(const Polygon& polygon) { return "{" + shape_keys(polygon) + "}"; }
-
-double free_area_m2(const Polygon& polygon) {
-  double doubled = std::abs(doubled_area(polygon.outline));
-  for (const Polygon::Ring& hole : polygon.holes) doubled -= std::abs(doubled_area(hole));
-  return doubled / 2;
-}
 
 /// Breaks a line of YAML after commas between points, maps and keys; inside quotes only for
 /// `breaks_quotes` (WKT, where a line break is a blank).
@@ -155,7 +135,7 @@ class UniqueNames {
 const Polygon* largest_walkable(const ImportedPlan& plan) {
   const Polygon* out = nullptr;
   for (const Polygon& each : plan.walkable)
-    if (out == nullptr || free_area_m2(each) > free_area_m2(*out)) out = &each;
+    if (out == nullptr || area_m2(each) > area_m2(*out)) out = &each;
   return out;
 }
 
@@ -166,12 +146,7 @@ Rectangle ground_rectangle(const ImportedPlan& plan) {
 /// Area for starts or goals that the plan lacks.
 Polygon substitute_area(const ImportedPlan& plan) {
   if (const Polygon* const walkable = largest_walkable(plan)) return *walkable;
-  const Rectangle ground = plan_bounds(plan).value_or(Rectangle{});
-  return {{ground.min_m,
-           {ground.max_m.x(), ground.min_m.y()},
-           ground.max_m,
-           {ground.min_m.x(), ground.max_m.y()}},
-          {}};
+  return polygon_of(plan_bounds(plan).value_or(Rectangle{}));
 }
 
 std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
@@ -193,8 +168,8 @@ std::string groups_text(const ImportedPlan& plan) {
   UniqueNames names;
   std::string out = "groups:\n";
   for (const NamedPolygon& start : starts) {
-    const double count = std::clamp(std::round(free_area_m2(start.polygon) / kAreaPerAgent_m2), 1.0,
-                                    kMaxAgentsPerStart);
+    const double count =
+        std::clamp(std::round(area_m2(start.polygon) / kAreaPerAgent_m2), 1.0, kMaxAgentsPerStart);
     out += fmt::format("  - name: {}\n    count: {}\n", yaml_text(names.of(start.name)),
                        static_cast<int>(count));
     out += wrapped("    spawn: " + area_text(start.polygon));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/errors.h"
 #include "base/text.h"
@@ -82,14 +83,13 @@ ImportedPlan wkt_plan(const RegularFile& file) {
   const std::vector<WktGeometry> geometries = geometries_of(plan_text(file, kWktParser.expected));
   for (const WktGeometry& geometry : geometries) {
     const std::string where = at_line(name, geometry.line);
-    for (Polygon& polygon : parse_wkt(without_reference(geometry.text, where), where)) {
-      vertices += polygon.outline.size();
-      for (const Polygon::Ring& hole : polygon.holes) vertices += hole.size();
-      if (vertices > kMaxPlanVertices)
-        throw InputError(where, fmt::format("at most {} vertices in the file", kMaxPlanVertices),
-                         "more; simplify the plan");
-      out.walkable.push_back(std::move(polygon));
-    }
+    std::vector<Polygon> areas = parse_wkt(without_reference(geometry.text, where), where);
+    vertices += vertex_count(areas);
+    if (vertices > kMaxPlanVertices)
+      throw InputError(where, fmt::format("at most {} vertices in the file", kMaxPlanVertices),
+                       "more; simplify the plan");
+    out.walkable.insert(out.walkable.end(), std::make_move_iterator(areas.begin()),
+                        std::make_move_iterator(areas.end()));
   }
   out.used.push_back(fmt::format("{} as walkable: {}",
                                  counted(geometries.size(), "geometry", "geometries"),

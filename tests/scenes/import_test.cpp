@@ -43,12 +43,6 @@ class Import : public SceneFile {
   }
 };
 
-double area_of(const Polygon& polygon) {
-  double doubled = std::abs(doubled_area(polygon.outline));
-  for (const Polygon::Ring& hole : polygon.holes) doubled -= std::abs(doubled_area(hole));
-  return doubled / 2;
-}
-
 // ---- WKT
 
 class Wkt : public Import {};
@@ -60,8 +54,8 @@ TEST_F(Wkt, IsWalkableInItsUnit) {
   ASSERT_EQ(plan.walkable.size(), 1u);
   EXPECT_EQ(plan.walkable[0].outline.size(), 4u);
   EXPECT_EQ(plan.walkable[0].holes.size(), 1u);
-  EXPECT_NEAR(area_of(plan.walkable[0]), 59, 1e-9);
-  EXPECT_NEAR(area_of(read(kRoom, 0.1).walkable[0]), 0.59, 1e-9);
+  EXPECT_NEAR(area_m2(plan.walkable[0]), 59, 1e-9);
+  EXPECT_NEAR(area_m2(read(kRoom, 0.1).walkable[0]), 0.59, 1e-9);
   EXPECT_EQ(plan.kind, "WKT");
 }
 
@@ -271,7 +265,7 @@ TEST_F(Dxf, JoinsLinesThatMeet) {
                line("FLOOR", 8, 5, 0, 5) + line("FLOOR", 8, 5, 0, 5) + line("FLOOR", 0, 5, 0, 0)));
   ASSERT_EQ(room.walkable.size(), 1u);
   EXPECT_EQ(room.walkable[0].outline.size(), 4u);
-  EXPECT_NEAR(area_of(room.walkable[0]), 40, 0.01);
+  EXPECT_NEAR(area_m2(room.walkable[0]), 40, 0.01);
   const ImportedPlan walls =
       read(dxf(line("WALL", 0, 0, 8, 0) + line("WALL", 8, 0, 8, 5) + line("WALL", 20, 0, 20, 5)));
   ASSERT_EQ(walls.walls.size(), 2u);
@@ -305,7 +299,7 @@ TEST_F(Dxf, OutlinesInsideOthersAreHoles) {
                rectangle("FLOOR", 0, 0, 20, 10)));
   ASSERT_EQ(plan.walkable.size(), 3u) << "the hall, the overlapping room, the island in the hole";
   EXPECT_EQ(plan.walkable[0].holes.size(), 1u);
-  EXPECT_NEAR(area_of(plan.walkable[0]), 196, 1e-9);
+  EXPECT_NEAR(area_m2(plan.walkable[0]), 196, 1e-9);
 }
 
 TEST_F(Dxf, ArcsAreChordsWithinACentimetre) {
@@ -330,7 +324,7 @@ TEST_F(Dxf, ArcsAreChordsWithinACentimetre) {
       const Polygon::Ring& ring = plan.obstacles[0].polygon.outline;
       expect_circle(ring, {50, 40}, radius);
       EXPECT_LT(ring.size(), 200u);
-      EXPECT_NEAR(area_of(plan.obstacles[0].polygon), std::numbers::pi * radius * radius,
+      EXPECT_NEAR(area_m2(plan.obstacles[0].polygon), std::numbers::pi * radius * radius,
                   0.02 * std::numbers::pi * radius);
     }
   }
@@ -355,7 +349,7 @@ TEST_F(Dxf, OldPolylinesHaveVertices) {
       dxf(" 0 POLYLINE 8 FLOOR 66 1 70 1 0 VERTEX 8 FLOOR 10 0 20 0 0 VERTEX 8 FLOOR 10 6 20 0 "
           "0 VERTEX 8 FLOOR 10 6 20 4 0 SEQEND 8 FLOOR"));
   ASSERT_EQ(plan.walkable.size(), 1u);
-  EXPECT_NEAR(area_of(plan.walkable[0]), 12, 1e-9);
+  EXPECT_NEAR(area_m2(plan.walkable[0]), 12, 1e-9);
   EXPECT_THAT(refusal(dxf(" 0 POLYLINE 8 FLOOR 70 1 0 VERTEX 10 0 20 0" + line("A", 0, 0, 1, 1))),
               HasSubstr("SEQEND"));
 }
@@ -465,6 +459,14 @@ TEST_F(Import, RepeatedCornersAreRemoved) {
   EXPECT_THAT(plan.left_out, ElementsAre("1 area without extent"));
 }
 
+TEST_F(Import, AreasDoNotCrossThemselves) {
+  EXPECT_THAT(refusal("POLYGON ((0 0, 400 0, 0 400, 400 400))", 0.01),
+              testing::MatchesRegex("plan: expected .* in walkable areas, found .*2.*2.* "
+                                    "\\(metres\\); correct the plan there"));
+  EXPECT_THAT(refusal(dxf(" 0 LWPOLYLINE 8 COLUMN 70 1 10 0 20 0 10 4 20 0 10 0 20 4 10 4 20 4")),
+              HasSubstr("in the area 'COLUMN'"));
+}
+
 TEST_F(Import, LimitsVerticesAndSize) {
   std::string text = "POLYGON ((";
   for (int i = 0; i <= 100'000; ++i) text += fmt::format("{}{} {}", i > 0 ? ", " : "", i, i % 2);
@@ -487,9 +489,9 @@ TEST_F(Import, StartsAndGoalsEndAtTheWalkableAreas) {
                rectangle("COLUMN_A", 25, 0, 26, 1) + rectangle("COLUMN_B", 19, 0, 26, 1) +
                line("WALL", 0, 0, 20, 0) + line("WALL_B", 0, -1, 20, -1)));
   ASSERT_EQ(plan.starts.size(), 1u);
-  EXPECT_NEAR(area_of(plan.starts[0].polygon), 6, 1e-9);
+  EXPECT_NEAR(area_m2(plan.starts[0].polygon), 6, 1e-9);
   ASSERT_EQ(plan.goals.size(), 1u);
-  EXPECT_NEAR(area_of(plan.goals[0].polygon), 6, 1e-9);
+  EXPECT_NEAR(area_m2(plan.goals[0].polygon), 6, 1e-9);
   EXPECT_EQ(plan.obstacles.size(), 1u);
   EXPECT_EQ(plan.walls.size(), 1u);
   EXPECT_THAT(plan.left_out, ElementsAre("2 obstacles and walls beside the walkable areas",
@@ -576,6 +578,24 @@ TEST_F(SceneText, LargePlansKeepTheirGroundInAFile) {
   EXPECT_THAT(scene_text_of(station(), "station.dxf", "station.wkt"),
               HasSubstr("ground: {file: station.wkt, wall_height_m: 2.5}"));
   EXPECT_EQ(ground_wkt_of(station()), "MULTIPOLYGON (((0 0, 20 0, 20 10, 0 12, 0 0)))");
+}
+
+TEST_F(SceneText, LoadsAsAScene) {
+  const ImportedPlan plan = read(
+      dxf(rectangle("FLOOR", 0, 0, 20, 10) + rectangle("FLOOR", 15, 5, 30, 12) +
+          rectangle("COLUMNS", 5, 5, 5.5, 5.5) + " 0 CIRCLE 8 COLUMNS 10 9 20 5 40 0.4" +
+          line("WALLS", 12, 0, 12, 4) + line("WALLS", 12, 4, 15, 4) + line("WALLS", 0, 0, 0, 9) +
+          rectangle("START", -1, 1, 5, 3) + rectangle("EXIT", 28, 9, 31, 13)));
+  const Scene scene = load(scene_text_of(plan, "plan.dxf"));
+  ASSERT_EQ(scene.groups.size(), 1u);
+  EXPECT_EQ(scene.groups[0].name, "START");
+  EXPECT_EQ(scene.groups[0].count, 3);
+  EXPECT_FALSE(scene.floor.empty());
+  const ImportedPlan walls = read(dxf(line("WALLS", 0, 0, 9, 0) + rectangle("WALLS", 0, 3, 9, 9)));
+  EXPECT_EQ(load(scene_text_of(walls, "plan.dxf")).groups.size(), 1u);
+  EXPECT_EQ(load(scene_text_of(read(kRoom, 1), "room.wkt")).groups.size(), 1u);
+  write("s.wkt", ground_wkt_of(plan));
+  EXPECT_EQ(load(scene_text_of(plan, "plan.dxf", "s.wkt")).groups.size(), 1u);
 }
 
 // ---- damaged files
