@@ -34,5 +34,6 @@ Command add_validate_command(CommandLine& parent);
 Command add_compare_command(CommandLine& parent);
 Command add_study_command(CommandLine& parent);
 Command add_export_command(CommandLine& parent);
+Command add_import_command(CommandLine& parent);
 
 }  // namespace throng

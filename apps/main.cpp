@@ -68,7 +68,7 @@ int run(int argc, char** argv) {
       add_check_command(line),    add_monitor_command(line), add_render_command(line),
       add_view_command(line),     add_paper_command(line),   add_bench_command(line),
       add_validate_command(line), add_compare_command(line), add_study_command(line),
-      add_export_command(line)};
+      add_export_command(line),   add_import_command(line)};
   line.add_subcommand("help", "Print the options of a command: throng help COMMAND");
   if (const auto text = line.parse(as_parsed(line, {argv + 1, argv + argc}))) {
     print_result("{}", *text);

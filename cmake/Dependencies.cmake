@@ -15,6 +15,9 @@ endif()
 if(THRONG_SCENES)
   pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET GLOBAL assimp)
   find_package(yaml-cpp REQUIRED)
+  find_package(nlohmann_json REQUIRED)  # floor plans: JSON, pictures and XML
+  find_package(PNG REQUIRED)
+  find_package(EXPAT REQUIRED)
   find_package(SQLite3 REQUIRED)  # trajectories
   find_package(ZLIB REQUIRED)     # compressed recordings
   pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings
@@ -35,8 +38,6 @@ if(THRONG_LCM)
 endif()
 
 if(THRONG_VIEWER)
-  find_package(nlohmann_json REQUIRED)
-  find_package(PNG REQUIRED)
   pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET GLOBAL glib-2.0)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET GLOBAL libwebp libwebpmux)
   find_program(NODE node REQUIRED)

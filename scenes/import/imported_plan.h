@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/rectangle.h"
 #include "geometry/polygon.h"
 
 namespace throng {
@@ -30,9 +31,12 @@ struct ImportedPlan {
   std::vector<Polygon> walkable;  ///< may overlap and touch; empty: the file states none
   std::vector<NamedPolygon> obstacles;
   std::vector<PlanWall> walls;
-  std::vector<NamedPolygon> starts;   ///< areas where agents start or enter
-  std::vector<NamedPolygon> goals;    ///< areas where agents go to or leave
-  std::optional<double> unit_m;       ///< length of the file's unit; none: the file states none
+  std::vector<NamedPolygon> starts;  ///< areas where agents start or enter
+  std::vector<NamedPolygon> goals;   ///< areas where agents go to or leave
+  std::optional<double> unit_m;      ///< length of the file's unit; none: the file states none
+  /// Lower left corner of the plan in the file, in metres, if it lies far from the origin and was
+  /// moved there; otherwise zero.
+  Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
   std::vector<std::string> used;      ///< what was used, a line each: "layer 'WALLS': 12 lines"
   std::vector<std::string> left_out;  ///< what was left out and why, a line each
 };
@@ -48,8 +52,19 @@ struct ImportOptions {
 /// finding and remedy.
 ImportedPlan import_plan(const ImportOptions& options);
 
-/// Returns the plan as a scene file, with a group that walks from the starts to the goals if the
-/// plan has both. `source` is named in the first line.
-std::string scene_text_of(const ImportedPlan& plan, const std::string& source);
+/// Smallest rectangle that contains the plan; none for an empty plan.
+std::optional<Rectangle> plan_bounds(const ImportedPlan& plan);
+
+/// Words about starts and goals that scene_text_of() adds; "" if the plan has both.
+std::string added_group_note(const ImportedPlan& plan);
+
+/// Returns the plan as a scene file. Groups walk from the starts to the nearest goals; without
+/// starts or goals they use the largest walkable area. `source` is named in the first line. If
+/// `wkt_file` is not empty, the ground is in that file, with the text of ground_wkt_of().
+std::string scene_text_of(const ImportedPlan& plan, const std::string& source,
+                          const std::string& wkt_file = "");
+
+/// Returns the walkable areas as well-known text.
+std::string ground_wkt_of(const ImportedPlan& plan);
 
 }  // namespace throng

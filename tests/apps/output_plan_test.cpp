@@ -46,6 +46,7 @@ const std::vector<CommandLine>& commands() {
       {"validate", "--only rimea_1", {"--json", "--out"}, {"--recordings"}},
       {"compare", "my.yaml my.yaml --seconds 0.1", {"--json", "--out"}, {}, {"my.yaml"}},
       {"export", "a.lcmlog", {"--mcap"}, {"--out"}, {"a.lcmlog"}},
+      {"import", "room.wkt --unit m", {"--out"}, {}, {"room.wkt"}},
       {"study", "", {}, {"--out", "--merge"}},  // its table needs a certain ending
       {"monitor", "a.lcmlog", {}, {}},
       {"info", "a.lcmlog", {}, {}},
@@ -62,6 +63,10 @@ std::string ending_of(const CommandLine& command, const std::string& option) {
 
 bool is_always_folder(const std::string& option) {
   return option == "--contacts" || option == "--part-pairs" || option == "--separation";
+}
+
+bool is_out_folder(const CommandLine& command, const std::string& option) {
+  return option == "--out" && command.command != "render" && command.command != "import";
 }
 
 TEST(OutputPlan, CoversEveryOptionThatNamesAFile) {
@@ -174,8 +179,7 @@ TEST(OutputPlan, DistinguishesFilesAndFolders) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs) {
       Workplace place;
-      const bool is_folder =
-          is_always_folder(option) || (option == "--out" && command.command != "render");
+      const bool is_folder = is_always_folder(option) || is_out_folder(command, option);
       const std::string name = fmt::format("x{}", ending_of(command, option));
       shell(is_folder ? fmt::format("echo old >{}", name)
                       : fmt::format("mkdir {0}; echo old >{0}/old", name),
@@ -189,7 +193,7 @@ TEST(OutputPlan, DistinguishesFilesAndFolders) {
 TEST(OutputPlan, ReportsAMissingFolderBeforeTheWork) {
   for (const CommandLine& command : commands())
     for (const std::string& option : command.outputs) {
-      if (is_always_folder(option) || (option == "--out" && command.command != "render")) continue;
+      if (is_always_folder(option) || is_out_folder(command, option)) continue;
       Workplace place;
       expect_rejected(place,
                       fmt::format("throng {} {} {} no/x{}", command.command, command.line, option,

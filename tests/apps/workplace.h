@@ -47,6 +47,7 @@ class Workplace {
     write_file(folder_ / "body.urdf", kUrdf);
     write_file(folder_ / "body.tri", kTri);
     write_file(folder_ / "rock.tri", kTri);
+    write_file(folder_ / "room.wkt", "POLYGON ((0 0, 10 0, 10 6, 0 6))\n");
   }
 
   const ScratchFolder& folder() const { return folder_; }

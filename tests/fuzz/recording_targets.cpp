@@ -1,10 +1,12 @@
-// Fuzz targets for recordings and walkable areas.
+// Fuzz targets for recordings, walkable areas and floor plans.
 #include <cmath>
 
 #include "base/errors.h"
 #include "geometry/polygon_union.h"
 #include "geometry/wkt.h"
 #include "recordings/recording.h"
+#include "scenes/file/yaml_tree.h"
+#include "scenes/import/imported_plan.h"
 #include "tests/fuzz/target_tools.h"
 #include "tests/fuzz/targets.h"
 
@@ -77,6 +79,30 @@ bool wkt(std::span<const uint8_t> input) {
       promise(area.contains(vertex), "an outline that is part of the area");
     for (const Polygon& polygon : join(polygons, "fuzz.wkt").polygons)
       promise(polygon.outline.size() >= 3, "polygons of a union with an outline");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
+bool plan(std::span<const uint8_t> input) {
+  if (input.empty()) return false;
+  const File file("plan", input.subspan(1));
+  ImportOptions options{.file = file.path(), .layers = {}, .unit_m = {}};
+  if (input[0] & 1) options.unit_m = 1;
+  if (input[0] & 2) options.layers = {{"walkable", {"floor"}}, {"walls", {"0"}}};
+  try {
+    const ImportedPlan read = import_plan(options);
+    const std::optional<Rectangle> bounds = plan_bounds(read);
+    promise(bounds && bounds->min_m.allFinite() && bounds->size_m().maxCoeff() <= 20'001,
+            "a plan with a size");
+    for (const Polygon& area : read.walkable)
+      promise(area.outline.size() >= 3 && doubled_area(area.outline) != 0, "areas with an extent");
+    for (const PlanWall& wall : read.walls) promise(wall.line_m.size() >= 2, "walls with a length");
+    const std::string text = scene_text_of(read, "plan");
+    if (text.size() <= kMaxYamlBytes)
+      promise(!parse_yaml(text, "scene").entries.empty(), "a scene in YAML");
     return true;
   } catch (const InputError& error) {
     expect_words(error);

@@ -247,6 +247,29 @@ void add_areas(std::vector<Bytes>& out) {
     out.push_back(bytes_of(area));
 }
 
+void add_plans(std::vector<Bytes>& out) {
+  constexpr std::string_view kDrawing =
+      "0 SECTION 2 HEADER 9 $INSUNITS 70 5 0 ENDSEC 0 SECTION 2 TABLES 0 TABLE 2 LAYER 0 LAYER 2 "
+      "WALL 70 0 62 7 0 ENDTAB 0 ENDSEC 0 SECTION 2 BLOCKS 0 BLOCK 2 PILLAR 10 0 20 0 0 CIRCLE 8 0 "
+      "10 0 20 0 40 30 0 ENDBLK 0 ENDSEC 0 SECTION 2 ENTITIES 0 LWPOLYLINE 8 FLOOR 90 4 70 1 10 0 "
+      "20 0 10 900 20 0 42 0.5 10 900 20 600 10 0 20 600 0 LINE 8 WALL 10 0 20 0 11 300 21 0 0 ARC "
+      "8 WALL 10 300 20 100 40 100 50 270 51 0 0 INSERT 8 COLUMN 2 PILLAR 10 500 20 300 41 2 50 30 "
+      "0 POLYLINE 8 EXIT 66 1 70 1 0 VERTEX 10 0 20 0 0 VERTEX 10 90 20 0 0 VERTEX 10 90 20 90 0 "
+      "SEQEND 0 ENDSEC 0 EOF ";
+  std::string drawing(kDrawing);
+  std::replace(drawing.begin(), drawing.end(), ' ', '\n');
+  const std::string geojson =
+      R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"layer": )"
+      R"("floor"}, "geometry": {"type": "MultiPolygon", "coordinates": [[[[0, 0], [9, 0], [9, 9], )"
+      R"([0, 0]]], [[[20, 0], [29, 0], [29, 9], [20, 0]]]]}}, {"type": "Feature", "properties": )"
+      R"(null, "geometry": {"type": "LineString", "coordinates": [[0, 0], [5, 0], [5, 5]]}}]})";
+  const std::string wkt =
+      "POLYGON ((0 0, 10 0, 10 6, 0 6, 0 0), (4 2, 4 3, 5 3, 5 2, 4 2))\n"
+      "MULTIPOLYGON (((20 0, 30 0, 30 9)), ((20 10, 30 10, 30 19)))\n";
+  for (const std::string& each : {drawing, geojson, wkt})
+    for (const char options : {'\1', '\3'}) out.push_back(bytes_of(options + each));
+}
+
 void add_studies(std::string_view target, std::vector<Bytes>& out) {
   const auto add = [&](std::string_view text) { out.emplace_back(text.begin(), text.end()); };
   if (target == "study_table") {
@@ -289,6 +312,7 @@ std::vector<Bytes> seeds_of(std::string_view target) {
   if (target == "checkpoint") add_checkpoints(out);
   if (target == "recording") add_recordings(out);
   if (target == "wkt") add_areas(out);
+  if (target == "plan") add_plans(out);
   if (target == "mesh") add_meshes(out);
   return out;
 }

@@ -37,6 +37,8 @@ bool checkpoint(std::span<const uint8_t> input);
 bool recording(std::span<const uint8_t> input);
 /// A walkable area.
 bool wkt(std::span<const uint8_t> input);
+/// A floor plan after a byte that selects options.
+bool plan(std::span<const uint8_t> input);
 /// A mesh file after a byte that selects one of kMeshExtensions.
 bool mesh(std::span<const uint8_t> input);
 inline constexpr std::string_view kMeshExtensions[] = {
@@ -58,6 +60,7 @@ inline constexpr Target kTargets[] = {{"tri", tri},
                                       {"checkpoint", checkpoint},
                                       {"recording", recording},
                                       {"wkt", wkt},
+                                      {"plan", plan},
                                       {"mesh", mesh}};
 
 /// Initial inputs: fixtures, files written by Throng, and known crashers of the libraries. The same
