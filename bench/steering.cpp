@@ -59,7 +59,7 @@ Scene square(int people, double per_m2, uint64_t seed) {
     group.count = left / static_cast<int>(std::size(routes) - i);
     left -= group.count;
     group.spawn = scene.ground;
-    group.goals = {routes[i].first, routes[i].second};
+    group.goals = {Area(routes[i].first), Area(routes[i].second)};
     scene.groups.push_back(group);
   }
   return scene;

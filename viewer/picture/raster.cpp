@@ -191,7 +191,7 @@ class Painter {
  public:
   Painter(const Camera& camera, const RenderOptions& options)
       : options_(options),
-        canvas_{options.width * options.samples, options.height * options.samples, {}, {}, {}},
+        canvas_{options.width * options.samples, options.height * options.samples, {}, {}, {}, {}},
         view_(camera, canvas_.width, canvas_.height) {
     const size_t count = static_cast<size_t>(canvas_.width) * static_cast<size_t>(canvas_.height);
     canvas_.samples.resize(count);
