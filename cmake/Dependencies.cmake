@@ -15,9 +15,8 @@ endif()
 if(THRONG_SCENES)
   pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET GLOBAL assimp)
   find_package(yaml-cpp REQUIRED)
-  find_package(nlohmann_json REQUIRED)  # floor plans: JSON, pictures and XML
+  find_package(nlohmann_json REQUIRED)  # floor plans: JSON and pictures
   find_package(PNG REQUIRED)
-  find_package(EXPAT REQUIRED)
   find_package(SQLite3 REQUIRED)  # trajectories
   find_package(ZLIB REQUIRED)     # compressed recordings
   pkg_search_module(HDF5 REQUIRED IMPORTED_TARGET GLOBAL hdf5-serial hdf5)  # recordings

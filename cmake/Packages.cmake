@@ -53,7 +53,7 @@ This package has the static libraries and headers, for CMake's
 find_package(throng) and for pkg-config.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, libfmt-dev, libhwy-dev, libtbb-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "throng (= ${PROJECT_VERSION}-1), pkg-config, liburdfdom-dev, \
-liborocos-kdl-dev, libassimp-dev, libyaml-cpp-dev, libpng-dev, libexpat1-dev, libsqlite3-dev, zlib1g-dev, \
+liborocos-kdl-dev, libassimp-dev, libyaml-cpp-dev, libpng-dev, libsqlite3-dev, zlib1g-dev, \
 libhdf5-dev, librecast-dev, liblcm-dev, libglib2.0-dev, libzstd-dev")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-throng)

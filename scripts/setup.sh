@@ -13,7 +13,7 @@ packages=(
   libeigen3-dev liburdfdom-dev liburdfdom-headers-dev liborocos-kdl-dev libassimp-dev libfcl-dev
   # scenes, speed, command line, pictures
   libyaml-cpp-dev libtbb-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev zlib1g-dev
-  libwebp-dev libexpat1-dev
+  libwebp-dev
   # trajectories: the file format, and polygons of the walkable area
   libsqlite3-dev libboost-dev
   # recordings of the archive of experiments

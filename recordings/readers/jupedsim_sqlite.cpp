@@ -9,6 +9,7 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "recordings/jupedsim_area.h"
 #include "recordings/readers/column_name.h"
 #include "recordings/readers/sandboxed_samples.h"
 
@@ -198,38 +199,52 @@ void parse_database(const RegularFile& file, const RecordingOptions& options,
 class JupedsimSqlite final : public RecordingReader {
  public:
   std::string_view kind() const override { return "JuPedSim SQLite"; }
-  bool knows(std::string_view head) const override {
-    return head.starts_with(std::string_view("SQLite format 3\0", 16));
-  }
+  bool knows(std::string_view head) const override { return is_sqlite(head); }
 
   void read(const RecordingSource& source, RecordingBuilder& builder) const override {
     reject_packed(source, *this);
-    reject_unfinished(source.file().path());
+    reject_unfinished_database(source.file().path());
     const SandboxedKind foreign{.parser = {.library = "SQLite",
                                            .expected = kExpectedSqlite,
                                            .remedy = "try `sqlite3 FILE .recover`"},
                                 .kind = kind()};
     read_sandboxed(source, foreign, parse_database, builder);
   }
-
- private:
-  /// Rejects a database with a journal: the database lacks its changes.
-  static void reject_unfinished(const std::filesystem::path& file) {
-    for (const char* ending : {"-wal", "-journal"}) {
-      std::filesystem::path journal = file;
-      journal += ending;
-      std::error_code error;
-      const auto size = std::filesystem::file_size(journal, error);
-      if (!error && size > 0)
-        throw InputError(file.string(), "a database that is closed",
-                         fmt::format("the file {}; end the program that writes it, or run "
-                                     "`sqlite3 {} 'PRAGMA journal_mode = DELETE'`",
-                                     journal.filename().string(), file.string()));
-    }
-  }
 };
 
 }  // namespace
+
+bool is_sqlite(std::string_view head) {
+  return head.starts_with(std::string_view("SQLite format 3\0", 16));
+}
+
+StatedArea parse_stated_area(const RegularFile& file) {
+  const Database database(file);
+  const std::vector<std::string> tables = database.tables();
+  for (const char* table : {"geometry", "metadata"})
+    if (!has(tables, table))
+      throw ParseFailure("the tables geometry and metadata, as JuPedSim writes them",
+                         tables.empty()
+                             ? "none"
+                             : in_quotes(fmt::format("{}", fmt::join(tables, ", "))) + " alone");
+  // An area has no frame rate: a rate that is not understood does not matter.
+  const ParsedFacts facts = facts_of(database, tables, {.fps = 1});
+  return {facts.wkt, facts.areas, facts.units[0]};
+}
+
+void reject_unfinished_database(const std::filesystem::path& file) {
+  for (const char* ending : {"-wal", "-journal"}) {
+    std::filesystem::path journal = file;
+    journal += ending;
+    std::error_code error;
+    const auto size = std::filesystem::file_size(journal, error);
+    if (!error && size > 0)
+      throw InputError(file.string(), "a database that is closed",
+                       fmt::format("the file {}; end the program that writes it, or run "
+                                   "`sqlite3 {} 'PRAGMA journal_mode = DELETE'`",
+                                   journal.filename().string(), file.string()));
+  }
+}
 
 const RecordingReader& jupedsim_sqlite_reader() {
   static const JupedsimSqlite reader;

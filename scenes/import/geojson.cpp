@@ -4,19 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/import/plan_json.h"
 #include "scenes/import/plan_layers.h"
 #include "scenes/import/plan_readers.h"
 
 namespace throng {
 namespace {
 
-using nlohmann::json;
+using json = PlanJson;
 
 constexpr int kMaxGeometryDepth = 8;
 constexpr double kMaxGeoNumber = 1e12;
@@ -51,10 +51,8 @@ class GeoJsonPlan {
   };
 
   [[noreturn]] void reject(std::string_view expected, const json& found) const {
-    throw InputError(file_, fmt::format("{} in {}", expected, place_), described(found));
+    throw InputError(file_, fmt::format("{} in {}", expected, place_), described_json(found));
   }
-  static std::string described(const json& value);
-  json parse(const std::string& text) const;
   void require_lengths(const json& root) const;
   void feature(const json& feature);
   void geometry(const json& geometry, Layer& layer, int depth);
@@ -75,28 +73,6 @@ class GeoJsonPlan {
   std::map<std::string, size_t> left_out_;
   size_t vertices_ = 0;
 };
-
-std::string GeoJsonPlan::described(const json& value) {
-  constexpr size_t kMaxBytes = 60;
-  if (value.is_object()) return "an object";
-  if (value.is_array()) return value.empty() ? "an empty list" : "a list";
-  return in_quotes(value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, kMaxBytes));
-}
-
-json GeoJsonPlan::parse(const std::string& text) const {
-  try {
-    return json::parse(text);
-  } catch (const json::parse_error& error) {
-    const auto end = text.begin() + static_cast<ptrdiff_t>(std::min(error.byte, text.size()));
-    const auto line = 1 + static_cast<int>(std::count(text.begin(), end, '\n'));
-    throw InputError(at_line(file_, line), "JSON",
-                     error.byte > text.size()
-                         ? "the end of the file: it is cut short; export it again"
-                         : "a mistake here; export it again");
-  } catch (const json::exception&) {
-    throw InputError(file_, "JSON", "a number that is too large; export it again");
-  }
-}
 
 /// RFC 7946 has degrees only; programs nevertheless write projected coordinates.
 void GeoJsonPlan::require_lengths(const json& root) const {
@@ -258,7 +234,7 @@ void GeoJsonPlan::use(Layer& layer, ImportedPlan& plan, UseTally& tally) const {
 }
 
 ImportedPlan GeoJsonPlan::read(const std::string& text) {
-  const json root = parse(text);
+  const json root = parse_plan_json(text, file_);
   const json& type = member(root, "type");
   require_lengths(root);
   if (type == "FeatureCollection") {

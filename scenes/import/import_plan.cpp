@@ -25,9 +25,14 @@ struct PlanReader {
 };
 
 /// In the order in which they are tried.
-constexpr std::array kPlanReaders = {PlanReader{is_dxf, read_dxf, true},
-                                     PlanReader{is_geojson, read_geojson, true},
-                                     PlanReader{is_wkt_plan, read_wkt_plan, false}};
+constexpr std::array kPlanReaders = {
+    PlanReader{is_dxf, read_dxf, true},
+    PlanReader{is_vadere_scenario, read_vadere_scenario, false},
+    PlanReader{is_geojson, read_geojson, true},
+    PlanReader{is_wkt_plan, read_wkt_plan, false},
+    PlanReader{is_jupedsim_database, read_jupedsim_database, false},
+    PlanReader{is_jupedsim_geometry, read_jupedsim_geometry, false},
+    PlanReader{is_occupancy_grid, read_occupancy_grid, false}};
 
 /// Scenes reach 100 km from the origin.
 constexpr double kMaxUnshifted_m = 90'000;
@@ -71,7 +76,8 @@ std::string head_of(const RegularFile& file) {
 
 ImportedPlan read_plan(const ImportOptions& options) {
   const std::string file = options.file.string();
-  const std::string head = head_of(RegularFile(options.file, "a floor plan", kMaxPlanBytes));
+  const std::string head =
+      head_of(RegularFile(options.file, "a floor plan", kMaxPlanDatabaseBytes));
   for (const PlanReader& reader : kPlanReaders) {
     if (!reader.knows(head)) continue;
     const LayerChoice choice(options);  // checks the uses

@@ -18,6 +18,9 @@ namespace throng {
 inline constexpr size_t kMaxPlanVertices = kMaxVertices;
 /// Bytes of a plan at most.
 inline constexpr uint64_t kMaxPlanBytes = 64 << 20;
+/// Bytes of a database, of which only the area is read, and of an image of a map at most.
+inline constexpr uint64_t kMaxPlanDatabaseBytes = uint64_t{64} << 30;
+inline constexpr uint64_t kMaxPlanImageBytes = uint64_t{512} << 20;
 /// Bytes at the beginning of a file that decide its kind.
 inline constexpr size_t kPlanHeadBytes = 64 << 10;
 
@@ -53,7 +56,8 @@ ImportedPlan read_vadere_scenario(const ImportOptions& options);
 /// coordinates, at most kMaxPlanVertices vertices, and valid names. `parse` throws ParseFailure, or
 /// InputError for an error in a line; both become an InputError here.
 ImportedPlan read_plan_sandboxed(const RegularFile& file, const SandboxedParser& parser,
-                                 const std::function<ImportedPlan(const RegularFile&)>& parse);
+                                 const std::function<ImportedPlan(const RegularFile&)>& parse,
+                                 uint64_t max_bytes = kMaxPlanBytes);
 
 /// Content of a file.
 std::string plan_bytes(const RegularFile& file);

@@ -174,9 +174,12 @@ std::string plan_text(const RegularFile& file, std::string_view expected) {
 }
 
 ImportedPlan read_plan_sandboxed(const RegularFile& file, const SandboxedParser& parser,
-                                 const std::function<ImportedPlan(const RegularFile&)>& parse) {
-  const SandboxLimits limits{
-      .max_file_bytes = kMaxPlanBytes, .memory_per_file_byte = 32, .max_result_bytes = 64 << 20};
+                                 const std::function<ImportedPlan(const RegularFile&)>& parse,
+                                 uint64_t max_bytes) {
+  // A larger file is a database, which is not read as a whole, or an image, which has no structure.
+  const SandboxLimits limits{.max_file_bytes = max_bytes,
+                             .memory_per_file_byte = max_bytes > kMaxPlanBytes ? 1u : 32u,
+                             .max_result_bytes = 64 << 20};
   std::vector<uint8_t> received;
   parse_sandboxed_in_pieces(
       file, parser, limits,

@@ -75,7 +75,7 @@ grep -q 'a_to_b_m' "$folder/volume/miss.txt" || fail "custom_volume: expected th
 
 hidden="liblcm-dev liblcm-bin nodejs npm libgtest-dev libgmock-dev libfcl-dev libcli11-dev nlohmann-json3-dev
   libpng-dev libwebp-dev libglib2.0-dev liborocos-kdl-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev
-  libyaml-cpp-dev libexpat1-dev libsqlite3-dev libhdf5-dev librecast-dev libboost-dev libboost1.74-dev"
+  libyaml-cpp-dev libsqlite3-dev libhdf5-dev librecast-dev libboost-dev libboost1.74-dev"
 export -f try_project quietly fail
 export folder here source
 status=0
@@ -87,7 +87,7 @@ elif [ "$status" -ne 0 ]; then
 fi
 expect_same "custom_bodies on culling alone" "$skeleton" "$("$folder/culling/custom_bodies")"
 linked=$(ldd "$folder/culling/custom_bodies")
-for library in liblcm liborocos-kdl liburdf libassimp libyaml-cpp libpng libexpat libsqlite3 libhdf5; do
+for library in liblcm liborocos-kdl liburdf libassimp libyaml-cpp libpng libsqlite3 libhdf5; do
   ! grep -q "$library" <<<"$linked" || fail "custom_bodies: expected no $library"
 done
 

@@ -10,7 +10,7 @@ page="nodejs npm"
 tests="libgtest-dev libgmock-dev googletest libfcl-dev libbenchmark-dev"
 apps="libcli11-dev libwebp-dev libglib2.0-dev"
 crowds="liborocos-kdl-dev liburdfdom-dev liburdfdom-headers-dev libassimp-dev libyaml-cpp-dev
-  nlohmann-json3-dev libpng-dev libexpat1-dev libsqlite3-dev libhdf5-dev librecast-dev libboost-dev libboost1.74-dev"
+  nlohmann-json3-dev libpng-dev libsqlite3-dev libhdf5-dev librecast-dev libboost-dev libboost1.74-dev"
 case $what in
   culling) missing="$messages $page $tests $apps $crowds" ;;
   scenes) missing="$messages $page $tests $apps" ;;
@@ -45,7 +45,7 @@ for library in liblcm libgtest libwebp; do
   ! grep -q "^$library" <<<"$linked" || fail "expected a program without $library"
 done
 if [ "$what" = culling ]; then
-  for library in liborocos-kdl liburdf libassimp libyaml-cpp libpng libexpat libsqlite3 libhdf5; do
+  for library in liborocos-kdl liburdf libassimp libyaml-cpp libpng libsqlite3 libhdf5; do
     ! grep -q "^$library" <<<"$linked" || fail "expected a program without $library"
   done
 fi

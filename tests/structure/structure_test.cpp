@@ -51,7 +51,6 @@ const std::map<std::string, Names> kLibraryOf = {
     {"console_bridge", {"kinematics"}},
     {"assimp", {"avatars"}},
     {"yaml-cpp", {"scenes"}},
-    {"expat.h", {"scenes"}},
     {"sqlite3.h", {"recordings", "analysis"}},
     {"mpi.h", {"analysis"}},
     {"zstd.h", {"lcm_io"}},
