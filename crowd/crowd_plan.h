@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -51,6 +52,8 @@ struct QueueRule {
 struct Goal {
   Goal() = default;
   Goal(const Area& area) : areas{area} {}
+  template <std::same_as<Rectangle> R>  // braces mean an Area
+  Goal(const R& area) : areas{Area(area)} {}
 
   std::vector<Area> areas;  ///< at least one
   Distribution wait_s{};    ///< waiting time at the goal

@@ -193,10 +193,11 @@ TEST(PolygonGround, StopsAllAgentsAtItsEdgesAndLeadsThemToTheirGoals) {
       crowd.step();
       for (uint32_t id = 0; id < people; ++id) {
         const Eigen::Vector2d& now = crowd.positions_m()[id];
-        if (was_present[id] != 0 && crowd.journeys().is_present(id))
+        if (was_present[id] != 0 && crowd.journeys().is_present(id)) {
           for (const Segment& wall : built.walls)
             ASSERT_FALSE(do_cross({before[id], now}, wall))
                 << "agent " << id << " at " << now.transpose() << " after " << time_s << " s";
+        }
         before[id] = now;
         was_present[id] = crowd.journeys().is_present(id);
       }

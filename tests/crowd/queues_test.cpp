@@ -32,7 +32,7 @@ Scene hall(uint64_t seed, int people, std::vector<Rectangle> counters, double se
   scene.groups = {group(people, {{-9, -7.5}, {9, -2}}, {{{8, -7}, {9.8, 5}}})};
   scene.groups[0].on_arrival = OnArrival::kLeave;
   Goal goal;
-  goal.areas = std::move(counters);
+  goal.areas.assign(counters.begin(), counters.end());
   goal.has_queue = true;
   goal.wait_s = {serves_s, 0.3 * serves_s, 0.4 * serves_s, 2 * serves_s};
   scene.groups[0].goals.insert(scene.groups[0].goals.begin(), goal);
