@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "base/errors.h"
 #include "base/text.h"

@@ -266,7 +266,24 @@ void add_plans(std::vector<Bytes>& out) {
   const std::string wkt =
       "POLYGON ((0 0, 10 0, 10 6, 0 6, 0 0), (4 2, 4 3, 5 3, 5 2, 4 2))\n"
       "MULTIPOLYGON (((20 0, 30 0, 30 9)), ((20 10, 30 10, 30 19)))\n";
-  for (const std::string& each : {drawing, geojson, wkt})
+  const std::string geometry =
+      "<geometry version=\"0.8\" unit=\"m\"><rooms><room id=\"0\"><subroom id=\"0\"><polygon>"
+      "<vertex px=\"10\" py=\"4\"/><vertex px=\"10\" py=\"6\"/><vertex px=\"0\" py=\"6\"/>"
+      "<vertex px=\"0\" py=\"0\"/><vertex px=\"10\" py=\"0\"/></polygon></subroom></room></rooms>"
+      "<transitions><transition id=\"1\" room1_id=\"0\" subroom1_id=\"0\" room2_id=\"-1\" "
+      "subroom2_id=\"-1\"><vertex px=\"10\" py=\"0\"/><vertex px=\"10\" py=\"4\"/></transition>"
+      "</transitions></geometry>";
+  const std::string scenario =
+      R"({"scenario": {"topography": {"attributes": {"bounds": {"x": 0, "y": 0, "width": 20, )"
+      R"("height": 10}, "boundingBoxWidth": 0.5, "bounded": true}, "obstacles": [{"id": 1, )"
+      R"("shape": {"type": "POLYGON", "points": [{"x": 5, "y": 5}, {"x": 6, "y": 5}, {"x": 6, )"
+      R"("y": 7}]}}], "targets": [{"id": 2, "shape": {"type": "CIRCLE", "radius": 1, "center": )"
+      R"({"x": 18, "y": 7}}}], "sources": [{"id": 3, "shape": {"type": "RECTANGLE", "x": 2, "y": )"
+      R"(4, "width": 1, "height": 2}}], "stairs": [{"id": 4}]}}})";
+  const std::string map =
+      "image: map.pgm\nresolution: 0.05\norigin: [-1, 2, 0.5]\nnegate: 0\noccupied_thresh: 0.65\n"
+      "free_thresh: 0.196\n";
+  for (const std::string& each : {drawing, geojson, wkt, geometry, scenario, map})
     for (const char options : {'\1', '\3'}) out.push_back(bytes_of(options + each));
 }
 
