@@ -16,7 +16,8 @@ using BoxPoint = bg::model::point<double, 2, bg::cs::cartesian>;
 using Box = bg::model::box<BoxPoint>;
 using BoxTree = bg::index::rtree<std::pair<Box, uint32_t>, bg::index::quadratic<16>>;
 
-constexpr double kMinEdge_m = 1e-3;
+/// A little less than the grid spacing: vertices that differ on the grid count.
+constexpr double kMinEdge_m = 0.9e-4;
 /// A strip that reaches less far into the floor is accepted.
 constexpr double kRounding_m = 1e-4;
 constexpr std::array kThicknesses_m = {kStripThickness_m, 0.025, 0.012, 0.006, 0.003, 0.0015, 5e-4};

@@ -17,8 +17,8 @@ using FloorStrip = std::array<Eigen::Vector2d, 4>;
 /// Thickness of strips, less where the floor continues behind a thinner wall.
 inline constexpr double kStripThickness_m = 0.05;
 
-/// Returns a strip for each edge of at least 1 mm. Strips meet at the corners and do not reach into
-/// the floor by more than 1 mm.
+/// Returns a strip for each edge of at least 0.1 mm. Strips meet at the corners and do not reach
+/// into the floor by more than 1 mm.
 std::vector<FloorStrip> strips_around(const std::vector<Polygon>& floor);
 
 /// Returns where a line along x enters and leaves the floor, in ascending order.

@@ -530,16 +530,14 @@ class PlanDrawing {
                line, arrow_on(path.corners_m, colour_of(group)));
         has_route_ = true;
       }
-      return path.corners_m.empty() ? areas.front().middle_m()
-                                    : path.corners_m.back();
+      return path.corners_m.empty() ? areas.front().middle_m() : path.corners_m.back();
     };
     for (size_t i = 0; i < scene_.groups.size(); ++i) {
       const Group& group = scene_.groups[i];
       if (group.goals.empty() || !group.control_channel.empty() || group.recorded > 0) continue;
       std::vector<Point> starts;
       if (group.count > 0) starts.push_back(group.spawn.middle_m());
-      for (const Source& source : group.sources)
-        starts.push_back(source.area.middle_m());
+      for (const Source& source : group.sources) starts.push_back(source.area.middle_m());
       std::optional<Point> at;
       for (const Point& start : starts) {
         const Point end = draw_leg(i, start, group.goals.front().areas);

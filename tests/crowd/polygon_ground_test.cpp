@@ -118,14 +118,14 @@ World random_world(uint64_t seed) {
   const int count = random.whole(1, 4);
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d middle = origin + Eigen::Vector2d(7 * i, random.uniform(-2, 2));
-    Polygon room{random.star(middle, 2.5, 5, random.whole(4, 24)), {}};
-    if (random.whole(0, 1) == 0) room.holes = {random.star(middle, 0.3, 1, random.whole(3, 9))};
+    Polygon room{random.star(middle, 2.2, 3.4, random.whole(4, 24)), {}};
+    if (random.whole(0, 1) == 0) room.holes = {random.star(middle, 0.3, 0.8, random.whole(3, 9))};
     rooms.push_back(std::move(room));
     if (i == 0) continue;
-    const double half_m = 0.5 * random.uniform(0.2, 1.6);
+    const double half_m = 0.5 * random.uniform(0.05, 1.6);
     const Eigen::Vector2d from = middle - Eigen::Vector2d(7, 0);
-    rooms.push_back({{from + Eigen::Vector2d(2, -half_m), from + Eigen::Vector2d(5, -half_m),
-                      from + Eigen::Vector2d(5, half_m), from + Eigen::Vector2d(2, half_m)},
+    rooms.push_back({{from + Eigen::Vector2d(1.5, -half_m), from + Eigen::Vector2d(5.5, -half_m),
+                      from + Eigen::Vector2d(5.5, half_m), from + Eigen::Vector2d(1.5, half_m)},
                      {}});
     for (Eigen::Vector2d& corner : rooms.back().outline)
       corner = (corner * 1e4).array().round() / 1e4;
@@ -153,7 +153,9 @@ World random_world(uint64_t seed) {
   Group group;
   group.count = 6;
   group.on_arrival = OnArrival::kLeave;
-  group.spawn = Area(world.scene.floor);
+  // In the first room: a passage may be too narrow for all of them.
+  group.spawn =
+      Rectangle{origin - Eigen::Vector2d::Constant(1.4), origin + Eigen::Vector2d::Constant(1.4)};
   const Polygon goal{random.star(origin + Eigen::Vector2d(7 * (count - 1) + 1.5, 0.5), 0.5, 1.2,
                                  random.whole(3, 9)),
                      {}};
@@ -249,7 +251,7 @@ TEST(PolygonGround, EqualsARectangleIfItIsOne) {
 }
 
 /// Mean speed (m/s) of people along a corridor of 30 m, after its rotation by `turn_rad`.
-double corridor_speed_mps(double turn_rad, int pieces) {
+double corridor_speed_mps(double turn_rad, int pieces, uint64_t seed) {
   const auto turned = [&](double x, double y) {
     return Eigen::Vector2d(std::cos(turn_rad) * x - std::sin(turn_rad) * y,
                            std::sin(turn_rad) * x + std::cos(turn_rad) * y);
@@ -265,7 +267,7 @@ double corridor_speed_mps(double turn_rad, int pieces) {
     return out;
   };
   Scene scene;
-  scene.seed = 5;
+  scene.seed = seed;
   scene.step_s = 1.0 / 60;
   const Polygon corridor = turned_box(0, 0, 30, 3);
   scene.floor = {corridor};
@@ -291,8 +293,12 @@ double corridor_speed_mps(double turn_rad, int pieces) {
 }
 
 TEST(PolygonGround, DoesNotSlowPeopleDownIfItsWallsHaveManyPieces) {
-  const double straight_mps = corridor_speed_mps(0.4, 1);
-  const double divided_mps = corridor_speed_mps(0.4, 60);
+  double straight_mps = 0, divided_mps = 0;
+  constexpr uint64_t kSeeds = 12;
+  for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    straight_mps += corridor_speed_mps(0.4, 1, seed) / kSeeds;
+    divided_mps += corridor_speed_mps(0.4, 60, seed) / kSeeds;
+  }
   std::printf("walls in one piece: %.3f m/s, in 60: %.3f m/s\n", straight_mps, divided_mps);
   EXPECT_NEAR(divided_mps, straight_mps, 0.02 * straight_mps);
 }
