@@ -366,6 +366,8 @@ PICTURES = {
     "bottleneck": (6, 300, " --eye 9,-9,9 --target -3,0,0" + _SIZE),
     "evacuation": (9, 240, " --eye 0,-34,26 --target 0,1,0" + _SIZE),
     "station_platform": (11, 600, " --eye -14,-15,9 --target 2,2,0" + _SIZE),
+    "station_hall": (56, 3300, " --eye 26,-34,30 --target 32,14,0" + _SIZE),
+    "museum": (51, 3000, " --eye=-4,-38,30 --target 0,0,0" + _SIZE),
     "metro": (8, 450, " --eye -3.5,-6.5,4.5 --target -3.2,2,0.3" + _SIZE),
     "concert": (4, 90, " --eye -11,-6,6 --target 1,4,0.5" + _SIZE),
     "ticket_office": (41, 2400, " --eye -6.5,-7,7.5 --target 0.8,1.3,0" + _SIZE),
