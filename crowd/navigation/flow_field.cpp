@@ -20,9 +20,6 @@ constexpr double kBodyMargin_m = 0.2;
 constexpr double kComfort_m = 0.5;
 /// Cost of a metre along a wall relative to the open.
 constexpr double kMaxSlowness = 2.5;
-/// Narrowest gap for discs of 0.44 m (a person of 1.70 m), with a centimetre of tolerance for the
-/// position of walls relative to cells.
-constexpr double kMinGap_m = 0.43;
 /// Two cells closer than this to walls may be linked through a gap that is too narrow.
 constexpr double kNarrow_m = 0.35;
 /// Disc radius of a person of 1.70 m.
@@ -222,6 +219,10 @@ bool FlowGrid::reaches(size_t cell, const Area& area) const {
   return has_reached(*walkable_, area, place_m(cell), kPerson_m, off_m - kPerson_m);
 }
 
+bool FlowGrid::is_open_to(size_t cell, const Area& area) const {
+  return is_freely_reachable(*walkable_, area, centre_m(cell));
+}
+
 std::array<ptrdiff_t, 4> FlowGrid::free_neighbours(size_t cell) const {
   const auto at = static_cast<ptrdiff_t>(cell);
   const auto columns = static_cast<ptrdiff_t>(columns_);
@@ -266,6 +267,9 @@ void FlowField::march(std::span<const Area> areas, std::span<const uint8_t> clos
     double away = 1e300;
     for (const Area& area : areas) away = std::min(away, (centre - area.nearest_m(centre)).norm());
     const bool is_free = grid_->is_free(cell), is_far = away > 0.71 * grid_->cell_m();
+    // An area behind a wall, or flush with it, attracts no agent to this side.
+    const auto is_open = [&](const Area& area) { return grid_->is_open_to(cell, area); };
+    if (!is_far && away > 0 && std::none_of(areas.begin(), areas.end(), is_open)) continue;
     if (is_far || (!is_free && away > 0)) {
       const auto reaches_area = [&](const Area& area) { return grid_->reaches(cell, area); };
       const auto area = std::find_if(areas.begin(), areas.end(), reaches_area);

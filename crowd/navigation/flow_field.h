@@ -61,6 +61,11 @@ class FlowGrid {
   Eigen::Vector2d place_m(size_t cell) const;
   /// Returns whether an agent in a cell has reached an area, see has_reached().
   bool reaches(size_t cell, const Area& area) const;
+  /// Returns whether no wall stands between the centre of a cell and an area.
+  bool is_open_to(size_t cell, const Area& area) const;
+  /// Narrowest gap for discs of 0.44 m (a person of 1.70 m), with a centimetre of tolerance for the
+  /// position of walls relative to cells.
+  static constexpr double kMinGap_m = 0.43;
   /// The cells left, right, below and above that are linked to a cell; -1 where none is.
   std::array<ptrdiff_t, 4> free_neighbours(size_t cell) const;
   /// Returns whether the straight segment leads through free cells only (to a tenth of a cell).

@@ -297,10 +297,30 @@ void NavigationMap::set_doors(std::span<const DoorState> doors, Workers& workers
   build_fields(workers);
 }
 
+/// Follows a field out of an obstacle's margin: returns false at a wall, and at a gap too narrow
+/// for bodies.
+bool NavigationMap::is_open_along(const FlowField& field, const Eigen::Vector2d& point) const {
+  constexpr double kStep_m = 0.05;
+  constexpr int kMaxSteps = 40;
+  constexpr double kTolerance_m = 0.02;
+  const double narrow_m =
+      std::min(FlowGrid::kMinGap_m, walkable_.gap_at(point, FlowGrid::kMinGap_m).width_m) -
+      kTolerance_m;
+  Eigen::Vector2d at = point;
+  for (int step = 0; step < kMaxSteps && !field.reaches(at); ++step) {
+    const Eigen::Vector2d next = at + kStep_m * field.direction(at);
+    if (next == at || walkable_.crosses(at, next)) return false;  // the field ends, or a wall
+    at = next;
+    if (walkable_.gap_at(at, FlowGrid::kMinGap_m).width_m < narrow_m) return false;
+  }
+  return true;
+}
+
 bool NavigationMap::leads(const Stop& stop, const Eigen::Vector2d& point) const {
   if (stop.field->reaches(point)) return true;
   // In the margin of an obstacle the field points out of it, perhaps to the wrong side.
-  if (stop.field->direction(point).squaredNorm() == 0) return false;
+  if (stop.field->direction(point).squaredNorm() == 0 || !is_open_along(*stop.field, point))
+    return false;
   const int piece = nav_mesh_->piece_at(point);
   return piece < 0 || std::find(stop.pieces.begin(), stop.pieces.end(), piece) != stop.pieces.end();
 }

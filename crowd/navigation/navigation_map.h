@@ -123,6 +123,7 @@ class NavigationMap {
   void set_doors(std::span<const DoorState> doors, Workers& workers);
 
  private:
+  bool is_open_along(const FlowField& field, const Eigen::Vector2d& point) const;
   void resolve_triggers(const CrowdPlan& plan);
   void apply_doors();
   uint32_t add_trigger(const CrowdPlan& plan, const TriggerRule& rule);

@@ -325,7 +325,7 @@ std::vector<YamlNode> seeds() {
 /// Loads, describes and runs two frames of a few people.
 void use(const std::filesystem::path& file, const std::shared_ptr<const Model>& cart) {
   Scene scene = load_scene(file.string());
-  describe_scene(file.string());
+  describe_scene(scene, navigation_mesh_of(scene));
   Scene scaled = scene;
   std::vector<std::string> notes;
   try {

@@ -12,6 +12,7 @@
 
 #include "base/random.h"
 #include "geometry/polygon_union.h"
+#include "geometry/wkt.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/run/simulation.h"
 #include "tests/recordings/binary_files.h"

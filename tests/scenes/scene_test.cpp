@@ -298,11 +298,25 @@ TEST_F(SceneFile, LoadsBundledScenes) {
     EXPECT_FALSE(entry.description.empty()) << entry.name;
     EXPECT_EQ(load_scene(entry.name).name, entry.name);
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"bottleneck", "city_square", "concert", "corridor",
-                                             "crossing", "evacuation", "metro", "museum",
-                                             "paper_15", "paper_350", "paper_50", "paper_500", "plaza", "ring",
-                                             "robot_in_crowd", "rush_hour", "stadium_exit",
-                                             "station_hall", "station_platform",
+  EXPECT_EQ(names, (std::vector<std::string>{"bottleneck",
+                                             "city_square",
+                                             "concert",
+                                             "corridor",
+                                             "crossing",
+                                             "evacuation",
+                                             "metro",
+                                             "museum",
+                                             "paper_15",
+                                             "paper_350",
+                                             "paper_50",
+                                             "paper_500",
+                                             "plaza",
+                                             "ring",
+                                             "robot_in_crowd",
+                                             "rush_hour",
+                                             "stadium_exit",
+                                             "station_hall",
+                                             "station_platform",
                                              "ticket_office"}));
   const Scene plaza = load_scene("plaza");
   int people = 0;
