@@ -292,7 +292,7 @@ std::vector<Key<Scene>> rows_of_scenes() {
       custom_key<Scene>(
           "ground",
           "where agents can walk: a rectangle `{min_m: [x, y], max_m: [x, y]}`, at least 0.1 m "
-          "wide, or polygons, see [scenes](../scenes.md#ground-and-obstacles)",
+          "wide, or polygons, see docs/scenes.md",
           "required of a crowd", map_rule("ground"))
           .with_reader(read_ground)
           .with_hash([](Hasher& hash, const Scene& scene) {
