@@ -53,14 +53,14 @@ bool Area::polygons_contain(const Eigen::Vector2d& point) const {
 
 Eigen::Vector2d Area::nearest_edge_m(const Eigen::Vector2d& point) const {
   Eigen::Vector2d nearest_m = middle_m_;
-  double least_m2 = std::numeric_limits<double>::infinity();
+  double min_m2 = std::numeric_limits<double>::infinity();
   for_each_edge(polygons_, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const Eigen::Vector2d along = to - from;
     const double t = std::clamp(along.dot(point - from) / along.squaredNorm(), 0.0, 1.0);
     const Eigen::Vector2d candidate_m = from + t * along;
     const double square_m2 = (candidate_m - point).squaredNorm();
-    if (square_m2 >= least_m2) return;
-    least_m2 = square_m2;
+    if (square_m2 >= min_m2) return;
+    min_m2 = square_m2;
     nearest_m = candidate_m;
   });
   return nearest_m;

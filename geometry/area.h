@@ -70,7 +70,7 @@ class Area {
   Rectangle bounds_;
   std::vector<Polygon> polygons_;  ///< empty: the bounds
   std::vector<FlatTriangle> triangles_;
-  std::vector<double> shares_;  ///< by triangle: share of the area up to its end
+  std::vector<double> shares_;  ///< per triangle: share of the area up to its end
   double area_m2_ = 0;
   Eigen::Vector2d middle_m_ = Eigen::Vector2d::Zero();
 };

@@ -104,7 +104,7 @@ class StripBuilder {
     return box_of<std::initializer_list<Eigen::Vector2d>>(points);
   }
 
-  /// At a corner where the floor bends around the wall, strips end at the bisector; at other
+  /// At a corner where the floor bends around the wall, strips end at the bisector. At other
   /// corners they extend by their thickness, to close the corner.
   FloorStrip strip_of(const FloorEdge& edge, double thickness_m, bool is_last) const {
     const Eigen::Vector2d along = (edge.to - edge.from).normalized(), out(along.y(), -along.x());

@@ -57,9 +57,9 @@ struct PolygonFault {
   std::string found;     ///< "a crossing at [1, 2]"
 };
 
-/// Returns a defect on a grid of 0.1 mm: a vertex that is not finite or farther than
-/// kMaxOnGrid_m from the origin, a ring without area, edges that cross or overlap, a hole that
-/// reaches outside the outline. Rings may touch in points.
+/// Returns a defect on a grid of 0.1 mm. Vertices must be finite and within kMaxOnGrid_m of the
+/// origin. Rings must have an area and may touch in points. Edges must neither cross nor overlap,
+/// and holes must lie within the outline.
 std::optional<PolygonFault> fault_of(const Polygon& polygon);
 
 /// Triangles that cover a polygon without a fault; each has three vertices of it,

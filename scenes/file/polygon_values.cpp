@@ -255,7 +255,7 @@ MapText area_text() {
 
 MapText ground_text() {
   MapText text{.name = "ground",
-               .meaning = "Where agents can walk: an area as above, or a file with its text",
+               .meaning = "Walkable ground: an area as above, or a file with its text",
                .keys = area_key_texts(),
                .choices = {{"min_m", "max_m"}, {"polygon"}, {"wkt"}, {"file"}}};
   text.keys.push_back(

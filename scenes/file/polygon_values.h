@@ -15,7 +15,7 @@ namespace throng {
 /// the area in messages: "spawn".
 Area read_area(ReadContext& context, const std::string& file, const YamlNode& node,
                const std::string& what);
-/// The same from the keys of a map that has others, too.
+/// The same from the keys of a map that also has others.
 Area read_area(ReadContext& context, const Fields& fields, const std::string& what);
 
 /// Reads the ground: sets `ground` and `floor`, and adds walls with `wall_height_m`.
@@ -37,7 +37,7 @@ Rectangle ground_around(const std::vector<Polygon>& floor);
 
 MapText area_text();
 MapText ground_text();
-/// Keys of an area, for maps that have others, too.
+/// Keys of an area, for maps that also have others.
 std::vector<KeyText> area_key_texts();
 
 }  // namespace throng

@@ -83,7 +83,7 @@ void put_into(const Area& area, Door& door) {
   for (const Polygon& polygon : area.polygons())
     corners.insert(corners.end(), polygon.outline.begin(), polygon.outline.end());
   const std::vector<Eigen::Vector2d> hull = convex_hull(std::move(corners));
-  double least_m2 = std::numeric_limits<double>::infinity();
+  double min_m2 = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < hull.size(); ++i) {
     Eigen::Vector2d along = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
     Eigen::Vector2d aside(-along.y(), along.x());
@@ -94,8 +94,8 @@ void put_into(const Area& area, Door& door) {
       span.min_m = span.min_m.cwiseMin(local);
       span.max_m = span.max_m.cwiseMax(local);
     }
-    if (span.area_m2() >= least_m2 - 1e-9) continue;
-    least_m2 = span.area_m2();
+    if (span.area_m2() >= min_m2 - 1e-9) continue;
+    min_m2 = span.area_m2();
     const Eigen::Vector2d size = span.size_m(), middle = span.middle_m();
     const Eigen::Vector2d centre = middle.x() * along + middle.y() * aside;
     if (size.y() > size.x()) along = aside;

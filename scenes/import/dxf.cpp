@@ -34,7 +34,7 @@ const SandboxedParser kDxfParser{.library = "the reader of DXF drawings",
 
 struct DxfGroup {
   int code = 0;
-  int line = 0;  ///< of the value
+  int line = 0;  ///< line of the value
   std::string_view value;
 };
 
@@ -211,8 +211,8 @@ class DxfDrawing {
   std::vector<DxfRecord> records_;
   std::optional<double> unit_m_;
   double tolerance_unit_m_ = 1;
-  std::map<std::string, DxfLayer> layers_;  ///< by name in lower case
-  std::map<std::string, DxfBlock> blocks_;  ///< by name in lower case
+  std::map<std::string, DxfLayer> layers_;  ///< keys: names in lower case
+  std::map<std::string, DxfBlock> blocks_;  ///< keys: names in lower case
   std::map<std::string, size_t> left_out_;
   size_t vertices_ = 0;
   size_t entities_ = 0;

@@ -1,7 +1,7 @@
 // Every unit edge between a free and another cell has a gate: the segment between the centres of
 // the two cells. A line that passes all gates of a part of the border separates the same cells.
-// Maximal straight parts are found by clipping the set of such lines (O'Rourke 1981), and joined to
-// a polygon with the fewest edges by dynamic programming (Selinger 2003). The polygon is checked
+// Maximal straight parts are found by clipping the set of such lines (O'Rourke 1981). Dynamic
+// programming joins them to a polygon with the fewest edges (Selinger 2003). The polygon is checked
 // against the gates. Edges that fail become shorter, in the end exact: hence the invariant.
 #include "scenes/import/grid_outline.h"
 
@@ -488,8 +488,8 @@ class BorderRing {
     return (on_gate(line, middle, direction) - middle).lpNorm<Eigen::Infinity>() <= kHalfGate;
   }
 
-  /// Where a line that replaces the border up to corner `a` meets one that replaces it from corner
-  /// `b` on, at a spot from `lowest` to `highest`.
+  /// `line_a` replaces the border up to corner `a`, and `line_b` from corner `b` on. Returns their
+  /// meeting point and its position, from `lowest` to `highest`.
   std::optional<std::pair<Point, int64_t>> meeting(const BorderLine& line_a, size_t a,
                                                    const BorderLine& line_b, size_t b,
                                                    int64_t lowest, int64_t highest) const {

@@ -23,14 +23,14 @@ struct CellGrid {
 };
 
 struct GridOutline {
-  std::vector<Polygon> polygons;  ///< in cells, one per area that is kept
+  std::vector<Polygon> polygons;  ///< one per area that is kept; unit: cells
   int64_t areas_left_out = 0, cells_left_out = 0;
   bool is_too_detailed = false;  ///< there would be more than `max_vertices`; polygons are missing
 };
 
 /// Areas of free cells are joined by edges, not by corners. Those of fewer than `min_cells` cells,
 /// or than a thousandth of the largest one, are left out; the largest one is kept.
-/// Borders are straightened by at most half a cell: a straight wall becomes one edge at any angle,
+/// Borders are straightened by at most half a cell. A straight wall becomes one edge at any angle,
 /// and the corners of axis-aligned walls stay where they are.
 GridOutline outline_of(CellGrid grid, int64_t min_cells, size_t max_vertices);
 

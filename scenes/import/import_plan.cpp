@@ -202,19 +202,19 @@ void keep_to_ground(ImportedPlan& plan) {
   // Walls along the edge reach onto the ground by half of their thickness.
   constexpr double kArea_m = -0.001, kWall_m = 0.01;
   const Rectangle ground = bounds_of(plan.walkable);
-  const auto is_beside = [&](const std::vector<Eigen::Vector2d>& points, double grown_m) {
+  const auto is_outside = [&](const std::vector<Eigen::Vector2d>& points, double grown_m) {
     const Rectangle bounds = bounds_of(points);
     return (bounds.min_m.array() - grown_m >= ground.max_m.array()).any() ||
            (bounds.max_m.array() + grown_m <= ground.min_m.array()).any();
   };
   size_t dropped = std::erase_if(plan.obstacles, [&](const NamedPolygon& each) {
-    return is_beside(each.polygon.outline, kArea_m);
+    return is_outside(each.polygon.outline, kArea_m);
   });
   dropped += std::erase_if(plan.walls,
-                           [&](const PlanWall& each) { return is_beside(each.line_m, kWall_m); });
+                           [&](const PlanWall& each) { return is_outside(each.line_m, kWall_m); });
   if (dropped > 0)
     plan.left_out.push_back(counted(dropped, "obstacle or wall", "obstacles and walls") +
-                            " beside the walkable areas");
+                            " outside the walkable areas");
   size_t cut = 0;
   const auto clip = [&](Polygon& polygon) {
     const Polygon whole = polygon;
@@ -230,11 +230,11 @@ void keep_to_ground(ImportedPlan& plan) {
       if (clip(each.polygon)) return false;
       --cut;
       plan.left_out.push_back(
-          fmt::format("the {} {} beside the walkable areas", what, in_quotes(each.name)));
+          fmt::format("the {} {} outside the walkable areas", what, in_quotes(each.name)));
       return true;
     });
   if (cut > 0)
-    plan.left_out.push_back("parts beside the walkable areas of " +
+    plan.left_out.push_back("parts outside the walkable areas of " +
                             counted(cut, "start or goal", "starts and goals"));
 }
 

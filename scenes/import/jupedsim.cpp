@@ -221,7 +221,7 @@ class JupedsimGeometry {
     same_end_ = kSameEnd / *plan_.unit_m;
     for (const XmlElement& part : children(root)) {
       if (part.name == "rooms")
-        for (const XmlElement& room : children(part)) read_room(room);
+        for (const XmlElement& room : children(part)) read_subrooms_of(room);
       else if (part.name == "transitions")
         read_doors(part, "transition");
       else if (part.name == "goals")
@@ -229,7 +229,7 @@ class JupedsimGeometry {
       else
         ++left_out_[std::string(part.name)];
     }
-    close_rooms();
+    close_subrooms();
     add_inner_walls();
     add_exits();
     summarise();
@@ -322,7 +322,7 @@ class JupedsimGeometry {
     return line;
   }
 
-  void read_room(const XmlElement& room) {
+  void read_subrooms_of(const XmlElement& room) {
     if (room.name != "room") {
       ++left_out_[std::string(room.name)];
       return;
@@ -425,7 +425,7 @@ class JupedsimGeometry {
     return area;
   }
 
-  void close_rooms() {
+  void close_subrooms() {
     size_t closed = 0;
     for (auto& [key, subroom] : subrooms_) {
       RoomOutline outline;

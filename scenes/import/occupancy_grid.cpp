@@ -36,7 +36,7 @@ enum MapCell : uint8_t { kFree, kOccupied, kUnknown };
 struct MapFile {
   std::filesystem::path image;
   double resolution_m = 0;
-  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< of the lower left corner
+  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< lower left corner of the map
   double yaw_rad = 0;
   bool is_negated = false;
   double occupied_above = 0, free_below = 0;

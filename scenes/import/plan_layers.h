@@ -40,10 +40,10 @@ class LayerChoice {
 
  private:
   struct Chosen {
-    std::string name;  ///< as given
+    std::string name;  ///< name as the user wrote it
     PlanUse use;
   };
-  std::map<std::string, Chosen> uses_;  ///< by name in lower case
+  std::map<std::string, Chosen> uses_;  ///< keys: names in lower case
 };
 
 /// Names in quotes, joined by commas, cut after some: for errors.

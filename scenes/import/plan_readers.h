@@ -25,7 +25,7 @@ inline constexpr uint64_t kMaxPlanImageBytes = uint64_t{512} << 20;
 inline constexpr size_t kPlanHeadBytes = 64 << 10;
 
 // Each is_...() decides by the first kPlanHeadBytes of a file. Each read_...() returns coordinates
-// in units of the file, and the unit if the file states one; it opens options.file itself and reads
+// in units of the file, and the unit if the file states one. It opens options.file itself and reads
 // through read_plan_sandboxed(). options.unit_m serves tolerances only.
 
 bool is_wkt_plan(std::string_view head);
@@ -52,9 +52,9 @@ ImportedPlan read_jupedsim_geometry(const ImportOptions& options);
 bool is_vadere_scenario(std::string_view head);
 ImportedPlan read_vadere_scenario(const ImportOptions& options);
 
-/// Runs `parse` on the file in a child process and returns the plan that it built, checked: finite
-/// coordinates, at most kMaxPlanVertices vertices, and valid names. `parse` throws ParseFailure, or
-/// InputError for an error in a line; both become an InputError here.
+/// Runs `parse` on the file in a child process and returns the plan that it built. Checks for
+/// finite coordinates, at most kMaxPlanVertices vertices, and valid names. `parse` throws
+/// ParseFailure, or InputError for an error in a line; both become an InputError here.
 ImportedPlan read_plan_sandboxed(const RegularFile& file, const SandboxedParser& parser,
                                  const std::function<ImportedPlan(const RegularFile&)>& parse,
                                  uint64_t max_bytes = kMaxPlanBytes);

@@ -19,10 +19,10 @@ constexpr double kMaxScenarioNumber = 1e9;
 /// A circle becomes a polygon around it, larger by 0.1 %.
 constexpr int kCircleCorners = 64;
 
-/// What a list of the topography is, beside those that become shapes.
+/// List of the topography that does not become shapes.
 struct VadereList {
   std::string_view key;
-  const char* what;  ///< with its plural in `left_out`
+  const char* what;  ///< description in `left_out`
 };
 constexpr VadereList kOtherLists[] = {
     {"stairs", "stairs, which are level ground"},

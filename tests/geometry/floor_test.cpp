@@ -38,10 +38,11 @@ TEST(FloorStrips, LineEveryEdgeOnTheOutside) {
           const Eigen::Vector2d p = from + random.uniform(0.01, 0.99) * (to - from);
           // Just outside of the edge, by less than the thinnest strip.
           for (const double off_m : {-1e-4, 1e-4}) {
-            const Eigen::Vector2d beside = p + off_m * left;
+            const Eigen::Vector2d near_edge = p + off_m * left;
             bool is_floor = false;
-            for (const double x : crossings_m({polygon}, beside.y())) is_floor ^= x <= beside.x();
-            EXPECT_TRUE(is_floor || is_in_any(beside, 0)) << beside.transpose();
+            for (const double x : crossings_m({polygon}, near_edge.y()))
+              is_floor ^= x <= near_edge.x();
+            EXPECT_TRUE(is_floor || is_in_any(near_edge, 0)) << near_edge.transpose();
           }
         }
       }

@@ -22,11 +22,11 @@ class RandomPolygons {
   }
 
   /// Star-shaped ring: every point is visible from the middle.
-  Polygon::Ring star(const Eigen::Vector2d& middle, double least_m, double most_m, int corners) {
+  Polygon::Ring star(const Eigen::Vector2d& middle, double min_m, double max_m, int corners) {
     Polygon::Ring ring;
     for (int i = 0; i < corners; ++i) {
       const double angle = 2 * std::numbers::pi * (i + uniform(0.1, 0.9)) / corners;
-      const double radius_m = uniform(least_m, most_m);
+      const double radius_m = uniform(min_m, max_m);
       ring.push_back(
           rounded(middle + radius_m * Eigen::Vector2d(std::cos(angle), std::sin(angle))));
     }

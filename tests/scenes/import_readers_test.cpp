@@ -175,7 +175,7 @@ double distance_to_border(const CellGrid& grid, const Eigen::Vector2d& p) {
   return least;
 }
 
-/// Noise for even seeds, overlapping rotated boxes for odd ones.
+/// Noise for even seeds, overlapping rotated boxes for the others.
 CellGrid random_grid(uint64_t seed) {
   uint32_t draw = 0;
   const auto below = [&](uint64_t limit) {
@@ -541,9 +541,9 @@ std::string xml_line(const std::string& element, const std::vector<std::array<do
   return out + "</" + element + ">\n";
 }
 
-/// Two rooms of 10 m by 6 m beside each other with a wall and a crossing of 2 m between them, an
-/// exit on the right, and a table.
-std::string two_rooms(const std::string& unit = "m", const std::string& head = "") {
+/// Two subrooms of 10 m by 6 m next to each other, with a wall and a crossing of 2 m between them.
+/// There is an exit on the right, and a table.
+std::string two_subrooms(const std::string& unit = "m", const std::string& head = "") {
   const std::string wall = "caption=\"wall\"";
   return head + "<geometry version=\"0.8\" caption=\"own\" unit=\"" + unit +
          "\">\n<rooms>\n<room id=\"0\" caption=\"hall\">\n"
@@ -592,7 +592,7 @@ TEST_F(Jupedsim, RejectsADatabaseWithoutAnArea) {
 }
 
 TEST_F(Jupedsim, ClosesWallsByDoors) {
-  const ImportedPlan plan = geometry(two_rooms());
+  const ImportedPlan plan = geometry(two_subrooms());
   EXPECT_EQ(plan.kind, "JuPedSim geometry");
   ASSERT_EQ(plan.walkable.size(), 2u);
   EXPECT_EQ(area_of(plan.walkable[0]), 60);
@@ -603,7 +603,7 @@ TEST_F(Jupedsim, ClosesWallsByDoors) {
 }
 
 TEST_F(Jupedsim, KeepsWallsBetweenRoomsThatAreJoined) {
-  const ImportedPlan plan = geometry(two_rooms());
+  const ImportedPlan plan = geometry(two_subrooms());
   double length = 0;
   for (const PlanWall& wall : plan.walls) {
     ASSERT_EQ(wall.line_m.size(), 2u);
@@ -616,7 +616,7 @@ TEST_F(Jupedsim, KeepsWallsBetweenRoomsThatAreJoined) {
 }
 
 TEST_F(Jupedsim, MakesGoalsOfExits) {
-  const ImportedPlan plan = geometry(two_rooms());
+  const ImportedPlan plan = geometry(two_subrooms());
   ASSERT_EQ(plan.goals.size(), 1u);
   EXPECT_EQ(plan.goals[0].name, "main exit");
   EXPECT_NEAR(area_of(plan.goals[0].polygon), 2 * 0.5, 1e-12);
@@ -625,14 +625,14 @@ TEST_F(Jupedsim, MakesGoalsOfExits) {
 }
 
 TEST_F(Jupedsim, TakesTheUnitOfTheFile) {
-  const ImportedPlan plan = geometry(two_rooms("cm"));
+  const ImportedPlan plan = geometry(two_subrooms("cm"));
   EXPECT_EQ(plan.unit_m, 0.01);
-  EXPECT_THAT(geometry_refusal(two_rooms("parsec")),
+  EXPECT_THAT(geometry_refusal(two_subrooms("parsec")),
               HasSubstr("geometry.xml:1: expected a unit of length"));
 }
 
 TEST_F(Jupedsim, SaysWhichRoomsDoNotClose) {
-  std::string text = two_rooms();
+  std::string text = two_subrooms();
   const size_t begin = text.find("<transition "), end = text.find("</transitions>");
   text.erase(begin, end - begin);
   const ImportedPlan gap = geometry(text);
@@ -648,25 +648,26 @@ TEST_F(Jupedsim, SaysWhichRoomsDoNotClose) {
 }
 
 TEST_F(Jupedsim, RejectsDocumentTypesAndOtherXml) {
-  EXPECT_THAT(geometry_refusal(two_rooms("m", "<!DOCTYPE a [<!ENTITY b \"c\">]>\n")),
+  EXPECT_THAT(geometry_refusal(two_subrooms("m", "<!DOCTYPE a [<!ENTITY b \"c\">]>\n")),
               HasSubstr("geometry.xml:1: expected XML without a document type"));
   EXPECT_THAT(geometry_refusal("<geometry><rooms>"),
               HasSubstr("geometry.xml:1: expected </rooms>"));
-  EXPECT_THAT(geometry_refusal(two_rooms().replace(two_rooms().find("px=\"10\""), 7, "px=\"x\"")),
-              HasSubstr("expected a number as px, found 'x'"));
+  EXPECT_THAT(
+      geometry_refusal(two_subrooms().replace(two_subrooms().find("px=\"10\""), 7, "px=\"x\"")),
+      HasSubstr("expected a number as px, found 'x'"));
   std::string deep = "<geometry>";
   for (int i = 0; i < 100; ++i) deep += "<a>";
   EXPECT_THAT(geometry_refusal(deep), HasSubstr("expected tags nested at most 32 deep"));
 }
 
 TEST_F(Jupedsim, IsRecognisedByItsContent) {
-  EXPECT_TRUE(is_jupedsim_geometry(two_rooms("m", "<?xml version=\"1.0\"?>\n<!-- a > b -->\n")));
+  EXPECT_TRUE(is_jupedsim_geometry(two_subrooms("m", "<?xml version=\"1.0\"?>\n<!-- a > b -->\n")));
   EXPECT_FALSE(is_jupedsim_geometry("<svg><geometry/></svg>"));
   EXPECT_TRUE(is_jupedsim_database(std::string("SQLite format 3\0", 16)));
 }
 
 TEST_F(Jupedsim, RejectsOrReadsMutatedFiles) {
-  try_mutated(read_jupedsim_geometry, "geometry.xml", "geometry.xml", two_rooms());
+  try_mutated(read_jupedsim_geometry, "geometry.xml", "geometry.xml", two_subrooms());
   make_sqlite(folder_ / "run.sqlite", jupedsim_2());
   const RegularFile file(folder_ / "run.sqlite", "a database", 1 << 20);
   const std::vector<uint8_t> bytes = file.bytes();

@@ -494,9 +494,9 @@ TEST_F(Import, StartsAndGoalsEndAtTheWalkableAreas) {
   EXPECT_NEAR(area_m2(plan.goals[0].polygon), 6, 1e-9);
   EXPECT_EQ(plan.obstacles.size(), 1u);
   EXPECT_EQ(plan.walls.size(), 1u);
-  EXPECT_THAT(plan.left_out, ElementsAre("2 obstacles and walls beside the walkable areas",
-                                         "the goal 'EXIT_B' beside the walkable areas",
-                                         "parts beside the walkable areas of 2 starts and goals"));
+  EXPECT_THAT(plan.left_out, ElementsAre("2 obstacles and walls outside the walkable areas",
+                                         "the goal 'EXIT_B' outside the walkable areas",
+                                         "parts outside the walkable areas of 2 starts and goals"));
 }
 
 // ---- scenes
