@@ -231,7 +231,7 @@ void Avoidance::find_walls(size_t slot, Walls& walls) {
 }
 
 /// A long or curved wall has many pieces. One counts only if its nearest point lies before the
-/// planes of all nearer ones: without this a wall in ten pieces would push ten times.
+/// planes of all nearer ones. Without this rule, a wall in ten pieces would push ten times.
 void Avoidance::keep_foremost(std::vector<SurfacePoint>& pieces) {
   constexpr double kBefore_m = 0.02;
   std::sort(pieces.begin(), pieces.end(), [](const SurfacePoint& a, const SurfacePoint& b) {

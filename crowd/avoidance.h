@@ -42,17 +42,17 @@ class Avoidance {
   void choose();
 
  private:
-  /// Walls near one block of agents; one per worker.
   /// Nearest point of a piece of a surface.
   struct SurfacePoint {
     double distance_m;
     uint32_t footprint, surface;
     Eigen::Vector2d normal, point_m;
   };
+  /// Walls near one block of agents; one per worker.
   struct Walls {
     std::vector<float> x, y, clearance_m;
     std::vector<uint32_t> starts;
-    std::vector<SurfacePoint> pieces;  ///< of the agent in turn
+    std::vector<SurfacePoint> pieces;  ///< near the current agent
   };
 
   static void keep_foremost(std::vector<SurfacePoint>& pieces);

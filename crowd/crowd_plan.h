@@ -55,7 +55,7 @@ struct Goal {
   template <std::same_as<Rectangle> R>  // braces mean an Area
   Goal(const R& area) : areas{Area(area)} {}
 
-  std::vector<Area> areas;  ///< at least one
+  std::vector<Area> areas;  ///< one or more
   Distribution wait_s{};    ///< waiting time at the goal
   bool waypoint = false;    ///< reached on entry; otherwise agents walk to a place inside
   int capacity = 0;         ///< maximum number of agents inside each area; 0: unlimited

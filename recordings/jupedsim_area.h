@@ -1,4 +1,4 @@
-// JuPedSim's databases state the walkable area beside the trajectories.
+// JuPedSim's databases state the walkable area in addition to the trajectories.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace throng {
 
 struct StatedArea {
-  std::string wkt;    ///< of the first frame; empty: the database has none
+  std::string wkt;    ///< area in the first frame; empty: the database has none
   int64_t areas = 0;  ///< number of different areas during the recording
   std::string unit;   ///< empty: not stated
 };

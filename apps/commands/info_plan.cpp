@@ -894,7 +894,7 @@ path, rect, circle { stroke-linejoin: round; }
   const std::optional<NavMesh>& mesh_;
   const View view_;
   Labels labels_;
-  std::string map_, over_, border_;   ///< in the order of drawing; the border is not clipped
+  std::string map_, over_, border_;   ///< drawn in this order; the border is not clipped
   std::map<std::string, int> drawn_;  ///< number of outlines per path
   std::vector<Badge> badges_;
   std::vector<DoorLabel> doors_;

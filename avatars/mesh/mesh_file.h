@@ -24,9 +24,9 @@ Mesh read_mesh(const std::filesystem::path& file, const SandboxLimits& limits = 
                std::vector<std::string>* notes = nullptr);
 
 /// Reads a mesh like read_mesh(), turns it upright and multiplies it by `scale`, metres per unit of
-/// the file. `up`: axis of the file that points up; none: the axis that a Collada file states or
-/// the format defines (glTF, VRML and X3D: y), otherwise z. Turned as in Collada: with y up, x
-/// stays x; with x up, -y becomes x. Throws InputError.
+/// the file. The file's axis `up` points up. Without `up`, this is the axis that a Collada
+/// file states or the format defines (glTF, VRML and X3D: y), otherwise z. Turned as in Collada:
+/// with y up, x stays x; with x up, -y becomes x. Throws InputError.
 Mesh read_upright_mesh(const std::filesystem::path& file, float scale, std::optional<UpAxis> up);
 
 }  // namespace throng

@@ -40,7 +40,7 @@ bool blocks_people(const Obstacle& obstacle, double headroom_m);
 struct Footprint {
   const Obstacle* obstacle = nullptr;
   std::vector<Eigen::Vector2d> corners;
-  uint32_t surface = 0;  ///< as Obstacle::surface; pieces of a concave mesh share a surface, too
+  uint32_t surface = 0;  ///< see Obstacle::surface; pieces of a concave mesh share a surface
 };
 
 /// Footprints in the order of obstacles, if they cover ground; a concave mesh has several. Walls

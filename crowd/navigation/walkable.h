@@ -1,5 +1,5 @@
 // Walkable is the floor minus the footprints of obstacles. Strips along the outside of the floor's
-// edges are footprints, too.
+// edges are also footprints.
 // Invariant: no agent's centre enters a footprint or leaves the floor, regardless of steering.
 #pragma once
 
@@ -101,7 +101,7 @@ class Walkable {
   std::vector<Polygon> floor_;
   std::optional<PolygonLocator> locator_;
   std::vector<Edge> edges_;
-  std::vector<uint32_t> surfaces_;     ///< by footprint
+  std::vector<uint32_t> surfaces_;     ///< per footprint
   std::vector<uint32_t> edge_starts_;  ///< footprints + 1 entries
   uint32_t first_door_ = 0;            ///< first footprint of a door
   std::vector<uint8_t> is_shut_;       ///< per door

@@ -1,5 +1,5 @@
 // NamedBodies finds the bodies that a name means, for filters and --publish-for.
-// Invariant: an unknown name is an InputError, never an empty filter; a kind name means all bodies
+// Invariant: an unknown name is an InputError, never an empty filter. A kind name means all bodies
 // of that kind, regardless of the names of groups.
 #pragma once
 

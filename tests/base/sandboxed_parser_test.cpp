@@ -1,5 +1,5 @@
 // The caller of a sandboxed parser gets its bytes or a one-line error in bounded time, even if the
-// parser hangs or crashes; nothing of the child remains.
+// parser hangs or crashes. Nothing of the child remains.
 #include "base/files/sandboxed_parser.h"
 
 #include <fcntl.h>

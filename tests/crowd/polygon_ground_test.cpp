@@ -168,7 +168,7 @@ World random_world(uint64_t seed) {
 TEST(PolygonGround, StopsAllAgentsAtItsEdgesAndLeadsThemToTheirGoals) {
   constexpr double kEnough_s = 240;
   // A body passes a gap of twice the upper radius for certain, of the lower one never.
-  // Bodies squeeze through gaps between corners that no plane measures: 0.3 m.
+  // Bodies may pass gaps between corners that no plane measures: 0.3 m.
   constexpr double kFits_m = 0.42, kDoesNotFit_m = 0.1;
   int worlds = 0, arrived = 0, stranded = 0, late = 0, unclear = 0;
   for (uint64_t seed = 1; seed <= test::part_of(test::is_nightly() ? 2000u : 180u); ++seed) {

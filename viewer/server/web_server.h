@@ -104,7 +104,7 @@ class WebServer {
   size_t client_count() const;
   /// Returns the number of frames dropped for present and former clients.
   uint64_t frames_dropped() const;
-  /// Returns the number of rejected requests: foreign origin, too many clients, malformed HTTP.
+  /// Returns the number of rejected requests: foreign origin, excess clients, malformed HTTP.
   uint64_t rejected() const { return rejected_; }
 
  private:
