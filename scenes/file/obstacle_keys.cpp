@@ -32,7 +32,7 @@ constexpr double kDoubtedHeight_m = 1000, kDoubtedGrounds = 4, kDoubtedSize_m = 
 constexpr const char* kScaleRemedy =
     "; set 'scale' to the metres per unit of the file, as 0.001 for millimetres";
 
-/// Keys of a kind; all kinds have `name`, `kind` and `bottom_m`.
+/// Keys of some kinds only.
 const std::map<std::string, std::vector<std::string>>& keys_of_kinds() {
   static const std::map<std::string, std::vector<std::string>> keys = {
       {"box", {"position_m", "yaw_deg", "size_m"}},
@@ -44,9 +44,12 @@ const std::map<std::string, std::vector<std::string>>& keys_of_kinds() {
 }
 
 void expect_keys_of_kind(const Fields& fields) {
-  std::vector<std::string> keys = keys_of_kinds().at(fields.text("kind"));
-  keys.insert(keys.end(), {"name", "kind", "bottom_m"});
-  fields.expect_keys(keys);
+  const std::vector<std::string>& own = keys_of_kinds().at(fields.text("kind"));
+  std::vector<std::string> absent;
+  for (const auto& [kind, keys] : keys_of_kinds())
+    for (const std::string& key : keys)
+      if (std::find(own.begin(), own.end(), key) == own.end()) absent.push_back(key);
+  expect_keys_without(absent, obstacle_keys(), fields);
 }
 
 double lowest_m(const Mesh& mesh) {

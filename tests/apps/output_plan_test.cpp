@@ -49,7 +49,7 @@ const std::vector<CommandLine>& commands() {
       {"import", "room.wkt --unit m", {"--out"}, {}, {"room.wkt"}},
       {"study", "", {}, {"--out", "--merge"}},  // its table needs a certain ending
       {"monitor", "a.lcmlog", {}, {}},
-      {"info", "a.lcmlog", {}, {}},
+      {"info", "my.yaml", {"--plan"}, {}, {"my.yaml"}},
       {"scenes", "", {}, {}},
       {"help", "", {}, {}},
   };

@@ -282,6 +282,8 @@ TEST(Exits, AreDoorsAndAreasOfBundledScenes) {
       {"evacuation", 6},
       {"concert", 2},
       {"metro", 2 + 4},
+      {"museum", 32},  // doors of rooms
+      {"station_hall", 2 + 3 + 3 + 2 + 2},
       {"station_platform", 2 + 8 + 8},
       {"ticket_office", 3}};  // to the trains, between barriers and walls
   for (const SceneEntry& entry : bundled_scenes()) {

@@ -114,7 +114,20 @@ TEST(RunDescription, IsRejectedWithAReasonForEveryDefect) {
       {"schema", [](auto& d) { d.schema = 99; }},
       {"step", [](auto& d) { d.step_s = std::nan(""); }},
       {"number", [](auto& d) { d.ground_min_m[0] = 1e300; }},
-      {"obstacle kind", [](auto& d) { d.obstacles[0].kind = 3; }},
+      {"obstacle kind", [](auto& d) { d.obstacles[0].kind = 4; }},
+      {"without an outline", [](auto& d) { d.floor.emplace_back(); }},
+      {"ring of 2",
+       [](auto& d) {
+         d.floor.push_back({1, {2}, 4, {0, 0, 1, 0}});
+       }},
+      {"4 coordinates for 3",
+       [](auto& d) {
+         d.floor.push_back({1, {3}, 4, {0, 0, 1, 0}});
+       }},
+      {"number",
+       [](auto& d) {
+         d.floor.push_back({1, {3}, 6, {0, 0, 1, 0, 1, 1e300}});
+       }},
       {"vertex 8 of 8", [](auto& d) { d.obstacles[0].mesh.indices[0] = 8; }},
       {"coordinate", [](auto& d) { d.obstacles[0].mesh.coordinates_m[0] = std::nanf(""); }},
       {"model 1 of 1", [](auto& d) { d.model_of_avatar[0] = 1; }},

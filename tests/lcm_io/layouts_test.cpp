@@ -147,7 +147,10 @@ std::map<std::string, Bytes> samples() {
   for (const auto& m : messages_of(run, 2, {.part_poses = true}))
     with_type_of(m.channel, [&]<class Message>() { out.emplace(Message::getTypeName(), m.bytes); });
   SyntheticRun rovers({.avatars = 4, .crowd = SyntheticRun::Crowd::kRovers});
-  out["run_description_t"] = encoded(describe(rovers.info()));
+  run_description_t described = describe(rovers.info());
+  described.floor.push_back({1, {3}, 6, {0, 0, 4, 0, 0, 4}});
+  described.floor_count = 1;
+  out["run_description_t"] = encoded(described);
   auto drive = of_avatars<pose_command_t>();
   auto answer = of_avatars<step_reply_t>();
   drive.joint_positions = answer.joint_positions = {0.5, 1};

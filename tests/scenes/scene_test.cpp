@@ -241,7 +241,8 @@ TEST_F(SceneFile, ReportsErrorsWithFileAndLine) {
        kGround + kGroup + "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 0, 1]}\n",
        "s.yaml:8: expected 'size_m' from 0.001 to 10000, found 0"},
       {"unknown shape", kGround + kGroup + "obstacles:\n  - {kind: bix, position_m: [5, 5]}\n",
-       "s.yaml:8: expected kind: box, cylinder or mesh, found 'bix' (did you mean 'box'?)"},
+       "s.yaml:8: expected kind: box, cylinder, mesh, polygon or wall, found 'bix' (did you mean "
+       "'box'?)"},
       {"a key of another shape", kGround + kGroup + box + ", diameter_m: 2}\n",
        "s.yaml:8: expected a key of an obstacle, found 'diameter_m'"},
       {"no such mesh",
