@@ -20,7 +20,7 @@ TEST(Messages, HaveTheKnownFingerprints) {
       {"run_chunk_t", {run_chunk_t::getHash(), 0xc40bb11c8af3eb40}},
       {"run_description_t", {run_description_t::getHash(), 0x28edc9c3bc372cf4}},
       {"obstacle_t", {obstacle_t::getHash(), 0xdc90ba3330d0e3c8}},
-      {"polygon_t", {polygon_t::getHash(), 0}},
+      {"polygon_t", {polygon_t::getHash(), 0x22727c9e08e1f6d8}},
       {"mesh_t", {mesh_t::getHash(), 0x3a66596cb107c4a8}},
       {"model_t", {model_t::getHash(), 0x8459d7f47a107a2a}},
       {"joint_t", {joint_t::getHash(), 0x9ba21b10d8364e58}},
