@@ -153,7 +153,8 @@ TEST(UrdfIgnored, AcceptsDefectsThatNoShapeDependsOn) {
        }) {
     EXPECT_EQ(complaint_about(text), "accepted") << text;
     if (complaint_about(text) != "accepted") continue;
-    const Link& link = parse(text).links[0];
+    const Robot read = parse(text);
+    const Link& link = read.links[0];
     EXPECT_EQ(link.collision.size() + link.visual.size(), 1u) << text;
   }
   EXPECT_THAT(
