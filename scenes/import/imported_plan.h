@@ -17,6 +17,9 @@ namespace throng {
 struct NamedPolygon {
   std::string name;
   Polygon polygon;
+  /// Only for a start: names of its goals, in the order of visits. Goals of the same name are
+  /// alternatives. Empty: any goal of the plan.
+  std::vector<std::string> goals = {};
 };
 
 /// A wall along a polyline; a closed wall repeats its first corner.

@@ -43,6 +43,7 @@ class PlanArchive {
       list(*named, [&](NamedPolygon& each) {
         text(each.name);
         polygon(each.polygon);
+        list(each.goals, [&](std::string& goal) { text(goal); });
       });
     list(plan.walls, [&](PlanWall& each) {
       text(each.name);
@@ -87,6 +88,7 @@ class PlanCheck {
       for (const NamedPolygon& each : *named) {
         name(each.name);
         polygon(each.polygon);
+        for (const std::string& goal : each.goals) name(goal);
       }
     for (const PlanWall& each : plan.walls) {
       name(each.name);

@@ -160,6 +160,33 @@ std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
   return wrapped(fmt::format("ground: {{wkt: \"{}\", {}}}", ground_wkt_of(plan), walls), true);
 }
 
+/// One goal per name that the start states, or one for all goals.
+std::string goals_text(const NamedPolygon& start, const std::vector<NamedPolygon>& goals) {
+  std::vector<std::vector<const NamedPolygon*>> stops;
+  for (const std::string& name : start.goals) {
+    std::vector<const NamedPolygon*> alternatives;
+    for (const NamedPolygon& goal : goals)
+      if (goal.name == name) alternatives.push_back(&goal);
+    if (!alternatives.empty()) stops.push_back(std::move(alternatives));
+  }
+  if (stops.empty()) {
+    stops.emplace_back();
+    for (const NamedPolygon& goal : goals) stops.back().push_back(&goal);
+  }
+  if (stops.size() == 1 && stops[0].size() == 1)
+    return wrapped("    goals: [" + area_text(stops[0][0]->polygon) + "]");
+  std::string out = "    goals:\n";
+  for (const std::vector<const NamedPolygon*>& stop : stops) {
+    if (stop.size() == 1) {
+      out += wrapped("      - " + area_text(stop[0]->polygon));
+      continue;
+    }
+    out += "      - any_of:\n";
+    for (const NamedPolygon* goal : stop) out += wrapped("          - " + area_text(goal->polygon));
+  }
+  return out;
+}
+
 std::string groups_text(const ImportedPlan& plan) {
   std::vector<NamedPolygon> starts = plan.starts;
   if (starts.empty()) starts.push_back({"visitors", substitute_area(plan)});
@@ -173,13 +200,7 @@ std::string groups_text(const ImportedPlan& plan) {
     out += fmt::format("  - name: {}\n    count: {}\n", yaml_text(names.of(start.name)),
                        static_cast<int>(count));
     out += wrapped("    spawn: " + area_text(start.polygon));
-    if (goals.size() == 1) {
-      out += wrapped("    goals: [" + area_text(goals.front().polygon) + "]");
-    } else {
-      out += "    goals:\n      - any_of:\n";
-      for (const NamedPolygon& goal : goals)
-        out += wrapped("          - " + area_text(goal.polygon));
-    }
+    out += goals_text(start, goals);
     out += fmt::format("    on_arrival: {}\n", plan.goals.empty() ? "stay" : "leave");
   }
   return out;

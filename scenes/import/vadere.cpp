@@ -14,6 +14,7 @@
 namespace throng {
 namespace {
 
+constexpr size_t kMaxTargetsOfSource = 100;
 constexpr const char* kExpectedScenario = "a scenario of Vadere";
 constexpr double kMaxScenarioNumber = 1e9;
 /// A circle becomes a polygon around it, larger by 0.1 %.
@@ -54,9 +55,18 @@ class VadereScenario {
     for_each(topography, "obstacles", [&](const PlanJson& element, size_t number) {
       plan_.obstacles.push_back({name_of(element, "obstacle", number), shape_of(element)});
     });
+    size_t spawners = 0;
     for_each(topography, "sources", [&](const PlanJson& element, size_t number) {
-      plan_.starts.push_back({name_of(element, "source", number), shape_of(element)});
+      NamedPolygon& start = plan_.starts.emplace_back();
+      start = {name_of(element, "source", number), shape_of(element), targets_of(element)};
+      for (const char* key : {"spawner", "spawnNumber", "startTime"})
+        if (member(element, key) != nullptr) {
+          ++spawners;
+          break;
+        }
     });
+    if (spawners > 0)
+      plan_.left_out.push_back("numbers and times of " + counted(spawners, "source"));
     for_each(topography, "targets", [&](const PlanJson& element, size_t number) {
       plan_.goals.push_back({name_of(element, "target", number), shape_of(element)});
     });
@@ -152,6 +162,21 @@ class VadereScenario {
     if (id != nullptr && id->is_number_integer() && id->get<int64_t>() >= 0)
       return fmt::format("{} {}", noun, id->get<int64_t>());
     return fmt::format("{} number {}", noun, number);
+  }
+
+  /// Targets with one id are alternatives, those of a list are visited in order.
+  std::vector<std::string> targets_of(const PlanJson& source) const {
+    const PlanJson* const ids = member(source, "targetIds");
+    std::vector<std::string> names;
+    if (ids == nullptr || ids->is_null()) return names;
+    if (!ids->is_array()) reject("a list as 'targetIds'", ids);
+    if (ids->size() > kMaxTargetsOfSource)
+      reject(fmt::format("at most {} ids in 'targetIds'", kMaxTargetsOfSource), ids);
+    for (const PlanJson& id : *ids) {
+      if (!id.is_number_integer()) reject("whole numbers in 'targetIds'", &id);
+      names.push_back(fmt::format("target {}", id.get<int64_t>()));
+    }
+    return names;
   }
 
   Polygon shape_of(const PlanJson& element) {

@@ -724,8 +724,24 @@ TEST_F(Vadere, ReadsTheTopographyOfEveryVersion) {
     ASSERT_EQ(plan.goals.size(), 1u);
     EXPECT_NEAR(area_of(plan.goals[0].polygon), std::numbers::pi, 0.004);
     EXPECT_THAT(plan.left_out,
-                ElementsAre("agents that are placed singly: 1", "measurement areas: 2"));
+                ElementsAre("numbers and times of 1 source", "agents that are placed singly: 1",
+                            "measurement areas: 2"));
   }
+}
+
+TEST_F(Vadere, SendsEachSourceToItsTargetsInOrder) {
+  std::string text = "{\"topography\": " + kTopography + "}";
+  const std::string target = R"({"id": 2, "shape": {"type": "CIRCLE")";
+  const std::string more =
+      R"({"id": 9, "shape": {"x": 2, "y": 9, "width": 1, "height": 1, "type": "RECTANGLE"}}, )";
+  text.replace(text.find(target), 0, more);
+  text.replace(text.find("\"spawnNumber\""), 0, "\"targetIds\": [9, 2], ");
+  const ImportedPlan plan = scenario(text);
+  EXPECT_THAT(plan.starts[0].goals, ElementsAre("target 9", "target 2"));
+  const std::string scene = scene_text_of(plan, "a.scenario");
+  EXPECT_THAT(scene,
+              HasSubstr("goals:\n      - {min_m: [2, 9], max_m: [3, 10]}\n      - {polygon:"));
+  EXPECT_THAT(scene, Not(HasSubstr("any_of")));
 }
 
 TEST_F(Vadere, LeavesTheWallAroundTheGroundOut) {
