@@ -217,8 +217,9 @@ void Avoidance::find_walls(size_t slot, Walls& walls) {
   add(-Eigen::Vector2d::UnitY(), high.y());
   walls.pieces.clear();
   for (const uint32_t footprint : walkable_.nearby_footprints(position)) {
-    const Walkable::Nearest wall = walkable_.nearest(footprint, position);
     const uint32_t surface = walkable_.surface_of(footprint);
+    if (surface != 0 && walkable_.is_beyond(footprint, position, Walkable::kReach_m)) continue;
+    const Walkable::Nearest wall = walkable_.nearest(footprint, position);
     if (surface == 0)
       add(wall.normal, wall.distance_m);
     else if (wall.distance_m < Walkable::kReach_m)

@@ -125,7 +125,8 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
     // Walls stand on both sides of a point in a gap, also for a point inside one of them.
     const auto walls = walkable.nearby_footprints(centre);
     const auto is_next_to = [&](uint32_t wall) {
-      return walkable.nearest(wall, centre).distance_m < gap_limit_m;
+      return !walkable.is_beyond(wall, centre, gap_limit_m) &&
+             walkable.nearest(wall, centre).distance_m < gap_limit_m;
     };
     if (walls.size() < 2 || std::count_if(walls.begin(), walls.end(), is_next_to) < 2) continue;
     const Eigen::Vector2d place = best_place(centre, cell_m_, clearance_in_gap);

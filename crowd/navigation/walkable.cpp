@@ -59,6 +59,12 @@ void Walkable::add_footprint(std::span<const Eigen::Vector2d> corners, uint32_t 
   }
   edge_starts_.push_back(static_cast<uint32_t>(edges_.size()));
   surfaces_.push_back(surface);
+  Disc& disc = discs_.emplace_back();
+  disc.centre_m =
+      bounds_of(std::vector<Eigen::Vector2d>(corners.begin(), corners.end())).middle_m();
+  constexpr double kRounding_m = 1e-6;
+  for (const Eigen::Vector2d& corner : corners)
+    disc.radius_m = std::max(disc.radius_m, (corner - disc.centre_m).norm() + kRounding_m);
 }
 
 std::vector<std::vector<Eigen::Vector2d>> Walkable::footprints() const {
@@ -173,7 +179,8 @@ bool Walkable::is_clear_between(const Eigen::Vector2d& from, const Eigen::Vector
 double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
   double clearance = kReach_m;
   for (const uint32_t footprint : nearby_footprints(point))
-    clearance = std::min(clearance, nearest(footprint, point).distance_m);
+    if (!is_beyond(footprint, point, std::max(clearance, 0.0)))
+      clearance = std::min(clearance, nearest(footprint, point).distance_m);
   return clearance >= 0 && locator_ && !locator_->contains(point) ? -kReach_m : clearance;
 }
 
@@ -187,6 +194,7 @@ Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
   };
   std::array<Wall, kSectors + 4> walls;
   for (const uint32_t footprint : nearby_footprints(point)) {
+    if (is_beyond(footprint, point, reach_m)) continue;
     const Nearest wall = nearest(footprint, point);
     if (!(wall.distance_m < reach_m)) continue;
     const Eigen::Vector2d& n = wall.normal;
