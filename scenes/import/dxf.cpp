@@ -2,6 +2,7 @@
 // Source: Autodesk, DXF Reference.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -237,11 +237,11 @@ std::optional<PlanUse> LayerChoice::use_of(std::string_view layer) const {
 }
 
 void LayerChoice::require(const std::vector<std::string>& layers, std::string_view what) const {
-  for (const auto& [folded_name, chosen] : uses_) {
-    const bool is_there = std::any_of(layers.begin(), layers.end(), [&](const std::string& layer) {
+  for (const auto& [name, chosen] : uses_) {
+    const auto is_this = [&folded_name = name](const std::string& layer) {
       return lower(layer) == folded_name;
-    });
-    if (is_there) continue;
+    };
+    if (std::any_of(layers.begin(), layers.end(), is_this)) continue;
     throw InputError("--layer", fmt::format("{}: {}", what, quoted_names(layers)),
                      in_quotes(chosen.name) + did_you_mean(chosen.name, layers));
   }

@@ -232,8 +232,9 @@ class VadereScenario {
         continue;
       const size_t count = value.is_array() ? value.size() : value.is_null() ? 0 : 1;
       if (count == 0) continue;
-      const auto known = std::find_if(std::begin(kOtherLists), std::end(kOtherLists),
-                                      [&](const VadereList& list) { return list.key == key; });
+      const auto known =
+          std::find_if(std::begin(kOtherLists), std::end(kOtherLists),
+                       [&, &key = key](const VadereList& list) { return list.key == key; });
       const std::string what =
           known != std::end(kOtherLists) ? known->what : escaped(key).substr(0, 60);
       plan_.left_out.push_back(fmt::format("{}: {}", what, count));
