@@ -24,6 +24,10 @@ struct Rectangle {
     const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
     return {min_m - margin, max_m + margin};
   }
+  /// Smallest rectangle that contains both.
+  Rectangle joined(const Rectangle& other) const {
+    return {min_m.cwiseMin(other.min_m), max_m.cwiseMax(other.max_m)};
+  }
   bool operator==(const Rectangle&) const = default;
 };
 

@@ -6,21 +6,6 @@
 #include <utility>
 
 namespace throng {
-namespace {
-
-template <typename Visit>
-void for_each_edge(const std::vector<Polygon>& polygons, const Visit& visit) {
-  const auto add = [&](const Polygon::Ring& ring) {
-    for (size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
-  };
-  for (const Polygon& polygon : polygons) {
-    add(polygon.outline);
-    for (const Polygon::Ring& hole : polygon.holes) add(hole);
-  }
-}
-
-}  // namespace
-
 Area::Area(std::vector<Polygon> polygons) : bounds_(bounds_of(polygons)) {
   if (polygons.size() == 1 && rectangle_of(polygons[0])) return;
   polygons_ = std::move(polygons);
@@ -39,16 +24,6 @@ Area::Area(std::vector<Polygon> polygons) : bounds_(bounds_of(polygons)) {
 
 std::vector<Polygon> Area::polygons() const {
   return is_rectangle() ? std::vector<Polygon>{polygon_of(bounds_)} : polygons_;
-}
-
-bool Area::polygons_contain(const Eigen::Vector2d& point) const {
-  bool is_inside = false;
-  for_each_edge(polygons_, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    if ((from.y() > point.y()) != (to.y() > point.y()) &&
-        point.x() < from.x() + (point.y() - from.y()) / (to.y() - from.y()) * (to.x() - from.x()))
-      is_inside = !is_inside;
-  });
-  return is_inside;
 }
 
 Eigen::Vector2d Area::nearest_edge_m(const Eigen::Vector2d& point) const {
@@ -107,19 +82,11 @@ Eigen::Vector2d Area::at(const Eigen::Vector2d& share, double rim_m) const {
 }
 
 Area Area::scaled(const Eigen::Vector2d& fixed_m, double factor) const {
-  const auto scale = [&](Eigen::Vector2d& point) { point = fixed_m + factor * (point - fixed_m); };
-  if (is_rectangle()) {
-    Rectangle out = bounds_;
-    scale(out.min_m);
-    scale(out.max_m);
-    return out;
-  }
+  if (is_rectangle())
+    return {fixed_m + factor * (bounds_.min_m - fixed_m),
+            fixed_m + factor * (bounds_.max_m - fixed_m)};
   std::vector<Polygon> out = polygons_;
-  for (Polygon& polygon : out) {
-    for (Eigen::Vector2d& corner : polygon.outline) scale(corner);
-    for (Polygon::Ring& hole : polygon.holes)
-      for (Eigen::Vector2d& corner : hole) scale(corner);
-  }
+  scale(out, fixed_m, factor);
   return Area(std::move(out));
 }
 

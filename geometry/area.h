@@ -29,7 +29,7 @@ class Area {
   Eigen::Vector2d middle_m() const { return is_rectangle() ? bounds_.middle_m() : middle_m_; }
 
   bool contains(const Eigen::Vector2d& point) const {
-    return bounds_.contains(point) && (is_rectangle() || polygons_contain(point));
+    return bounds_.contains(point) && (is_rectangle() || is_inside(polygons_, point));
   }
   /// Returns whether a point lies in the area grown by a margin; a rectangle stays a rectangle.
   bool contains(const Eigen::Vector2d& point, double margin_m) const {
@@ -61,7 +61,6 @@ class Area {
   }
 
  private:
-  bool polygons_contain(const Eigen::Vector2d& point) const;
   Eigen::Vector2d nearest_in_polygons_m(const Eigen::Vector2d& point) const;
   Eigen::Vector2d in_polygons_at(const Eigen::Vector2d& share) const;
   Rectangle inner_bounds(double rim_m) const;

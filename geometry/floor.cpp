@@ -34,10 +34,8 @@ struct FloorEdge {
 /// Corners that several rings share, sorted: the floor continues behind them.
 std::vector<Eigen::Vector2d> shared_corners(const std::vector<Polygon>& floor) {
   std::vector<Eigen::Vector2d> all, shared;
-  for (const Polygon& polygon : floor) {
-    all.insert(all.end(), polygon.outline.begin(), polygon.outline.end());
-    for (const Polygon::Ring& hole : polygon.holes) all.insert(all.end(), hole.begin(), hole.end());
-  }
+  for_each_edge(floor,
+                [&](const Eigen::Vector2d& from, const Eigen::Vector2d&) { all.push_back(from); });
   std::sort(all.begin(), all.end(), is_before);
   for (size_t i = 1; i < all.size(); ++i)
     if (all[i] == all[i - 1]) shared.push_back(all[i]);
@@ -181,18 +179,9 @@ std::vector<FloorStrip> strips_around(const std::vector<Polygon>& floor) {
 
 std::vector<double> crossings_m(const std::vector<Polygon>& floor, double y_m) {
   std::vector<double> crossings;
-  const auto add = [&](const Polygon::Ring& ring) {
-    for (size_t i = 0; i < ring.size(); ++i) {
-      const Eigen::Vector2d &from = ring[i], &to = ring[(i + 1) % ring.size()];
-      if ((from.y() > y_m) != (to.y() > y_m))
-        crossings.push_back(from.x() +
-                            (y_m - from.y()) / (to.y() - from.y()) * (to.x() - from.x()));
-    }
-  };
-  for (const Polygon& polygon : floor) {
-    add(polygon.outline);
-    for (const Polygon::Ring& hole : polygon.holes) add(hole);
-  }
+  for_each_edge(floor, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    if (const std::optional<double> x_m = crossing_m(from, to, y_m)) crossings.push_back(*x_m);
+  });
   std::sort(crossings.begin(), crossings.end());
   return crossings;
 }

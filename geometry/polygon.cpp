@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace throng {
 namespace {
@@ -34,12 +35,50 @@ double area_m2(const Polygon& polygon) {
   return 0.5 * doubled_m2;
 }
 
+bool is_inside(const std::vector<Polygon>& polygons, const Eigen::Vector2d& point) {
+  bool inside = false;
+  for_each_edge(polygons, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    const std::optional<double> x_m = crossing_m(from, to, point.y());
+    if (x_m && point.x() < *x_m) inside = !inside;
+  });
+  return inside;
+}
+
+Polygon::Ring clipped_to(Polygon::Ring ring, const Rectangle& rectangle) {
+  const auto cut = [&](int axis, double sign, double bound) {
+    Polygon::Ring kept;
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const Eigen::Vector2d &p = ring[i], &q = ring[(i + 1) % ring.size()];
+      const double at_p = sign * p[axis] - bound, at_q = sign * q[axis] - bound;
+      if (at_p <= 0) kept.push_back(p);
+      if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
+        kept.push_back(p + (q - p) * (at_p / (at_p - at_q)));
+        kept.back()[axis] = sign * bound;
+      }
+    }
+    ring = std::move(kept);
+  };
+  for (int axis = 0; axis < 2; ++axis) {
+    cut(axis, 1, rectangle.max_m[axis]);
+    cut(axis, -1, -rectangle.min_m[axis]);
+  }
+  return ring;
+}
+
+void scale(std::vector<Polygon>& polygons, const Eigen::Vector2d& fixed_m, double factor) {
+  const auto scale_ring = [&](Polygon::Ring& ring) {
+    for (Eigen::Vector2d& point : ring) point = fixed_m + factor * (point - fixed_m);
+  };
+  for (Polygon& polygon : polygons) {
+    scale_ring(polygon.outline);
+    for (Polygon::Ring& hole : polygon.holes) scale_ring(hole);
+  }
+}
+
 size_t vertex_count(const std::vector<Polygon>& polygons) {
   size_t count = 0;
-  for (const Polygon& polygon : polygons) {
-    count += polygon.outline.size();
-    for (const Polygon::Ring& hole : polygon.holes) count += hole.size();
-  }
+  for (const Polygon& polygon : polygons)
+    for_each_ring(polygon, [&](const Polygon::Ring& ring) { count += ring.size(); });
   return count;
 }
 
@@ -54,11 +93,7 @@ Rectangle bounds_of(const std::vector<Eigen::Vector2d>& points) {
 
 Rectangle bounds_of(const std::vector<Polygon>& polygons) {
   Rectangle bounds = bounds_of(polygons.front().outline);
-  for (const Polygon& polygon : polygons) {
-    const Rectangle own = bounds_of(polygon.outline);
-    bounds.min_m = bounds.min_m.cwiseMin(own.min_m);
-    bounds.max_m = bounds.max_m.cwiseMax(own.max_m);
-  }
+  for (const Polygon& polygon : polygons) bounds = bounds.joined(bounds_of(polygon.outline));
   return bounds;
 }
 
@@ -87,12 +122,10 @@ double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d
 PolygonLocator::PolygonLocator(const std::vector<Polygon>& polygons) {
   std::vector<Edge> all;
   for (uint32_t i = 0; i < polygons.size(); ++i) {
-    const auto add = [&](const Polygon::Ring& ring) {
+    for_each_ring(polygons[i], [&](const Polygon::Ring& ring) {
       for (size_t k = 0; k < ring.size(); ++k)
         all.push_back({ring[k], ring[(k + 1) % ring.size()], i});
-    };
-    add(polygons[i].outline);
-    for (const Polygon::Ring& hole : polygons[i].holes) add(hole);
+    });
   }
   bottom_ = std::numeric_limits<double>::infinity();
   top_ = -bottom_;
@@ -139,10 +172,8 @@ bool PolygonLocator::contains(const Eigen::Vector2d& point) const {
     const Edge& edge = edges_[i];
     if (i > slab_begin_[slab] && edge.polygon != edges_[i - 1].polygon && is_inside) return true;
     nearest2 = std::min(nearest2, squared_distance_to_segment_m2(point, edge.from, edge.to));
-    if ((edge.from.y() > point.y()) == (edge.to.y() > point.y())) continue;
-    const double x = edge.from.x() + (point.y() - edge.from.y()) / (edge.to.y() - edge.from.y()) *
-                                         (edge.to.x() - edge.from.x());
-    if (point.x() < x) is_inside = !is_inside;
+    const std::optional<double> x_m = crossing_m(edge.from, edge.to, point.y());
+    if (x_m && point.x() < *x_m) is_inside = !is_inside;
   }
   return is_inside || nearest2 <= kOnEdge_m * kOnEdge_m;
 }

@@ -21,6 +21,39 @@ struct Polygon {
   bool operator==(const Polygon&) const = default;
 };
 
+/// Calls `visit(ring)` for the outline, then for each hole.
+template <typename Visit>
+void for_each_ring(const Polygon& polygon, const Visit& visit) {
+  visit(polygon.outline);
+  for (const Polygon::Ring& hole : polygon.holes) visit(hole);
+}
+
+/// Calls `visit(from, to)` for each edge of the polygons.
+template <typename Visit>
+void for_each_edge(const std::vector<Polygon>& polygons, const Visit& visit) {
+  for (const Polygon& polygon : polygons)
+    for_each_ring(polygon, [&](const Polygon::Ring& ring) {
+      for (size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
+    });
+}
+
+/// x where an edge meets the line along x at `y_m`, if its ends lie on both sides of the line.
+inline std::optional<double> crossing_m(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                        double y_m) {
+  if ((from.y() > y_m) == (to.y() > y_m)) return std::nullopt;
+  return from.x() + (y_m - from.y()) / (to.y() - from.y()) * (to.x() - from.x());
+}
+
+/// Returns whether a point lies in polygons that do not overlap; looks at all edges.
+bool is_inside(const std::vector<Polygon>& polygons, const Eigen::Vector2d& point);
+
+/// Part of a ring inside a rectangle; the ring is convex, or may get edges that lie on each other
+/// (Sutherland and Hodgman 1974).
+Polygon::Ring clipped_to(Polygon::Ring ring, const Rectangle& rectangle);
+
+/// Maps all vertices by x -> fixed_m + factor * (x - fixed_m).
+void scale(std::vector<Polygon>& polygons, const Eigen::Vector2d& fixed_m, double factor);
+
 /// Maximum number of vertices of all polygons of a plan.
 inline constexpr size_t kMaxVertices = 100'000;
 

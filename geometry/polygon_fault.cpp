@@ -146,29 +146,21 @@ std::optional<PolygonFault> fault_of(const Polygon& polygon) {
   if (!fault) fault = search.crossing();
   if (fault) return fault;
   // Edges that pass through vertices of other edges are found by what the grid makes of the rings.
-  GridSet outline = grid_set(polygon.outline);
   using namespace boost::polygon::operators;
-  double rings_m2 = std::abs(doubled_area(polygon.outline)) / 2;
-  for (const Polygon::Ring& hole : polygon.holes) {
-    const GridSet outside = GridSet(grid_set(hole) - outline);
-    std::vector<GridShape> shapes;
-    outside.get(shapes);
-    if (!shapes.empty())
-      return PolygonFault{"holes inside the outline",
-                          "a hole outside of it near " + to_text(metres(*shapes.front().begin()))};
-    rings_m2 -= std::abs(doubled_area(hole)) / 2;
-  }
-  GridSet whole;
-  add_to(whole, polygon);
+  const GridSet outline = grid_set(polygon.outline), holes = grid_set_of_holes(polygon);
+  std::vector<GridShape> outside;
+  GridSet(holes - outline).get(outside);
+  if (!outside.empty())
+    return PolygonFault{"holes inside the outline",
+                        "a hole outside of it near " + to_text(metres(*outside.front().begin()))};
+  const double rings_m2 = area_m2(polygon);
+  const GridSet whole(outline - holes);
   const double whole_m2 =
       static_cast<double>(boost::polygon::area(whole)) * kAreaUnit_m * kAreaUnit_m;
   double round_m = 0;
-  const auto add_length = [&](const Polygon::Ring& ring) {
-    for (size_t i = 0; i < ring.size(); ++i)
-      round_m += (ring[(i + 1) % ring.size()] - ring[i]).norm();
-  };
-  add_length(polygon.outline);
-  for (const Polygon::Ring& hole : polygon.holes) add_length(hole);
+  for_each_edge({polygon}, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    round_m += (to - from).norm();
+  });
   if (!(whole_m2 > 0) ||
       std::abs(whole_m2 - rings_m2) > 2 * kAreaUnit_m * round_m + 1e-9 * rings_m2)
     return PolygonFault{"rings that do not cross or overlap",

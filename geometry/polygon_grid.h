@@ -37,24 +37,31 @@ inline boost::polygon::polygon_data<int> grid_polygon(const std::vector<Eigen::V
   return polygon;
 }
 
+inline void add_to(GridSet& set, const GridSet& other) {
+  std::vector<GridShape> shapes;
+  other.get(shapes);
+  for (const GridShape& shape : shapes) set.insert(shape);
+}
+
 inline GridSet grid_set(const Polygon::Ring& ring) {
   GridSet left, right, both;
   left.insert(grid_polygon(ring));
   right.insert(grid_polygon(ring), true);
-  std::vector<GridShape> shapes;
-  left.get(shapes);
-  right.get(shapes);
-  for (const GridShape& shape : shapes) both.insert(shape);
+  add_to(both, left);
+  add_to(both, right);
   return both;
 }
 
-inline void add_to(GridSet& set, const Polygon& polygon) {
-  GridSet own = grid_set(polygon.outline);
+/// All holes together: subtracting each of a thousand holes would take a thousand times as long.
+inline GridSet grid_set_of_holes(const Polygon& polygon) {
+  GridSet holes;
+  for (const Polygon::Ring& hole : polygon.holes) add_to(holes, grid_set(hole));
+  return holes;
+}
+
+inline GridSet grid_set(const Polygon& polygon) {
   using namespace boost::polygon::operators;
-  for (const Polygon::Ring& hole : polygon.holes) own = GridSet(own - grid_set(hole));
-  std::vector<GridShape> shapes;
-  own.get(shapes);
-  for (const GridShape& shape : shapes) set.insert(shape);
+  return GridSet(grid_set(polygon.outline) - grid_set_of_holes(polygon));
 }
 
 }  // namespace throng

@@ -86,20 +86,6 @@ Box box_of(const Polygon& polygon) {
   return box_of(low, high, kMaxAreaGap_m + kAreaRounding_m);
 }
 
-bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {
-  bool is_inside = false;
-  const auto add = [&](const Polygon::Ring& ring) {
-    for (size_t i = 0, k = ring.size() - 1; i < ring.size(); k = i++)
-      if ((ring[i].y() > p.y()) != (ring[k].y() > p.y()) &&
-          p.x() < ring[i].x() + (p.y() - ring[i].y()) / (ring[k].y() - ring[i].y()) *
-                                    (ring[k].x() - ring[i].x()))
-        is_inside = !is_inside;
-  };
-  add(polygon.outline);
-  for (const Polygon::Ring& hole : polygon.holes) add(hole);
-  return is_inside;
-}
-
 class Joiner {
  public:
   Joiner(const std::vector<Polygon>& polygons, const std::string& where)
@@ -235,7 +221,7 @@ class Joiner {
     for (uint32_t i = 0; i < polygons_.size(); ++i)
       for_each_meeting(tree, boxes[i].first, [&](uint32_t k) {
         if (k == i || group_of(i) == group_of(k)) return false;
-        if (contains(polygons_[k], polygons_[i].outline.front())) unite(i, k);
+        if (is_inside({polygons_[k]}, polygons_[i].outline.front())) unite(i, k);
         return true;
       });
   }
@@ -271,7 +257,7 @@ class Joiner {
       };
       add(polygons_[i].outline);
       for (const Polygon::Ring& hole : polygons_[i].holes) add(hole);
-      add_to(all, polygons_[i]);
+      add_to(all, grid_set(polygons_[i]));
     }
     for (const Eigen::Vector2d& corner : slit_corners_)
       if (const auto found = origins_.find(key_of(grid_point(corner))); found != origins_.end())
@@ -473,10 +459,7 @@ struct SeamEnd {
 }  // namespace
 
 double AreaEdge::distance_m(const Eigen::Vector2d& p) const {
-  const Eigen::Vector2d along = to - from;
-  const double square = along.squaredNorm();
-  const double t = square > 0 ? std::clamp((p - from).dot(along) / square, 0.0, 1.0) : 0.0;
-  return (p - from - t * along).norm();
+  return distance_to_segment_m(p, from, to);
 }
 
 double AreaEdge::distance_m(const AreaEdge& other) const {

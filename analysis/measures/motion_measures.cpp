@@ -363,7 +363,7 @@ WidthUse::WidthUse(const Scene& scene)
       columns_(static_cast<int>(ground_.size_m().x() / cell_m_) + 1),
       rows_(static_cast<int>(ground_.size_m().y() / cell_m_) + 1),
       visits_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0) {
-  for (const WalkablePolygon& polygon : walkable_area(scene))
+  for (const Polygon& polygon : walkable_area(scene))
     outline_.insert(outline_.end(), polygon.outline.begin(), polygon.outline.end());
 }
 

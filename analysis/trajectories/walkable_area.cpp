@@ -44,7 +44,7 @@ GridSet ground_of(const Scene& scene) {
                      "a larger one");
   if (scene.floor.empty())
     ground.insert(grid_polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}));
-  for (const Polygon& polygon : scene.floor) add_to(ground, polygon);
+  for (const Polygon& polygon : scene.floor) add_to(ground, grid_set(polygon));
   return ground;
 }
 
@@ -74,12 +74,6 @@ std::string text_of(const std::vector<Eigen::Vector2d>& ring) {
   return text + ")";
 }
 
-double area_m2(const WalkablePolygon& polygon) {
-  double doubled_m2 = doubled_area(polygon.outline);
-  for (const auto& hole : polygon.holes) doubled_m2 += doubled_area(hole);
-  return 0.5 * doubled_m2;
-}
-
 /// Corner i of a ring with its neighbours; the walkable side is on the left.
 struct Corner {
   Eigen::Vector2d before, at, after;
@@ -94,7 +88,7 @@ struct Corner {
   }
 };
 
-std::vector<Corner> corners_of(const WalkablePolygon& polygon) {
+std::vector<Corner> corners_of(const Polygon& polygon) {
   std::vector<Corner> corners;
   const auto add = [&](const std::vector<Eigen::Vector2d>& ring) {
     for (size_t i = 0, n = ring.size(); i < n; ++i)
@@ -126,12 +120,12 @@ bool fits_disc_at_edge(const std::vector<Corner>& corners) {
 }
 
 /// True if the smallest disc fits: the polygon minus a strip along its edges is not empty.
-bool fits_disc(const WalkablePolygon& polygon) {
+bool fits_disc(const Polygon& polygon) {
   if (area_m2(polygon) < kMinPiece_m2) return false;
   const std::vector<Corner> corners = corners_of(polygon);
   if (fits_disc_at_edge(corners)) return true;
   GridSet interior, rim;
-  add_to(interior, {polygon.outline, polygon.holes});
+  add_to(interior, grid_set(polygon));
   for (const Corner& corner : corners) {
     const Eigen::Vector2d in = kMinRadius_m * corner.inward();
     rim.insert(grid_polygon({corner.at, corner.after, corner.after + in, corner.at + in}));
@@ -150,7 +144,7 @@ bool fits_disc(const WalkablePolygon& polygon) {
   return !left.empty();
 }
 
-std::string text_of(const WalkablePolygon& polygon) {
+std::string text_of(const Polygon& polygon) {
   std::string text = fmt::format("({}", text_of(polygon.outline));
   for (const auto& hole : polygon.holes) text += fmt::format(", {}", text_of(hole));
   return text + ")";
@@ -158,7 +152,7 @@ std::string text_of(const WalkablePolygon& polygon) {
 
 }  // namespace
 
-std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
+std::vector<Polygon> walkable_area(const Scene& scene) {
   GridSet ground = ground_of(scene);
   GridSet solid;
   for (const Footprint& footprint : footprints_of(scene))
@@ -169,9 +163,9 @@ std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
   left.get(shapes);
   std::sort(shapes.begin(), shapes.end(),
             [](const GridShape& a, const GridShape& b) { return bp::area(a) > bp::area(b); });
-  std::vector<WalkablePolygon> area;
+  std::vector<Polygon> area;
   for (const GridShape& shape : shapes) {
-    WalkablePolygon& polygon = area.emplace_back();
+    Polygon& polygon = area.emplace_back();
     polygon.outline = ring_of(shape, true);
     for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
       polygon.holes.push_back(ring_of(*hole, false));
@@ -181,7 +175,7 @@ std::vector<WalkablePolygon> walkable_area(const Scene& scene) {
 
 TrajectoryArea trajectory_area(const Scene& scene, std::optional<int64_t> piece,
                                std::string_view option) {
-  std::vector<WalkablePolygon> pieces = walkable_area(scene);
+  std::vector<Polygon> pieces = walkable_area(scene);
   if (pieces.empty()) throw InputError(scene.name, "walkable ground for the trajectory", "none");
   if (pieces.size() > 1) {
     // If no piece can hold a disc, the largest piece, which comes first, represents the area.

@@ -13,15 +13,10 @@
 
 namespace throng {
 
-/// Polygon of closed rings; the first corner is not repeated.
-struct WalkablePolygon {
-  std::vector<Eigen::Vector2d> outline;             ///< counter-clockwise
-  std::vector<std::vector<Eigen::Vector2d>> holes;  ///< clockwise
-};
-
 /// Walkable polygons, accurate to 0.1 mm, largest first; empty if obstacles cover the ground.
+/// Outlines are counter-clockwise, holes clockwise.
 /// Obstacles grow by 0.1 mm, which joins those that touch at a corner.
-std::vector<WalkablePolygon> walkable_area(const Scene& scene);
+std::vector<Polygon> walkable_area(const Scene& scene);
 
 /// The polygon that a trajectory file stores as the walkable area.
 struct TrajectoryArea {

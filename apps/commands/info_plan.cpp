@@ -74,8 +74,6 @@ std::string letter_of(size_t group) {
   return letters;
 }
 
-std::vector<Polygon> polygons_of(const Area& area) { return area.polygons(); }
-
 std::vector<Polygon> outline_of(const Obstacle& obstacle) {
   std::vector<Polygon> pieces;
   for (std::vector<Point>& piece : footprint_pieces_of(obstacle))
@@ -316,10 +314,9 @@ class PlanDrawing {
     const double reach_m = std::max(scene_.ground.min_m.cwiseAbs().maxCoeff(),
                                     scene_.ground.max_m.cwiseAbs().maxCoeff());
     if (reach_m > kMaxOnGrid_m || scene_.box)
-      walkable = polygons_of(scene_.ground);
+      walkable = {polygon_of(scene_.ground)};
     else
-      for (WalkablePolygon& polygon : walkable_area(scene_))
-        walkable.push_back({std::move(polygon.outline), std::move(polygon.holes)});
+      walkable = walkable_area(scene_);
     append(map_, "<path id=\"walkable\" d=\"{}\"/>\n", path_of(walkable));
     draw_grid();
     append(map_, "<rect class=\"edge\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\">{}</rect>\n",
@@ -367,9 +364,8 @@ class PlanDrawing {
   }
 
   /// An area of several groups, or several times of one: later outlines lie within earlier ones.
-  template <typename Area>
   std::vector<Polygon> nested(const Area& area) {
-    std::vector<Polygon> polygons = polygons_of(area);
+    std::vector<Polygon> polygons = area.polygons();
     const int earlier = drawn_[path_of(polygons)]++;
     const Rectangle bounds = bounds_of(polygons);
     const double inset_m = 3.5 * std::min(earlier, 8) / view_.scale;
@@ -383,7 +379,6 @@ class PlanDrawing {
     return polygons;
   }
 
-  template <typename Area>
   void draw_start(size_t group, const Area& area, const char* kind, const std::string& about,
                   const std::string& label) {
     append(map_, "<path class=\"{}\" stroke=\"{}\" fill=\"url(#hatch{})\" d=\"{}\">{}</path>\n",
@@ -391,9 +386,8 @@ class PlanDrawing {
     add_badge(group, area, label);
   }
 
-  template <typename Area>
   void add_badge(size_t group, const Area& area, const std::string& label) {
-    badges_.push_back({group, view_(bounds_of(polygons_of(area))), label});
+    badges_.push_back({group, view_(area.bounds()), label});
   }
 
   std::string count_of(const Group& group) const {
@@ -467,7 +461,7 @@ class PlanDrawing {
            "<path class=\"track\" stroke=\"{}\" d=\"{}\"/>\n<path class=\"recorded\" stroke=\"{}\" "
            "d=\"{}\">{}</path>\n",
            colour_of(group), tracks, colour_of(group),
-           path_of(polygons_of(recording.facts().bounds)),
+           path_of({polygon_of(recording.facts().bounds)}),
            tooltip(
                fmt::format("bounds of {}", counted(people, "recorded person", "recorded people"))));
     add_badge(group, recording.facts().bounds, letter_of(group) + " recorded");

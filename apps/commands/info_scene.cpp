@@ -18,16 +18,18 @@ std::string describe(const Rectangle& area) {
                      area.max_m.x(), area.max_m.y());
 }
 
+std::string describe(const std::vector<Polygon>& polygons, double area_m2) {
+  return fmt::format("{:.1f} m2 with {} corners in {}", area_m2, vertex_count(polygons),
+                     describe(bounds_of(polygons)));
+}
+
 std::string describe(const Area& area) {
-  const std::string bounds = describe(area.bounds());
-  if (area.is_rectangle()) return bounds;
-  const size_t corners = vertex_count(area.polygons());
-  return fmt::format("{:.1f} m2 with {} corners in {}", area.area_m2(), corners, bounds);
+  return area.is_rectangle() ? describe(area.bounds()) : describe(area.polygons(), area.area_m2());
 }
 
 std::string describe_ground(const Scene& scene) {
-  if (scene.floor.empty()) return describe(scene.ground);
-  return describe(Area(scene.floor));
+  return scene.floor.empty() ? describe(scene.ground)
+                             : describe(scene.floor, ground_area_m2(scene));
 }
 
 std::string_view kind_name(Obstacle::Kind kind) {

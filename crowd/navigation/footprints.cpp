@@ -19,22 +19,6 @@ constexpr double kRounding_m = 1e-3;
 /// Corners that lie closer together are merged.
 constexpr double kSameCorner_m = 1e-6;
 
-/// Clips a convex polygon to sign * p[axis] <= bound (Sutherland and Hodgman 1974).
-std::vector<Eigen::Vector2d> cut(const std::vector<Eigen::Vector2d>& corners, int axis, double sign,
-                                 double bound) {
-  std::vector<Eigen::Vector2d> kept;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector2d &p = corners[i], &q = corners[(i + 1) % corners.size()];
-    const double at_p = sign * p[axis] - bound, at_q = sign * q[axis] - bound;
-    if (at_p <= 0) kept.push_back(p);
-    if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
-      kept.push_back(p + (q - p) * (at_p / (at_p - at_q)));
-      kept.back()[axis] = sign * bound;
-    }
-  }
-  return kept;
-}
-
 /// A mesh whose outline fills this share of its hull is treated as convex.
 constexpr double kConvexShare = 0.98;
 
@@ -95,16 +79,14 @@ std::vector<Eigen::Vector2d> footprint_of(const Obstacle& obstacle) {
 }
 
 double distance_m(const std::vector<Eigen::Vector2d>& footprint, const Eigen::Vector2d& point) {
-  double square_m2 = std::numeric_limits<double>::infinity();
+  double nearest_m = std::numeric_limits<double>::infinity();
   bool is_inside = true;
   for (size_t i = 0; i < footprint.size(); ++i) {
-    const Eigen::Vector2d along = footprint[(i + 1) % footprint.size()] - footprint[i];
-    const Eigen::Vector2d offset = point - footprint[i];
-    is_inside = is_inside && along.x() * offset.y() - along.y() * offset.x() >= 0;
-    const double t = std::clamp(along.dot(offset) / along.squaredNorm(), 0.0, 1.0);
-    square_m2 = std::min(square_m2, (offset - t * along).squaredNorm());
+    const Eigen::Vector2d &from = footprint[i], &to = footprint[(i + 1) % footprint.size()];
+    is_inside = is_inside && cross(to - from, point - from) >= 0;
+    nearest_m = std::min(nearest_m, distance_to_segment_m(point, from, to));
   }
-  return is_inside ? 0 : std::sqrt(square_m2);
+  return is_inside ? 0 : nearest_m;
 }
 
 std::vector<Eigen::Vector2d> footprint_of(const Door& door) {
@@ -120,10 +102,7 @@ std::vector<Eigen::Vector2d> clipped(std::vector<Eigen::Vector2d> footprint,
   if (std::all_of(footprint.begin(), footprint.end(),
                   [&](const Eigen::Vector2d& corner) { return reach.contains(corner); }))
     return footprint;
-  for (int axis = 0; axis < 2; ++axis) {
-    footprint = cut(footprint, axis, 1, ground.max_m[axis]);
-    footprint = cut(footprint, axis, -1, -ground.min_m[axis]);
-  }
+  footprint = clipped_to(std::move(footprint), ground);
   std::vector<Eigen::Vector2d> corners;
   for (const Eigen::Vector2d& corner : footprint)
     if (corners.empty() || (corner - corners.back()).norm() > kSameCorner_m)

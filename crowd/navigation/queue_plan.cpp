@@ -46,10 +46,7 @@ Eigen::Vector2d front_direction(const Walkable& walkable, const Rectangle& area)
 
 Rectangle around(const std::vector<Area>& areas) {
   Rectangle all = areas.front().bounds();
-  for (const Area& area : areas) {
-    all.min_m = all.min_m.cwiseMin(area.bounds().min_m);
-    all.max_m = all.max_m.cwiseMax(area.bounds().max_m);
-  }
+  for (const Area& area : areas) all = all.joined(area.bounds());
   return all;
 }
 

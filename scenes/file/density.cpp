@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "crowd/navigation/footprints.h"
-#include "geometry/floor.h"
+#include "crowd/navigation/walkable.h"
 
 namespace throng {
 namespace {
@@ -18,19 +16,7 @@ constexpr double kMaxSamples = 4e6;
 }  // namespace
 
 double standing_area_m2(const Scene& scene, const Area& area) {
-  const Rectangle reach = area.bounds().grown(kWallGap_m);
-  std::vector<std::vector<Eigen::Vector2d>> near;
-  const auto add = [&](std::vector<Eigen::Vector2d> corners) {
-    const Rectangle bounds = bounds_of(corners);
-    if ((bounds.min_m.array() <= reach.max_m.array()).all() &&
-        (bounds.max_m.array() >= reach.min_m.array()).all())
-      near.push_back(std::move(corners));
-  };
-  for (Footprint& each : footprints_of(scene)) add(std::move(each.corners));
-  for (const FloorStrip& strip : strips_around(scene.floor)) add({strip.begin(), strip.end()});
-  std::optional<PolygonLocator> floor;
-  if (!scene.floor.empty()) floor.emplace(scene.floor);
-  const Rectangle inside = scene.ground.grown(-kWallGap_m);
+  const Walkable walkable(scene);
   const Eigen::Vector2d size = area.size_m();
   const double sample_m = std::max(kSample_m, std::sqrt(size.prod() / kMaxSamples));
   const int columns = std::max(1, static_cast<int>(std::ceil(size.x() / sample_m)));
@@ -46,12 +32,7 @@ double standing_area_m2(const Scene& scene, const Area& area) {
       const Eigen::Vector2d share((column + part(0.7548776662466927)) / columns,
                                   (row + part(0.5698402909980532)) / rows);
       const Eigen::Vector2d point = area.at(share);
-      const auto is_in_the_way = [&](const std::vector<Eigen::Vector2d>& footprint) {
-        return distance_m(footprint, point) < kWallGap_m;
-      };
-      if (inside.contains(point) && (!floor || floor->contains(point)) &&
-          std::none_of(near.begin(), near.end(), is_in_the_way))
-        ++free;
+      if (walkable.clearance_m(point) >= kWallGap_m) ++free;
     }
   return area.area_m2() * static_cast<double>(free) /
          (static_cast<double>(columns) * static_cast<double>(rows));

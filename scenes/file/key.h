@@ -80,6 +80,8 @@ struct ReadContext {
   /// Goals with a queue and their places in the file ("file:line").
   std::vector<std::pair<std::string, Goal>> queued_goals;
   int64_t people = 0;
+  /// Locates points on the floor; made when an area first needs it.
+  std::optional<PolygonLocator> floor_locator;
   /// Pieces of polygons and walls after the first.
   std::vector<Obstacle> more_obstacles;
   uint32_t surfaces = 0;  ///< numbers of Obstacle::surface in use

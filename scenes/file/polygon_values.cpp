@@ -103,9 +103,8 @@ std::vector<Polygon> read_polygons(ReadContext& context, const Fields& fields,
 }
 
 /// Returns whether some of 17 x 17 points of an area lie on the floor.
-bool touches(const Area& area, const std::vector<Polygon>& floor) {
+bool touches(const Area& area, const PolygonLocator& locator) {
   constexpr int kSteps = 16;
-  const PolygonLocator locator(floor);
   if (locator.contains(area.middle_m())) return true;
   for (int i = 0; i <= kSteps; ++i)
     for (int k = 0; k <= kSteps; ++k)
@@ -113,12 +112,15 @@ bool touches(const Area& area, const std::vector<Polygon>& floor) {
   return false;
 }
 
-void require_on_ground(const std::string& where, const std::string& what, const Area& area,
-                       const Scene& scene) {
+void require_on_ground(ReadContext& context, const std::string& where, const std::string& what,
+                       const Area& area) {
+  const Scene& scene = context.scene;
   if (!scene.ground.contains(area.bounds().min_m) || !scene.ground.contains(area.bounds().max_m))
     throw InputError(where, fmt::format("{} within the ground ({})", what, to_text(scene.ground)),
                      to_text(area.bounds()));
-  if (!scene.floor.empty() && !touches(area, scene.floor))
+  if (scene.floor.empty()) return;
+  if (!context.floor_locator) context.floor_locator.emplace(scene.floor);
+  if (!touches(area, *context.floor_locator))
     throw InputError(where, fmt::format("{} on the walkable ground", what),
                      fmt::format("all of it outside, around [{:g}, {:g}]", area.middle_m().x(),
                                  area.middle_m().y()));
@@ -155,7 +157,7 @@ Area read_area(ReadContext& context, const Fields& fields, const std::string& wh
   } else {
     area = read_rectangle(fields, what);
   }
-  require_on_ground(fields.where(), what, area, context.scene);
+  require_on_ground(context, fields.where(), what, area);
   return area;
 }
 

@@ -34,12 +34,7 @@ double step_of(const RecordingFacts& facts, const RecordedPeople& people,
 }
 
 Rectangle ground_of(const RecordingFacts& facts, const std::vector<Polygon>& floor) {
-  Rectangle ground = facts.bounds;
-  if (!floor.empty()) {
-    const Rectangle bounds = bounds_of(floor);
-    ground.min_m = ground.min_m.cwiseMin(bounds.min_m);
-    ground.max_m = ground.max_m.cwiseMax(bounds.max_m);
-  }
+  const Rectangle ground = floor.empty() ? facts.bounds : facts.bounds.joined(bounds_of(floor));
   return ground.grown(kMargin_m);
 }
 

@@ -85,7 +85,7 @@ void grow_plan(Scene& scene, double factor) {
   const double wall_m = kWallShare * scene.ground.size_m().minCoeff();
   const auto grow = [&](Area& area) { area = area.scaled(middle, factor); };
   scene.ground = Area(scene.ground).scaled(middle, factor).bounds();
-  if (!scene.floor.empty()) scene.floor = Area(scene.floor).scaled(middle, factor).polygons();
+  scale(scene.floor, middle, factor);
   for (Group& group : scene.groups) {
     grow(group.spawn);
     if (group.look_at_m) group.look_at_m = middle + factor * (*group.look_at_m - middle);

@@ -175,26 +175,6 @@ bool clean(std::vector<Eigen::Vector2d>& line) {
   return line.size() >= 2;
 }
 
-/// Part of a ring inside a rectangle (Sutherland and Hodgman 1974).
-Polygon::Ring clipped_to(Polygon::Ring ring, const Rectangle& rectangle) {
-  for (int axis = 0; axis < 2; ++axis)
-    for (const double sign : {-1.0, 1.0}) {
-      const double limit = sign * (sign < 0 ? rectangle.min_m : rectangle.max_m)[axis];
-      Polygon::Ring inside;
-      for (size_t i = 0; i < ring.size(); ++i) {
-        const Eigen::Vector2d &from = ring[i], &to = ring[(i + 1) % ring.size()];
-        const double before = sign * from[axis] - limit, behind = sign * to[axis] - limit;
-        if (before <= 0) inside.push_back(from);
-        if ((before < 0 && behind > 0) || (before > 0 && behind < 0)) {
-          inside.push_back(from + before / (before - behind) * (to - from));
-          inside.back()[axis] = sign * limit;
-        }
-      }
-      ring = std::move(inside);
-    }
-  return ring;
-}
-
 /// Keeps what a scene accepts: obstacles and walls that reach onto the ground, and the parts of
 /// starts and goals on it.
 void keep_to_ground(ImportedPlan& plan) {

@@ -15,6 +15,7 @@
 #include "kinematics/xml_scan.h"
 #include "recordings/jupedsim_area.h"
 #include "recordings/units.h"
+#include "scenes/import/plan_layers.h"
 #include "scenes/import/plan_readers.h"
 
 namespace throng {
@@ -71,26 +72,26 @@ class RoomOutline {
   /// Length of a gap between the only two loose ends, which is closed; 0 if there is none.
   double close_gap() {
     std::vector<uint32_t> loose;
-    for (uint32_t i = 0; i < nodes_.size(); ++i)
-      if (nodes_[i].next.size() == 1) loose.push_back(i);
+    for (uint32_t i = 0; i < next_.size(); ++i)
+      if (next_[i].size() == 1) loose.push_back(i);
     if (loose.size() != 2) return 0;
     connect(loose[0], loose[1]);
-    return (nodes_[loose[0]].at - nodes_[loose[1]].at).norm();
+    return (ends_.point(loose[0]) - ends_.point(loose[1])).norm();
   }
 
   /// Outer borders of closed lines, counter-clockwise, the largest first. Others inside are holes.
   std::vector<Polygon> areas() {
     remove_loose_ends();
     std::vector<Polygon::Ring> rings;
-    std::vector<uint8_t> is_seen(nodes_.size(), 0);
-    std::vector<uint32_t> order(nodes_.size());
+    std::vector<uint8_t> is_seen(next_.size(), 0);
+    std::vector<uint32_t> order(next_.size());
     for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-      const Eigen::Vector2d &p = nodes_[a].at, &q = nodes_[b].at;
+      const Eigen::Vector2d &p = ends_.point(a), &q = ends_.point(b);
       return std::pair(p.x(), p.y()) < std::pair(q.x(), q.y());
     });
     for (const uint32_t leftmost : order) {
-      if (is_seen[leftmost] != 0 || nodes_[leftmost].next.empty()) continue;
+      if (is_seen[leftmost] != 0 || next_[leftmost].empty()) continue;
       mark(leftmost, is_seen);
       Polygon::Ring ring = outer_border(leftmost);
       if (ring.size() >= 3 && doubled_area(ring) > 0) rings.push_back(std::move(ring));
@@ -112,35 +113,24 @@ class RoomOutline {
   }
 
  private:
-  struct Node {
-    Eigen::Vector2d at;
-    std::set<uint32_t> next;
-  };
-  using CellKey = std::pair<int64_t, int64_t>;
-
   uint32_t node_at(const Eigen::Vector2d& p) {
-    const auto x = static_cast<int64_t>(std::floor(p.x() / kSameEnd)),
-               y = static_cast<int64_t>(std::floor(p.y() / kSameEnd));
-    for (int64_t dx = -1; dx <= 1; ++dx)
-      for (int64_t dy = -1; dy <= 1; ++dy)
-        if (const auto found = by_cell_.find({x + dx, y + dy}); found != by_cell_.end())
-          if ((nodes_[found->second].at - p).norm() <= kSameEnd) return found->second;
-    nodes_.push_back({p, {}});
-    return by_cell_.emplace(CellKey(x, y), static_cast<uint32_t>(nodes_.size() - 1)).first->second;
+    const auto node = static_cast<uint32_t>(ends_.number_of(p));
+    next_.resize(ends_.count());
+    return node;
   }
 
   void connect(uint32_t a, uint32_t b) {
     if (a == b) return;
-    nodes_[a].next.insert(b);
-    nodes_[b].next.insert(a);
+    next_[a].insert(b);
+    next_[b].insert(a);
   }
 
   void remove_loose_ends() {
-    for (uint32_t i = 0; i < nodes_.size(); ++i)
-      for (uint32_t end = i; nodes_[end].next.size() == 1;) {
-        const uint32_t neighbour = *nodes_[end].next.begin();
-        nodes_[end].next.clear();
-        nodes_[neighbour].next.erase(end);
+    for (uint32_t i = 0; i < next_.size(); ++i)
+      for (uint32_t end = i; next_[end].size() == 1;) {
+        const uint32_t neighbour = *next_[end].begin();
+        next_[end].clear();
+        next_[neighbour].erase(end);
         end = neighbour;
       }
   }
@@ -151,7 +141,7 @@ class RoomOutline {
     while (!open.empty()) {
       const uint32_t node = open.back();
       open.pop_back();
-      for (const uint32_t next : nodes_[node].next)
+      for (const uint32_t next : next_[node])
         if (is_seen[next] == 0) {
           is_seen[next] = 1;
           open.push_back(next);
@@ -163,8 +153,8 @@ class RoomOutline {
   uint32_t next_outside(uint32_t node, const Eigen::Vector2d& back) const {
     uint32_t best = node;
     double best_turn = 10;
-    for (const uint32_t next : nodes_[node].next) {
-      const Eigen::Vector2d to = nodes_[next].at - nodes_[node].at;
+    for (const uint32_t next : next_[node]) {
+      const Eigen::Vector2d to = ends_.point(next) - ends_.point(node);
       double turn = std::atan2(back.x() * to.y() - back.y() * to.x(), back.dot(to));
       if (turn <= 1e-12) turn += 2 * M_PI;
       if (turn < best_turn) {
@@ -178,20 +168,20 @@ class RoomOutline {
   Polygon::Ring outer_border(uint32_t begin) const {
     Polygon::Ring ring;
     size_t edges = 0;
-    for (const Node& node : nodes_) edges += node.next.size();
+    for (const std::set<uint32_t>& next : next_) edges += next.size();
     const uint32_t second = next_outside(begin, Eigen::Vector2d(-1, 0));
     uint32_t from = begin, to = second;
     do {
-      ring.push_back(nodes_[from].at);
-      const uint32_t next = next_outside(to, nodes_[from].at - nodes_[to].at);
+      ring.push_back(ends_.point(from));
+      const uint32_t next = next_outside(to, ends_.point(from) - ends_.point(to));
       from = to;
       to = next;
     } while (!(from == begin && to == second) && ring.size() <= edges);
     return ring;
   }
 
-  std::vector<Node> nodes_;
-  std::map<CellKey, uint32_t> by_cell_;
+  EndNodes ends_{kSameEnd};
+  std::vector<std::set<uint32_t>> next_;  ///< by node
 };
 
 struct SubroomKey {

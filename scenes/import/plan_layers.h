@@ -2,7 +2,9 @@
 // and walls.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -44,6 +46,39 @@ class LayerChoice {
     PlanUse use;
   };
   std::map<std::string, Chosen> uses_;  ///< keys: names in lower case
+};
+
+/// EndNodes numbers the ends of lines; ends within the tolerance share a number.
+class EndNodes {
+ public:
+  explicit EndNodes(double tolerance) : tolerance_(tolerance) {}
+
+  size_t number_of(const Eigen::Vector2d& point) {
+    const Cell cell{cell_of(point.x()), cell_of(point.y())};
+    for (int64_t x = -1; x <= 1; ++x)
+      for (int64_t y = -1; y <= 1; ++y) {
+        const auto found = cells_.find({cell.first + x, cell.second + y});
+        if (found == cells_.end()) continue;
+        for (const size_t node : found->second)
+          if ((points_[node] - point).norm() <= tolerance_) return node;
+      }
+    cells_[cell].push_back(points_.size());
+    points_.push_back(point);
+    return points_.size() - 1;
+  }
+  const Eigen::Vector2d& point(size_t node) const { return points_[node]; }
+  size_t count() const { return points_.size(); }
+
+ private:
+  using Cell = std::pair<int64_t, int64_t>;
+  int64_t cell_of(double x) const {
+    constexpr double kMaxCell = 4e18;
+    return static_cast<int64_t>(std::clamp(std::floor(x / tolerance_), -kMaxCell, kMaxCell));
+  }
+
+  double tolerance_;
+  std::map<Cell, std::vector<size_t>> cells_;
+  std::vector<Eigen::Vector2d> points_;
 };
 
 /// Names in quotes, joined by commas, cut after some: for errors.

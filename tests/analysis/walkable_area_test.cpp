@@ -32,7 +32,7 @@ bool inside(const Ring& ring, const Eigen::Vector2d& p) {
   return is_inside;
 }
 
-bool inside(const WalkablePolygon& polygon, const Eigen::Vector2d& p) {
+bool inside(const Polygon& polygon, const Eigen::Vector2d& p) {
   if (!inside(polygon.outline, p)) return false;
   for (const Ring& hole : polygon.holes)
     if (inside(hole, p)) return false;

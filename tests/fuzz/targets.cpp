@@ -146,7 +146,7 @@ bool culled_log(std::span<const uint8_t> input) {
     for (int64_t i = 0; i < std::min<int64_t>(run.facts.frames, 5); ++i)
       for (const RootPose& root : simulation.step().roots)
         promise(root.position_m.allFinite(), "finite positions");
-    for (const WalkablePolygon& piece : walkable_area(run.scene))
+    for (const Polygon& piece : walkable_area(run.scene))
       promise(piece.outline.size() >= 3, "pieces of the ground with an outline");
     require_encodable(simulation.info(), true);
     return true;

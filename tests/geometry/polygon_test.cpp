@@ -93,6 +93,21 @@ TEST(Polygons, AreCoveredByTrianglesAndConvexPieces) {
   EXPECT_GT(with_holes, 50);
 }
 
+TEST(Polygons, MayHaveAThousandHoles) {
+  Polygon hall{{{0, 0}, {100, 0}, {100, 100}, {0, 100}}, {}};
+  for (int i = 0; i < 32; ++i)
+    for (int k = 0; k < 32; ++k) {
+      const Eigen::Vector2d at(3 * i + 1, 3 * k + 1);
+      hall.holes.push_back({at, at + Eigen::Vector2d(1, 0), at + Eigen::Vector2d(0, 1)});
+    }
+  EXPECT_FALSE(fault_of(hall));
+  double triangles_m2 = 0;
+  for (const auto& [a, b, c] : triangles_of(hall)) triangles_m2 += 0.5 * cross(b - a, c - a);
+  EXPECT_NEAR(triangles_m2, 10'000 - 512, 1e-3);
+  hall.holes.push_back({{99, 99}, {101, 99}, {99, 101}});
+  EXPECT_TRUE(fault_of(hall));
+}
+
 TEST(Polygons, OfConvexShapeAreOnePiece) {
   EXPECT_EQ(convex_pieces_of({{{0, 0}, {0, 3}, {4, 3}, {4, 0}}, {}}).size(), 1u) << "clockwise";
   Polygon::Ring round;

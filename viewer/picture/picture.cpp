@@ -158,20 +158,6 @@ void add_volumes(RecordedFrame& frame, const PictureOptions& options, const Came
   }
 }
 
-/// The floor as a flat mesh; empty: all of the ground.
-Mesh floor_of(const run_description_t& run) {
-  Mesh mesh;
-  for (const polygon_t& polygon : run.floor)
-    for (const FlatTriangle& triangle : triangles_of(to_polygon(polygon))) {
-      const auto first = static_cast<int>(mesh.vertices.size());
-      for (const Eigen::Vector2d& corner : triangle)
-        mesh.vertices.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()),
-                                   0.0F);
-      mesh.triangles.emplace_back(first, first + 1, first + 2);
-    }
-  return mesh;
-}
-
 /// Obstacles keep their colour: one hand on a wall would paint the whole wall.
 void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
   for (const obstacle_t& obstacle : frame.run().run()->obstacles) {
@@ -251,8 +237,7 @@ Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
   render_options.width = options.width;
   render_options.height = options.height;
   render_options.samples = 3;
-  const Mesh floor = floor_of(*frame.run().run());
-  if (!floor.vertices.empty()) render_options.floor = &floor;
+  if (!frame.floor().vertices.empty()) render_options.floor = &frame.floor();
   return render(items, camera, render_options);
 }
 

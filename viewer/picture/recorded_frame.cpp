@@ -3,8 +3,26 @@
 #include <fmt/format.h>
 
 #include "base/errors.h"
+#include "lcm_io/codec/description.h"
 
 namespace throng {
+
+namespace {
+
+Mesh floor_of(const run_description_t& run) {
+  Mesh mesh;
+  for (const polygon_t& polygon : run.floor)
+    for (const FlatTriangle& triangle : triangles_of(to_polygon(polygon))) {
+      const auto first = static_cast<int>(mesh.vertices.size());
+      for (const Eigen::Vector2d& corner : triangle)
+        mesh.vertices.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()),
+                                   0.0F);
+      mesh.triangles.emplace_back(first, first + 1, first + 2);
+    }
+  return mesh;
+}
+
+}  // namespace
 
 void require_people(const run_description_t& run, const std::string& where) {
   if (run.avatar_count == 0)
@@ -38,6 +56,11 @@ void RecordedFrame::advance_to(int64_t number) {
     throw InputError(log_.string(), fmt::format("states at or before frame {}", number),
                      first ? fmt::format("the first at frame {}", *first) : "none");
   }
+}
+
+const Mesh& RecordedFrame::floor() {
+  if (!floor_) floor_ = floor_of(*run_.run());
+  return *floor_;
 }
 
 std::string RecordedFrame::describe_missing() {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "avatars/mesh/mesh.h"
 #include "lcm_io/codec/run_reader.h"
 #include "lcm_io/log/log_gaps.h"
 
@@ -34,6 +35,9 @@ class RecordedFrame {
   /// describe_missing() may be called.
   std::optional<int64_t> next_states();
 
+  /// The floor as a flat mesh, made once for all pictures; empty: all of the ground is walkable.
+  const Mesh& floor();
+
   RunReader& run() { return run_; }
   const CrowdState& crowd() const { return run_.state(); }
   const RunReader::Touching& touching() const { return run_.touching(); }
@@ -44,6 +48,7 @@ class RecordedFrame {
   LogGaps gaps_;
   int64_t last_frame_ = -1;
   RunReader run_;
+  std::optional<Mesh> floor_;
 };
 
 }  // namespace throng
