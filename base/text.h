@@ -92,4 +92,8 @@ OptionCheck list_option(OptionCheck piece, size_t count, char between, const std
 /// Accepts one of the names; suggests a similar one otherwise.
 OptionCheck name_option(std::vector<std::string> names);
 
+/// Escapes a text for the content of an XML element, not for an attribute: quotes stay. The text is
+/// valid UTF-8 without control characters, see escaped().
+std::string xml_text(std::string_view text);
+
 }  // namespace throng

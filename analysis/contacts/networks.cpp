@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "base/xml_text.h"
 
 namespace throng {
 namespace {

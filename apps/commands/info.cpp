@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "apps/command.h"
-#include "apps/commands/info_plan.h"
 #include "apps/options/run_arguments.h"
 #include "apps/output/output_plan.h"
 #include "apps/output/text_file.h"

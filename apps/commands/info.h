@@ -1,4 +1,4 @@
-// Descriptions that `throng info` prints of a scene and of a recording.
+// What `throng info` prints of a scene and of a recording, and the plan that it draws.
 // Invariant: the library's reader reads the whole file first; there are no partial descriptions.
 #pragma once
 
@@ -19,5 +19,10 @@ std::string describe_scene(const Scene& scene, const std::optional<NavMesh>& mes
 
 /// `file` is the name as the user gave it.
 std::string describe_recording(const Recording& recording, const std::string& file);
+
+/// Returns an SVG with walkable ground, obstacles, doors, and start areas, goals and paths of each
+/// group on `mesh`. Text has one size for every scene; a name without a place becomes a tooltip.
+/// Throws InputError.
+std::string draw_plan(const Scene& scene, const std::optional<NavMesh>& mesh);
 
 }  // namespace throng

@@ -1,5 +1,4 @@
-#include "apps/commands/info_plan.h"
-
+// draw_plan() draws a scene from above before it runs, as an SVG.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,8 +11,8 @@
 #include <vector>
 
 #include "analysis/trajectories/walkable_area.h"
+#include "apps/commands/info.h"
 #include "base/text.h"
-#include "base/xml_text.h"
 #include "crowd/navigation/footprints.h"
 #include "geometry/polygon_grid.h"
 
