@@ -59,7 +59,7 @@ Eigen::Vector2d Area::nearest_inside_m(const Eigen::Vector2d& point, double rim_
   // Inwards from the edge: away from a point outside, or on beyond one inside.
   const Eigen::Vector2d inwards = is_inside ? point - edge_m : edge_m - point;
   for (double in_m = rim_m; away_m > 0 && in_m > 0.1 * rim_m; in_m *= 0.5) {
-    const Eigen::Vector2d candidate_m = edge_m + in_m / away_m * inwards;
+    Eigen::Vector2d candidate_m = edge_m + in_m / away_m * inwards;
     if (contains(candidate_m)) return candidate_m;
   }
   return edge_m + rim_m * (middle_m_ - edge_m).normalized();

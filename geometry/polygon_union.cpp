@@ -440,7 +440,7 @@ std::vector<Polygon> united(const std::vector<Polygon::Ring>& rings) {
   return out;
 }
 
-JoinedArea join(std::vector<Polygon> polygons, const std::string& where) {
+JoinedArea join(const std::vector<Polygon>& polygons, const std::string& where) {
   return Joiner(polygons, where).join();
 }
 

@@ -31,6 +31,6 @@ std::vector<Polygon> united(const std::vector<Polygon::Ring>& rings);
 /// coordinates. Crossings of edges become new corners, exact to 0.1 mm. Corners created by the cut
 /// between two polygons are dropped if they lie within 1 mm of a straight line. Throws InputError
 /// at `where` if adjoining polygons lie too far out or cross too often.
-JoinedArea join(std::vector<Polygon> polygons, const std::string& where);
+JoinedArea join(const std::vector<Polygon>& polygons, const std::string& where);
 
 }  // namespace throng

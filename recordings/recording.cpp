@@ -26,7 +26,7 @@ JoinedArea recorded_area(const RecordingFacts& facts, const std::string& where) 
     place(polygon.outline);
     for (Polygon::Ring& hole : polygon.holes) place(hole);
   }
-  return join(std::move(area), where);
+  return join(area, where);
 }
 
 }  // namespace throng

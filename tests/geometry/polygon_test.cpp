@@ -38,7 +38,7 @@ double edge_distance_m(const Polygon& polygon, const Eigen::Vector2d& p) {
 }
 
 TEST(Polygons, HaveTheirFaultsNamedWithAPlace) {
-  const auto found = [](Polygon polygon) {
+  const auto found = [](const Polygon& polygon) {
     const auto fault = fault_of(polygon);
     return fault ? fault->expected + " | " + fault->found : "none";
   };
