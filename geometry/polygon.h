@@ -95,6 +95,23 @@ struct PolygonFault {
 /// and holes must lie within the outline.
 std::optional<PolygonFault> fault_of(const Polygon& polygon);
 
+/// What mended() makes of a polygon.
+struct MendedPolygon {
+  std::vector<Polygon> polygons;      ///< without faults; none if there is a fault
+  std::optional<PolygonFault> fault;  ///< that cannot be mended
+  /// Holes and spikes of rings that enclose no area on the grid; they were dropped.
+  int64_t slivers = 0;
+  Eigen::Vector2d sliver_at_m = Eigen::Vector2d::Zero();  ///< one of them
+};
+
+/// Returns a polygon without a fault unchanged. Otherwise drops slivers, unites holes that overlap
+/// or adjoin, and cuts off holes that adjoin the outline. Rings that cross themselves and holes
+/// that cross the outline remain faults.
+MendedPolygon mended(Polygon polygon);
+
+/// "2 slivers without area left out, one near [1.0000, 2.0000]"; slivers: at least one.
+std::string slivers_text(const MendedPolygon& polygon);
+
 /// Triangles that cover a polygon without a fault; each has three vertices of it,
 /// counter-clockwise.
 using FlatTriangle = std::array<Eigen::Vector2d, 3>;

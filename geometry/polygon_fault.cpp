@@ -1,4 +1,4 @@
-// Defects of polygons, found on the grid of 0.1 mm with exact arithmetic.
+// Defects of polygons, found and mended on the grid of 0.1 mm with exact arithmetic.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -136,6 +136,56 @@ class FaultSearch {
   uint32_t rings_ = 0;
 };
 
+/// Removes vertices at which the ring turns back on itself, and repeated ones. Returns how many
+/// turned back.
+int64_t drop_spikes(Polygon::Ring& ring, Eigen::Vector2d& at_m) {
+  int64_t spikes = 0;
+  const auto is_spike = [&](size_t i) {
+    const size_t count = ring.size();
+    const GridPoint before = grid_point(ring[(i + count - 1) % count]), tip = grid_point(ring[i]),
+                    after = grid_point(ring[(i + 1) % count]);
+    if (before == tip || tip == after) return true;
+    return overlap({tip, before}, {tip, after});
+  };
+  for (size_t i = 0; i < ring.size() && ring.size() >= 3;) {
+    if (!is_spike(i)) {
+      ++i;
+      continue;
+    }
+    const Eigen::Vector2d tip_m = ring[i];
+    ring.erase(ring.begin() + static_cast<ptrdiff_t>(i));
+    if (grid_point(ring[i % ring.size()]) != grid_point(tip_m)) {
+      ++spikes;
+      at_m = tip_m;
+    }
+    i = i >= 2 ? i - 2 : 0;  // a spike may have had another one at its foot
+  }
+  return spikes;
+}
+
+bool is_on_grid(const Polygon::Ring& ring) {
+  return std::all_of(ring.begin(), ring.end(), [](const Eigen::Vector2d& corner) {
+    return corner.cwiseAbs().maxCoeff() <= kMaxOnGrid_m;
+  });
+}
+
+double on_grid_m2(const GridSet& set) {
+  return static_cast<double>(boost::polygon::area(set)) * kAreaUnit_m * kAreaUnit_m;
+}
+
+double perimeter_m(const Polygon& polygon) {
+  double sum_m = 0;
+  for_each_edge({polygon}, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    sum_m += (to - from).norm();
+  });
+  return sum_m;
+}
+
+std::optional<PolygonFault> outside_fault(const std::vector<GridShape>& outside) {
+  return PolygonFault{"holes inside the outline",
+                      "a hole outside of it near " + to_text(metres(*outside.front().begin()))};
+}
+
 }  // namespace
 
 std::optional<PolygonFault> fault_of(const Polygon& polygon) {
@@ -150,23 +200,59 @@ std::optional<PolygonFault> fault_of(const Polygon& polygon) {
   const GridSet outline = grid_set(polygon.outline), holes = grid_set_of_holes(polygon);
   std::vector<GridShape> outside;
   GridSet(holes - outline).get(outside);
-  if (!outside.empty())
-    return PolygonFault{"holes inside the outline",
-                        "a hole outside of it near " + to_text(metres(*outside.front().begin()))};
-  const double rings_m2 = area_m2(polygon);
-  const GridSet whole(outline - holes);
-  const double whole_m2 =
-      static_cast<double>(boost::polygon::area(whole)) * kAreaUnit_m * kAreaUnit_m;
-  double round_m = 0;
-  for_each_edge({polygon}, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-    round_m += (to - from).norm();
-  });
+  if (!outside.empty()) return outside_fault(outside);
+  const double rings_m2 = area_m2(polygon), whole_m2 = on_grid_m2(GridSet(outline - holes));
   if (!(whole_m2 > 0) ||
-      std::abs(whole_m2 - rings_m2) > 2 * kAreaUnit_m * round_m + 1e-9 * rings_m2)
+      std::abs(whole_m2 - rings_m2) > 2 * kAreaUnit_m * perimeter_m(polygon) + 1e-9 * rings_m2)
     return PolygonFault{"rings that do not cross or overlap",
                         fmt::format("a polygon of {:.6g} m2 whose rings enclose {:.6g} m2, near {}",
                                     whole_m2, rings_m2, to_text(polygon.outline.front()))};
   return std::nullopt;
+}
+
+MendedPolygon mended(Polygon polygon) {
+  MendedPolygon out;
+  const std::optional<PolygonFault> fault = fault_of(polygon);
+  if (!fault) {
+    out.polygons.push_back(std::move(polygon));
+    return out;
+  }
+  // The outline has to enclose an area; a hole that does not is a sliver.
+  if (is_on_grid(polygon.outline)) out.slivers = drop_spikes(polygon.outline, out.sliver_at_m);
+  std::erase_if(polygon.holes, [&](Polygon::Ring& hole) {
+    if (hole.size() < 3 || !is_on_grid(hole)) return false;  // reported below
+    Eigen::Vector2d at_m = hole.front();
+    const int64_t spikes = drop_spikes(hole, at_m);
+    const bool is_sliver = hole.size() < 3 || boost::polygon::area(grid_set(hole)) == 0;
+    if (out.slivers == 0 && (is_sliver || spikes > 0)) out.sliver_at_m = at_m;
+    out.slivers += is_sliver ? 1 : spikes;
+    return is_sliver;
+  });
+  out.fault = fault_of({polygon.outline, {}});
+  for (size_t i = 0; i < polygon.holes.size() && !out.fault; ++i)
+    out.fault = fault_of({polygon.holes[i], {}});
+  if (out.fault) return out;
+
+  using namespace boost::polygon::operators;
+  const GridSet outline = grid_set(polygon.outline), holes = grid_set_of_holes(polygon);
+  const GridSet outside(holes - outline);
+  // Where edges lie on each other, rounding moves the ends of a hole out by up to a unit.
+  if (on_grid_m2(outside) > 2 * kAreaUnit_m * perimeter_m(polygon)) {
+    out.fault = fault;
+    return out;
+  }
+  std::vector<GridShape> shapes;
+  GridSet(outline - holes).get(shapes);
+  for (Polygon& piece : polygons_of(shapes))
+    if (!fault_of(piece)) out.polygons.push_back(std::move(piece));
+  if (out.polygons.empty()) out.fault = fault;
+  return out;
+}
+
+std::string slivers_text(const MendedPolygon& polygon) {
+  return fmt::format("{} without area left out, one near {}",
+                     polygon.slivers == 1 ? "1 sliver" : fmt::format("{} slivers", polygon.slivers),
+                     to_text(polygon.sliver_at_m));
 }
 
 }  // namespace throng

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <boost/polygon/polygon.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "geometry/polygon.h"
@@ -57,6 +58,27 @@ inline GridSet grid_set_of_holes(const Polygon& polygon) {
   GridSet holes;
   for (const Polygon::Ring& hole : polygon.holes) add_to(holes, grid_set(hole));
   return holes;
+}
+
+/// Shapes as polygons in metres, without repeated vertices.
+inline std::vector<Polygon> polygons_of(const std::vector<GridShape>& shapes) {
+  const auto ring_of = [](const auto& points) {
+    Polygon::Ring ring;
+    for (const GridPoint& point : points)
+      if (ring.empty() || ring.back() != metres(point)) ring.push_back(metres(point));
+    while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
+    return ring;
+  };
+  std::vector<Polygon> out;
+  for (const GridShape& shape : shapes) {
+    Polygon polygon{ring_of(shape), {}};
+    if (polygon.outline.size() < 3) continue;
+    for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
+      if (Polygon::Ring ring = ring_of(*hole); ring.size() >= 3)
+        polygon.holes.push_back(std::move(ring));
+    out.push_back(std::move(polygon));
+  }
+  return out;
 }
 
 inline GridSet grid_set(const Polygon& polygon) {

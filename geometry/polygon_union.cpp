@@ -421,23 +421,7 @@ std::vector<Polygon> united(const std::vector<Polygon::Ring>& rings) {
   }
   std::vector<GridShape> shapes;
   all.get(shapes);
-  std::vector<Polygon> out;
-  const auto ring_of = [](const auto& points) {
-    Polygon::Ring ring;
-    for (const GridPoint& point : points)
-      if (ring.empty() || ring.back() != metres(point)) ring.push_back(metres(point));
-    while (ring.size() > 1 && ring.front() == ring.back()) ring.pop_back();
-    return ring;
-  };
-  for (const GridShape& shape : shapes) {
-    Polygon polygon{ring_of(shape), {}};
-    if (polygon.outline.size() < 3) continue;
-    for (auto hole = shape.begin_holes(); hole != shape.end_holes(); ++hole)
-      if (Polygon::Ring ring = ring_of(*hole); ring.size() >= 3)
-        polygon.holes.push_back(std::move(ring));
-    out.push_back(std::move(polygon));
-  }
-  return out;
+  return polygons_of(shapes);
 }
 
 JoinedArea join(const std::vector<Polygon>& polygons, const std::string& where) {

@@ -189,7 +189,8 @@ void make_pieces(ReadContext& context, const Fields& fields, Obstacle& obstacle)
   if (is_wall(fields)) {
     rings = wall_rings(fields);
   } else {
-    rings = convex_pieces_of(read_polygon(context, fields, obstacle.name));
+    for (const Polygon& polygon : read_polygon(context, fields, obstacle.name))
+      for (Polygon::Ring& piece : convex_pieces_of(polygon)) rings.push_back(std::move(piece));
   }
   const auto [bottom_m, top_m] = read_heights(fields);
   const std::string name = obstacle.name;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "avatars/mesh/primitives.h"
@@ -64,21 +65,25 @@ void require_vertices(const std::string& where, const std::string& what, size_t 
                      fmt::format("{}; simplify the outline", count));
 }
 
-/// Checks each polygon and joins those that touch or overlap.
-std::vector<Polygon> checked(std::vector<Polygon> polygons, const std::string& where,
-                             const std::string& what) {
+/// Checks and mends each polygon, and joins those that touch or overlap.
+std::vector<Polygon> checked(ReadContext& context, std::vector<Polygon> polygons,
+                             const std::string& where, const std::string& what) {
   require_vertices(where, what, vertex_count(polygons), kMaxVertices);
+  std::vector<Polygon> sound;
   for (Polygon& polygon : polygons) {
     simplify(polygon);
-    if (const std::optional<PolygonFault> fault = fault_of(polygon))
-      reject_fault(where, what, *fault);
+    MendedPolygon mend = mended(std::move(polygon));
+    if (mend.fault) reject_fault(where, what, *mend.fault);
+    if (mend.slivers > 0)
+      context.scene.notes.push_back(fmt::format("{}: {}: {}", where, what, slivers_text(mend)));
+    std::move(mend.polygons.begin(), mend.polygons.end(), std::back_inserter(sound));
   }
-  return polygons.size() > 1 ? join(std::move(polygons), where).polygons : polygons;
+  return sound.size() > 1 ? join(sound, where).polygons : sound;
 }
 
-std::vector<Polygon> polygons_of_text(const std::string& wkt, const std::string& where,
-                                      const std::string& what) {
-  return checked(parse_wkt(wkt, where), where, what);
+std::vector<Polygon> polygons_of_text(ReadContext& context, const std::string& wkt,
+                                      const std::string& where, const std::string& what) {
+  return checked(context, parse_wkt(wkt, where), where, what);
 }
 
 bool has_polygons(const Fields& fields) {
@@ -93,13 +98,13 @@ std::vector<Polygon> read_polygons(ReadContext& context, const Fields& fields,
       if (const YamlNode* node = fields.find(other))
         throw InputError(fields.where(*node), fmt::format("one shape of {}", what),
                          fmt::format("'polygon' and '{}'", other));
-    return {read_polygon(context, fields, what)};
+    return read_polygon(context, fields, what);
   }
   for (const char* other : {"holes", "min_m", "max_m"})
     if (const YamlNode* node = fields.find(other))
       throw InputError(fields.where(*node), fmt::format("one shape of {}", what),
                        fmt::format("'wkt' and '{}'", other));
-  return polygons_of_text(fields.text("wkt"), fields.where(fields.require("wkt")), what);
+  return polygons_of_text(context, fields.text("wkt"), fields.where(fields.require("wkt")), what);
 }
 
 /// Returns whether some of 17 x 17 points of an area lie on the floor.
@@ -132,12 +137,13 @@ std::vector<Polygon> read_floor(ReadContext& context, const Fields& fields) {
   if (node == nullptr) return {};
   const std::filesystem::path path =
       existing_file(context, fields, *node, "a file with well-known text (WKT)");
-  return polygons_of_text(read_text_file(path, kMaxYamlBytes), path.string(), "ground");
+  return polygons_of_text(context, read_text_file(path, kMaxYamlBytes), path.string(), "ground");
 }
 
 }  // namespace
 
-Polygon read_polygon(ReadContext&, const Fields& fields, const std::string& what) {
+std::vector<Polygon> read_polygon(ReadContext& context, const Fields& fields,
+                                  const std::string& what) {
   Polygon polygon{fields.points("polygon", 3, kPositionRange), {}};
   if (fields.find("holes") != nullptr) polygon.holes = fields.rings("holes", kPositionRange);
   const auto open = [](Polygon::Ring& ring) {
@@ -145,7 +151,7 @@ Polygon read_polygon(ReadContext&, const Fields& fields, const std::string& what
   };
   open(polygon.outline);
   for (Polygon::Ring& hole : polygon.holes) open(hole);
-  return checked({std::move(polygon)}, fields.where(fields.require("polygon")), what).front();
+  return checked(context, {std::move(polygon)}, fields.where(fields.require("polygon")), what);
 }
 
 Area read_area(ReadContext& context, const Fields& fields, const std::string& what) {

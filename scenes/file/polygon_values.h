@@ -22,8 +22,9 @@ Area read_area(ReadContext& context, const Fields& fields, const std::string& wh
 void read_ground_value(ReadContext& context, const YamlNode& node, const std::string& file,
                        Scene& scene);
 
-/// Reads `polygon` and `holes` of a map; throws InputError for a fault.
-Polygon read_polygon(ReadContext& context, const Fields& fields, const std::string& what);
+/// Reads `polygon` and `holes` of a map, see mended(); throws InputError for a fault.
+std::vector<Polygon> read_polygon(ReadContext& context, const Fields& fields,
+                                  const std::string& what);
 
 /// Adds walls of this height along the edges of the floor, or of the ground without one. Throws
 /// InputError at `where` if they are too many.

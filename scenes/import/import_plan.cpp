@@ -218,10 +218,15 @@ void keep_to_ground(ImportedPlan& plan) {
                             counted(cut, "start or goal", "starts and goals"));
 }
 
-void require_sound(const Polygon& polygon, const std::string& what, const std::string& file) {
-  if (const std::optional<PolygonFault> fault = fault_of(polygon))
-    throw InputError(file, fmt::format("{} in {}", fault->expected, what),
-                     fault->found + " (metres); correct the plan there");
+/// See mended(). Slivers that were dropped are named as left out.
+std::vector<Polygon> sound(Polygon polygon, const std::string& what, const std::string& file,
+                           ImportedPlan& plan) {
+  MendedPolygon mend = mended(std::move(polygon));
+  if (mend.fault)
+    throw InputError(file, fmt::format("{} in {}", mend.fault->expected, what),
+                     mend.fault->found + " (metres); correct the plan there");
+  if (mend.slivers > 0) plan.left_out.push_back(fmt::format("{}: {}", what, slivers_text(mend)));
+  return std::move(mend.polygons);
 }
 
 void clean(ImportedPlan& plan, const std::string& file) {
@@ -233,10 +238,20 @@ void clean(ImportedPlan& plan, const std::string& file) {
       std::erase_if(plan.walls, [](PlanWall& wall) { return !clean(wall.line_m); });
   if (dropped_walls > 0)
     plan.left_out.push_back(counted(dropped_walls, "wall") + " without length");
-  for (const Polygon& each : plan.walkable) require_sound(each, "walkable areas", file);
-  for (const auto* named : {&plan.obstacles, &plan.starts, &plan.goals})
-    for (const NamedPolygon& each : *named)
-      require_sound(each.polygon, "the area " + in_quotes(each.name), file);
+  std::vector<Polygon> walkable;
+  for (Polygon& each : plan.walkable)
+    for (Polygon& piece : sound(std::move(each), "walkable areas", file, plan))
+      walkable.push_back(std::move(piece));
+  plan.walkable = std::move(walkable);
+  for (auto* named : {&plan.obstacles, &plan.starts, &plan.goals})
+    for (NamedPolygon& each : *named) {
+      const std::string what = "the area " + in_quotes(each.name);
+      std::vector<Polygon> pieces = sound(std::move(each.polygon), what, file, plan);
+      if (pieces.size() > 1)
+        throw InputError(file, fmt::format("one connected polygon in {}", what),
+                         fmt::format("{} pieces between its holes", pieces.size()));
+      each.polygon = std::move(pieces.front());
+    }
 }
 
 }  // namespace

@@ -7,26 +7,16 @@
 #include <cmath>
 #include <vector>
 
-#include "geometry/polygon_union.h"
-#include "scenes/file/polygon_values.h"
+#include "geometry/floor.h"
 #include "tests/crowd/crowd_world.h"
-#include "tests/geometry/random_polygons.h"
+#include "tests/crowd/random_worlds.h"
 #include "tests/nightly.h"
 
 namespace throng::polygon_ground_test {
 namespace {
 
-struct Segment {
-  Eigen::Vector2d from, to;
-};
-
-void add_ring(const Polygon::Ring& ring, std::vector<Segment>& segments) {
-  for (size_t i = 0; i < ring.size(); ++i)
-    segments.push_back({ring[i], ring[(i + 1) % ring.size()]});
-}
-
-bool do_cross(const Segment& a, const Segment& b) {
-  const auto side = [](const Segment& s, const Eigen::Vector2d& p) {
+bool do_cross(const test::WallPiece& a, const test::WallPiece& b) {
+  const auto side = [](const test::WallPiece& s, const Eigen::Vector2d& p) {
     return cross(s.to - s.from, p - s.from);
   };
   return side(a, b.from) * side(a, b.to) < 0 && side(b, a.from) * side(b, a.to) < 0;
@@ -35,12 +25,12 @@ bool do_cross(const Segment& a, const Segment& b) {
 /// Free cells of 5 cm at which a disc fits, and what of them is connected to a point.
 class FloodFill {
  public:
-  FloodFill(const Scene& scene, const std::vector<Segment>& walls, double radius_m)
+  FloodFill(const Scene& scene, const std::vector<test::WallPiece>& walls, double radius_m)
       : low_(scene.ground.min_m) {
     columns_ = static_cast<int>(scene.ground.size_m().x() / kCell_m) + 1;
     rows_ = static_cast<int>(scene.ground.size_m().y() / kCell_m) + 1;
     blocked_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0);
-    for (const Segment& wall : walls) block(wall, radius_m);
+    for (const test::WallPiece& wall : walls) block(wall, radius_m);
   }
 
   std::vector<uint8_t> reached_from(const Eigen::Vector2d& start) const {
@@ -82,7 +72,7 @@ class FloodFill {
   Eigen::Vector2d centre(int cell) const {
     return low_ + kCell_m * Eigen::Vector2d(cell % columns_, cell / columns_);
   }
-  void block(const Segment& wall, double radius_m) {
+  void block(const test::WallPiece& wall, double radius_m) {
     const Eigen::Vector2d low = (wall.from.cwiseMin(wall.to) - low_).array() - radius_m;
     const Eigen::Vector2d high = (wall.from.cwiseMax(wall.to) - low_).array() + radius_m;
     const int left = std::max(0, static_cast<int>(low.x() / kCell_m));
@@ -102,81 +92,18 @@ class FloodFill {
   std::vector<uint8_t> blocked_;
 };
 
-struct World {
-  Scene scene;
-  std::vector<Segment> walls;  ///< edges of the floor and of all obstacles
-};
-
-/// Rooms that overlap or are joined by passages of all widths, with pillars and concave obstacles.
-World random_world(uint64_t seed) {
-  RandomPolygons random(seed);
-  World world;
-  world.scene.seed = seed;
-  world.scene.step_s = 0.05;
-  const double far_m = random.whole(0, 4) == 0 ? 99'000 : 0;
-  const Eigen::Vector2d origin(far_m, -far_m);
-  std::vector<Polygon> rooms;
-  const int count = random.whole(1, 4);
-  for (int i = 0; i < count; ++i) {
-    const Eigen::Vector2d middle = origin + Eigen::Vector2d(7 * i, random.uniform(-2, 2));
-    Polygon room{random.star(middle, 2.2, 3.4, random.whole(4, 24)), {}};
-    if (random.whole(0, 1) == 0) room.holes = {random.star(middle, 0.3, 0.8, random.whole(3, 9))};
-    rooms.push_back(std::move(room));
-    if (i == 0) continue;
-    const double half_m = 0.5 * random.uniform(0.05, 1.6);
-    const Eigen::Vector2d from = middle - Eigen::Vector2d(7, 0);
-    rooms.push_back({{from + Eigen::Vector2d(1.5, -half_m), from + Eigen::Vector2d(5.5, -half_m),
-                      from + Eigen::Vector2d(5.5, half_m), from + Eigen::Vector2d(1.5, half_m)},
-                     {}});
-    for (Eigen::Vector2d& corner : rooms.back().outline)
-      corner = (corner * 1e4).array().round() / 1e4;
-  }
-  std::erase_if(rooms, [](const Polygon& room) { return fault_of(room).has_value(); });
-  if (rooms.empty()) return world;
-  world.scene.floor = join(std::move(rooms), "").polygons;
-  world.scene.ground = ground_around(world.scene.floor);
-  for (const Polygon& polygon : world.scene.floor) {
-    add_ring(polygon.outline, world.walls);
-    for (const Polygon::Ring& hole : polygon.holes) add_ring(hole, world.walls);
-  }
-  const int obstacles = random.whole(0, 3);
-  for (int i = 0; i < obstacles; ++i) {
-    const Eigen::Vector2d at =
-        origin + Eigen::Vector2d(random.uniform(-2, 7 * count - 5), random.uniform(-2, 2));
-    const Polygon obstacle{random.star(at, 0.2, 1.2, random.whole(3, 14)), {}};
-    if (fault_of(obstacle)) continue;
-    add_ring(obstacle.outline, world.walls);
-    for (const Polygon::Ring& piece : convex_pieces_of(obstacle)) {
-      world.scene.obstacles.push_back(prism_obstacle("", piece, 0, 2));
-      world.scene.obstacles.back().surface = static_cast<uint32_t>(i + 1);
-    }
-  }
-  Group group;
-  group.count = 6;
-  group.on_arrival = OnArrival::kLeave;
-  // In the first room: a passage may be too narrow for all of them.
-  group.spawn =
-      Rectangle{origin - Eigen::Vector2d::Constant(1.4), origin + Eigen::Vector2d::Constant(1.4)};
-  const Polygon goal{random.star(origin + Eigen::Vector2d(7 * (count - 1) + 1.5, 0.5), 0.5, 1.2,
-                                 random.whole(3, 9)),
-                     {}};
-  if (fault_of(goal)) return {};
-  group.goals.emplace_back(Area(std::vector<Polygon>{goal}));
-  world.scene.groups.push_back(std::move(group));
-  return world;
-}
-
 TEST(PolygonGround, StopsAllAgentsAtItsEdgesAndLeadsThemToTheirGoals) {
   constexpr double kEnough_s = 240;
   // A body passes a gap of twice the upper radius for certain, of the lower one never.
   // Bodies may pass gaps between corners that no plane measures: 0.3 m.
   constexpr double kFits_m = 0.42, kDoesNotFit_m = 0.1;
-  int worlds = 0, arrived = 0, stranded = 0, late = 0, unclear = 0;
+  int worlds = 0, large = 0, arrived = 0, stranded = 0, late = 0, unclear = 0;
   for (uint64_t seed = 1; seed <= test::part_of(test::is_nightly() ? 2000u : 180u); ++seed) {
     SCOPED_TRACE(seed);
-    World built = random_world(seed);
+    test::RandomWorld built = test::random_world(seed);
     if (built.scene.groups.empty()) continue;
     ++worlds;
+    large += built.walls.size() > 9000;
     SmallWorld world(built.scene, 1);
     Crowd& crowd = world.crowd;
     const size_t people = crowd.size();
@@ -198,7 +125,7 @@ TEST(PolygonGround, StopsAllAgentsAtItsEdgesAndLeadsThemToTheirGoals) {
       for (uint32_t id = 0; id < people; ++id) {
         const Eigen::Vector2d& now = crowd.positions_m()[id];
         if (was_present[id] != 0 && crowd.journeys().is_present(id)) {
-          for (const Segment& wall : built.walls)
+          for (const test::WallPiece& wall : built.walls)
             ASSERT_FALSE(do_cross({before[id], now}, wall))
                 << "agent " << id << " at " << now.transpose() << " after " << time_s << " s";
         }
@@ -232,10 +159,12 @@ TEST(PolygonGround, StopsAllAgentsAtItsEdgesAndLeadsThemToTheirGoals) {
     }
   }
   std::printf(
-      "%d worlds: %d agents arrived, %d stranded, %d late (%d of them with a narrow path)\n",
-      worlds, arrived, stranded, late, unclear);
+      "%d worlds, %d of 10 000 corners: %d agents arrived, %d stranded, %d late (%d of them with a "
+      "narrow path)\n",
+      worlds, large, arrived, stranded, late, unclear);
   EXPECT_GT(worlds, 20);
-  EXPECT_GT(arrived, 3 * worlds);
+  EXPECT_GT(large, 0);
+  EXPECT_GT(arrived, 2 * worlds);
   EXPECT_GT(stranded, worlds / 10);
 }
 

@@ -58,6 +58,83 @@ TEST(Polygons, HaveTheirFaultsNamedWithAPlace) {
   EXPECT_EQ(found({square, {{{0, 2}, {2, 1}, {2, 3}}}}), "none") << "rings may touch in a point";
 }
 
+TEST(Polygons, AreMendedWhereHolesAdjoin) {
+  const Polygon::Ring square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+  const auto box = [](double x, double y, double length_m, double width_m) -> Polygon::Ring {
+    return {{x, y}, {x + length_m, y}, {x + length_m, y + width_m}, {x, y + width_m}};
+  };
+  const auto area_of = [](const MendedPolygon& mend) {
+    double sum_m2 = 0;
+    for (const Polygon& polygon : mend.polygons) {
+      EXPECT_FALSE(fault_of(polygon));
+      sum_m2 += area_m2(polygon);
+    }
+    return sum_m2;
+  };
+  const MendedPolygon sound = mended({square, {box(1, 1, 1, 1)}});
+  EXPECT_EQ(sound.polygons, (std::vector<Polygon>{{square, {box(1, 1, 1, 1)}}}));
+
+  const MendedPolygon adjoining = mended({square, {box(1, 1, 1, 1), box(2, 1, 1, 2)}});
+  ASSERT_EQ(adjoining.polygons.size(), 1u);
+  EXPECT_EQ(adjoining.polygons[0].holes.size(), 1u);
+  EXPECT_NEAR(area_of(adjoining), 16 - 3, 1e-3);
+  EXPECT_NEAR(area_of(mended({square, {box(1, 1, 2, 1), box(2, 1, 1, 2)}})), 16 - 3, 1e-3);
+
+  const MendedPolygon at_the_wall = mended({square, {box(1, 0, 1, 1)}});
+  ASSERT_EQ(at_the_wall.polygons.size(), 1u);
+  EXPECT_TRUE(at_the_wall.polygons[0].holes.empty());
+  EXPECT_NEAR(area_of(at_the_wall), 15, 1e-3);
+  const MendedPolygon divided = mended({square, {box(1, 0, 1, 4)}});
+  EXPECT_EQ(divided.polygons.size(), 2u);
+  EXPECT_NEAR(area_of(divided), 12, 1e-3);
+
+  // A spike of 4 um, and holes that are a line and a point on the grid.
+  const MendedPolygon thin = mended(
+      {square,
+       {{{1, 1}, {2, 1}, {2, 2}, {1, 2}, {0.999996, 1.5}, {0.5, 1.500002}, {0.999996, 1.500004}},
+        {{3, 1}, {3, 2}, {3.000004, 1.5}},
+        {{3, 3}, {3.000004, 3}, {3, 3.000004}}}});
+  EXPECT_EQ(thin.slivers, 3);
+  ASSERT_EQ(thin.polygons.size(), 1u);
+  EXPECT_EQ(thin.polygons[0].holes.size(), 1u);
+  EXPECT_NEAR(area_of(thin), 15, 1e-3);
+
+  for (const Polygon& broken :
+       {Polygon{{{0, 0}, {2, 2}, {2, 0}, {0, 2}}, {}}, Polygon{square, {box(3, 1, 2, 1)}},
+        Polygon{square, {box(5, 5, 1, 1), box(5.5, 5, 1, 1)}}, Polygon{square, {square}},
+        Polygon{square, {{{1, 1}, {2, 2}, {2, 1}, {1, 2}}}},
+        Polygon{square, {{{NAN, 1}, {2, 2}, {2, 1}}}}, Polygon{{{0, 0}, {1e9, 0}, {0, 1}}, {}},
+        Polygon{square, {{{1, 1}, {2, 2}}}}})
+    EXPECT_TRUE(mended(broken).fault && mended(broken).polygons.empty());
+}
+
+TEST(Polygons, CoverAfterMendingWhatRandomHolesLeave) {
+  int mended_ones = 0;
+  for (uint64_t seed = 1; seed <= 300; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomPolygons random(seed);
+    Polygon polygon{random.star({0, 0}, 3, 4, random.whole(3, 40)), {}};
+    for (int i = random.whole(1, 6); i > 0; --i)
+      polygon.holes.push_back(random.star({random.uniform(-1, 1), random.uniform(-1, 1)}, 0.05, 0.6,
+                                          random.whole(3, 9)));
+    const MendedPolygon mend = mended(polygon);
+    if (mend.fault) continue;  // a hole crosses an outline of few corners
+    mended_ones += fault_of(polygon).has_value();
+    for (const Polygon& piece : mend.polygons) EXPECT_FALSE(fault_of(piece));
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector2d p(random.uniform(-4, 4), random.uniform(-4, 4));
+      if (edge_distance_m(polygon, p) < 1e-3) continue;
+      bool is_free = is_inside({polygon.outline, {}}, p);
+      for (const Polygon::Ring& hole : polygon.holes)
+        is_free = is_free && !is_inside({hole, {}}, p);
+      int covering = 0;
+      for (const Polygon& piece : mend.polygons) covering += is_inside(piece, p) ? 1 : 0;
+      EXPECT_EQ(covering, is_free ? 1 : 0) << p.transpose();
+    }
+  }
+  EXPECT_GT(mended_ones, 100);
+}
+
 TEST(Polygons, AreCoveredByTrianglesAndConvexPieces) {
   int with_holes = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {

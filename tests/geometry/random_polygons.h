@@ -33,6 +33,14 @@ class RandomPolygons {
     return ring;
   }
 
+  /// A wall of 1 mm that ends in a point.
+  Polygon::Ring sliver(const Eigen::Vector2d& from, double length_m) {
+    const double angle = uniform(0, 2 * std::numbers::pi);
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
+    return {rounded(from), rounded(from + 0.7 * length_m * along), rounded(from + length_m * along),
+            rounded(from + 0.5 * length_m * along + 1e-3 * across)};
+  }
+
   /// A comb with slots of random widths down to 1 mm.
   Polygon::Ring comb(const Eigen::Vector2d& corner, int teeth) {
     Polygon::Ring ring = {corner};
