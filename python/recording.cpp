@@ -127,8 +127,8 @@ MeasuredRun measured(RunSource source, const CompareWork& work, WorkState& state
 }
 
 void compare_runs(CompareWork& work, WorkState& state) {
-  RunSource a = open_run_source(work.a.source, work.a.options);
-  RunSource b = open_run_source(work.b.source, work.b.options);
+  RunSource a = open_source(work.a);
+  RunSource b = open_source(work.b);
   const auto frames = [](const Scene& scene) {
     return frame_count(scene.duration_s, scene.step_s);
   };

@@ -17,6 +17,7 @@
 #include "python/interrupts.h"
 #include "python/recorder.h"
 #include "python/run_request.h"
+#include "scenes/file/yaml_tree.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_rule.h"
 #include "viewer/replay/replay.h"
@@ -63,7 +64,7 @@ void prepare(RunWork& work) {
     if (!is_trajectory_name(file))
       throw InputError("trajectory", "a name ending in .sqlite or .csv",
                        fmt::format("'{}'", file.string()));
-  work.source = open_run_source(request.source, request.options);
+  work.source = open_source(request);
   reject_overwritten_inputs(request, work.source.scene);
   if (!request.separation.empty()) require_separation(work.source.scene, "separation");
   require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
@@ -175,6 +176,28 @@ py::list scene_list() {
   return out;
 }
 
+/// YAML as Python values; a scalar without quotes is a tuple of its text.
+py::object value_of(const YamlNode& node) {
+  switch (node.kind) {
+    case YamlNode::Kind::kNull:
+      return py::none();
+    case YamlNode::Kind::kScalar:
+      if (node.quoted) return py::str(node.scalar);
+      return py::make_tuple(node.scalar);
+    case YamlNode::Kind::kList: {
+      py::list out;
+      for (const YamlNode& item : node.items) out.append(value_of(item));
+      return out;
+    }
+    case YamlNode::Kind::kMap: {
+      py::dict out;
+      for (const YamlEntry& entry : node.entries) out[py::str(entry.key)] = value_of(entry.value);
+      return out;
+    }
+  }
+  return py::none();
+}
+
 /// Returns the rows of run_options(), for a test of the Python signatures.
 py::list option_list() {
   constexpr const char* kKinds[] = {"flag", "whole", "number", "word", "text"};
@@ -196,6 +219,9 @@ void bind_run(py::module_& module) {
   module.def("run", run_scene, py::arg("options"), py::arg("progress") = py::none());
   module.def("run_options", option_list);
   module.def("scenes", scene_list);
+  module.def("parse_yaml", [](const std::string& text, const std::string& name) {
+    return value_of(parse_yaml(text, name));
+  });
 }
 
 }  // namespace throng

@@ -108,6 +108,7 @@ RunRequest request_of(const py::dict& dict) {
   Arguments arguments(dict);
   RunRequest request;
   arguments.take("source", "a name or a path", request.source);
+  arguments.take("scene_text", "the text of a scene file", request.scene_text);
   for (const RunOption& row : run_options()) arguments.option(row, request.options);
   request.simulation = simulation_options(request.options);
   arguments.take("culling", "True or False", request.simulation.culling);
@@ -129,6 +130,12 @@ RunRequest request_of(const py::dict& dict) {
                      fmt::format("'{}'", area));
   arguments.expect_all_known();
   return request;
+}
+
+RunSource open_source(const RunRequest& request) {
+  return request.scene_text.empty()
+             ? open_run_source(request.source, request.options)
+             : open_scene_text(request.scene_text, request.source, request.options);
 }
 
 }  // namespace throng

@@ -14,7 +14,8 @@
 namespace throng {
 
 struct RunRequest {
-  std::string source;  ///< a file, or a bundled scene
+  std::string source;      ///< a file, or a bundled scene
+  std::string scene_text;  ///< text of a scene file in place of `source`, which then is its name
   RunOptions options;
   SimulationOptions simulation;
   std::optional<double> trajectory_fps;
@@ -27,6 +28,9 @@ struct RunRequest {
 /// Converts a dictionary; None stands for an option not given. Requires the interpreter's lock.
 /// Throws InputError, or Python's TypeError.
 RunRequest request_of(const pybind11::dict& arguments);
+
+/// Throws InputError.
+RunSource open_source(const RunRequest& request);
 
 /// Throws InputError naming `option` unless `value` is in [low, high], above low if `open`.
 void require_number(const char* option, double value, double low, double high, bool open,

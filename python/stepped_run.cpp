@@ -37,7 +37,7 @@ class SteppedRun::Busy {
 };
 
 SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
-  RunSource source = open_run_source(request_.source, request_.options);
+  RunSource source = open_source(request_);
   notes_ = std::move(source.notes);
   SimulationOptions options = request_.simulation;
   options.motion = std::move(source.motion);

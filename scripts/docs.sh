@@ -2,8 +2,8 @@
 # Checks the counts, hashes and sizes in README.md and docs/ against the commands of
 # tests/apps/figures.yaml: scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example
 # `scripts/docs.sh --update culling`. --nightly adds commands that take up to a minute and the shown commands.
-# --update writes the printed figures into the documents, and docs/reference and docs/gallery.md anew, to be reviewed
-# and committed. Exit code 1 if a figure differs (with --update: if it could not be updated).
+# --update writes the printed figures into the documents, and docs/reference, docs/gallery.md and the classes of
+# scene keys in python/throng anew, to be reviewed and committed. Exit code 1 if a figure differs (with --update: if it could not be updated).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,6 +19,7 @@ done
 bash scripts/build.sh release docs_tests throng no_miss gait_tests scenes_tests fuzz_replay custom_volume custom_engine
 if [ -n "${THRONG_DOCS_UPDATE:-}" ]; then
   build/release/throng scenes --schema >scenes/scene.schema.json
+  python3 scripts/scene_classes.py >python/throng/_scene_keys.py
   python3 scripts/reference.py
   python3 tests/apps/stable_test.py . build/release --update
 fi

@@ -563,6 +563,18 @@ def python_member(name, node):
     return text
 
 
+def python_scenes(folder, names):
+    """Return the section on the classes of scene keys, whose arguments are in the reference of these keys."""
+    members = {node.name: node for node in ast.parse((folder / "_scene.py").read_text()).body if isinstance(node, ast.ClassDef)}
+    text = "\n## Classes of scene keys\n\n" + prose(", ".join(code(f"throng.{name}") for name in names))
+    text += "\n" + prose(
+        "The arguments of a class are the keys of its map in the [reference of scene keys](scene-keys.md); each is also an "
+        "attribute. A shapely geometry, or an array of N corners, stands for an area.")
+    for name, base in (("Scene", "SceneText"), ("Scene", "SceneMap")):
+        text += python_member(name, members[base]).split("\n### ", 1)[1].join(("\n### ", ""))
+    return text
+
+
 def python():
     folder = TOP / "python/throng"
     places = printed_names.python_places()
@@ -572,9 +584,11 @@ def python():
         "Units are metres, seconds and radians; z points up. Quaternions are (x, y, z, w). A default is in square brackets. "
         "The module also has a class for each [LCM type](lcm.md).")
     for name, place in places.items():
+        if place == "_scene_keys":
+            continue
         nodes = ast.parse((folder / f"{place}.py").read_text()).body
         text += python_member(name, next(node for node in nodes if getattr(node, "name", None) == name))
-    return text
+    return text + python_scenes(folder, [name for name, place in places.items() if place == "_scene_keys"])
 
 
 # ---------------------------------------------------------------- gallery

@@ -57,12 +57,19 @@ RunSource recording_source(const std::string& name, const RunOptions& options) {
   return out;
 }
 
-RunSource scene_source(const std::string& name, const RunOptions& options) {
+template <typename Load>
+RunSource scene_source(const RunOptions& options, const Load& load) {
   require_no_recording_options(options, "a scene; in a scene file these are keys of 'recording'");
-  require_no_other_kind(name);
-  RunSource out{load_scene(name)};
+  RunSource out{load()};
   out.scale_factor = apply(options, out.scene, out.notes);
   return out;
+}
+
+RunSource scene_source(const std::string& name, const RunOptions& options) {
+  return scene_source(options, [&] {
+    require_no_other_kind(name);
+    return load_scene(name);
+  });
 }
 
 /// Decides by options if the content is not recognised, as for a table with other columns.
@@ -97,6 +104,13 @@ RunSource scene_or_recording(const std::string& name, const RunOptions& options)
   }
 }
 
+void describe(RunSource& source) {
+  if (source.scene.recorded) source.recording = report_of(*source.scene.recorded->recording);
+  const std::vector<std::string>& notes = source.scene.notes;
+  source.notes.insert(source.notes.begin(), notes.begin(), notes.end());
+  for (std::string& note : separation_notes(source.scene)) source.notes.push_back(std::move(note));
+}
+
 }  // namespace
 
 RunSource open_run_source(const std::string& name, const RunOptions& options) {
@@ -104,9 +118,14 @@ RunSource open_run_source(const std::string& name, const RunOptions& options) {
   RunSource out = is_log(name)  ? log_source(name, options)
                   : is_recorded ? recording_source(name, options)
                                 : scene_or_recording(name, options);
-  if (out.scene.recorded) out.recording = report_of(*out.scene.recorded->recording);
-  out.notes.insert(out.notes.begin(), out.scene.notes.begin(), out.scene.notes.end());
-  for (std::string& note : separation_notes(out.scene)) out.notes.push_back(std::move(note));
+  describe(out);
+  return out;
+}
+
+RunSource open_scene_text(const std::string& text, const std::string& name,
+                          const RunOptions& options) {
+  RunSource out = scene_source(options, [&] { return read_scene_text(text, name); });
+  describe(out);
   return out;
 }
 

@@ -27,4 +27,8 @@ struct RunSource {
 /// Opens a file or bundled scene for a run. Throws InputError.
 RunSource open_run_source(const std::string& name, const RunOptions& options);
 
+/// Opens the text of a scene file for a run, see read_scene_text(). Throws InputError.
+RunSource open_scene_text(const std::string& text, const std::string& name,
+                          const RunOptions& options);
+
 }  // namespace throng

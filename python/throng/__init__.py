@@ -3,6 +3,7 @@
     run(source, ...)         run a scene, a recording or a log to its end; returns a Run
     Simulation(source, ...)  step through a scene, a recording or a log; each step returns a Frame
     scenes()                 names and descriptions of the bundled scenes
+    Scene(ground=..., ...)   a scene built in code from Group, Area, Goal, Obstacle, Door, ...
     Model(urdf)              body model of a robot or a person: parts, joints, kinematics
     Body(parts, ...)         a kind of body made of meshes, without joints
     Culler(bodies, ...)      find contacts of Models and Bodies in poses of your own
@@ -52,6 +53,25 @@ _PLACES = {
     "compare": "_recording",
     "Comparison": "_recording",
     "Table": "_table",
+    "Scene": "_scene_keys",
+    "Culling": "_scene_keys",
+    "Steering": "_scene_keys",
+    "Group": "_scene_keys",
+    "Ages": "_scene_keys",
+    "GaitStyles": "_scene_keys",
+    "Goal": "_scene_keys",
+    "Queue": "_scene_keys",
+    "Source": "_scene_keys",
+    "Trigger": "_scene_keys",
+    "SocialGroups": "_scene_keys",
+    "Obstacle": "_scene_keys",
+    "Door": "_scene_keys",
+    "PartsBox": "_scene_keys",
+    "Separation": "_scene_keys",
+    "RecordedPeople": "_scene_keys",
+    "Area": "_scene_keys",
+    "Ground": "_scene_keys",
+    "Distribution": "_scene_keys",
 }
 
 __all__ = ["EnvironmentFault", "Error", "InputError", *_PLACES]

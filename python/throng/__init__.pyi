@@ -7,6 +7,11 @@ import numpy.typing as npt
 # The classes of LCM messages: a class and a module of each name, of which the class is meant.
 from ._messages import *
 
+# The classes of scene keys.
+from ._scene_keys import *
+
+RunSource = Union[str, PathLike[str], Scene]
+
 Path = Union[str, PathLike[str]]
 Progress = Union[None, bool, Callable[[int, int], object]]
 
@@ -54,7 +59,7 @@ class Run:
     def view(self) -> Page: ...
 
 def run(
-    source: Path,
+    source: RunSource,
     *,
     seconds: Optional[float] = None,
     avatars: Optional[int] = None,
@@ -135,7 +140,7 @@ class Simulation:
     seed: int
     run_id: str
     step_s: float
-    def __init__(self, source: Path, **options: Any) -> None: ...
+    def __init__(self, source: RunSource, **options: Any) -> None: ...
     def step(self) -> Frame: ...
     def finish(self) -> Table: ...
     def __iter__(self) -> Iterator[Frame]: ...
@@ -291,8 +296,8 @@ class Comparison:
     def figures(self, folder: Optional[Path] = None) -> Dict[str, Tuple[str, str]]: ...
 
 def compare(
-    a: Path,
-    b: Path,
+    a: RunSource,
+    b: RunSource,
     seconds: Optional[float] = None,
     line: Optional[Sequence[float]] = None,
     threads: Optional[int] = None,

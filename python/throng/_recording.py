@@ -8,6 +8,7 @@ import numpy
 from . import _core
 from ._validation import numbers, path_of
 from ._run import options_of, progress_of, run
+from ._scene import errors_of
 from ._table import Table
 
 
@@ -110,5 +111,6 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     given = {"seconds": seconds, "threads": threads, "exact": True}
     if line is not None:
         line = numbers("line", line, "two points: x, y, x, y", (None,)).tolist()
-    found = _core.compare(options_of(a, given), options_of(b, given), line, progress_of(progress))
+    with errors_of(a, b):
+        found = _core.compare(options_of(a, given), options_of(b, given), line, progress_of(progress))
     return Comparison(found)

@@ -8,6 +8,7 @@ import numpy
 
 from . import _core
 from ._validation import input_error, integers, path_of
+from ._scene import SceneText, errors_of, source_options
 from ._table import Table, has_columns
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
@@ -18,7 +19,9 @@ _WHOLE_BODY = 255
 def options_of(source, given):
     """Return the options for the compiled module: source and all options that are not None."""
     options = {name: value for name, value in given.items() if value is not None}
-    options["source"] = path_of("source", source, "the name of a scene, or a path")
+    if isinstance(source, SceneText):
+        return {**options, **source_options(source)}
+    options["source"] = path_of("source", source, "a Scene, the name of a scene, or a path")
     return options
 
 
@@ -230,7 +233,7 @@ def run(
     current frame, completes the files and raises KeyboardInterrupt.
 
     Args:
-        source: a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
+        source: a Scene, a scene file, the name of a bundled scene (see scenes()), a recording, or a log.
         seconds: simulated time in seconds, above 0 [the scene's].
         avatars: total number of agents; scales all groups [the scene's].
         seed: seed of all random numbers, from 0 [the scene's].
@@ -293,7 +296,8 @@ def run(
         kept = given["html"]
         if view and kept is None:
             kept = given["html"] = os.path.join(folder, "page.html")
-        facts = _core.run(options_of(source, given), progress_of(progress))
+        with errors_of(source):
+            facts = _core.run(options_of(source, given), progress_of(progress))
         if view:
             with open(kept, encoding="utf-8") as file:
                 page = file.read()

@@ -3,6 +3,7 @@
 from . import _core
 from ._validation import abbreviated, input_error, integer, integers, numbers
 from ._run import Names, options_of
+from ._scene import errors_of
 from ._table import Table
 
 # Options of run() that write files.
@@ -98,7 +99,8 @@ class Simulation:
         for name in _OF_RUNS:
             if options.get(name) not in (None, False):
                 raise input_error(name, "an option that shapes frames; run() writes and keeps", abbreviated(options[name]))
-        self._run = _core.Simulation(options_of(source, options))
+        with errors_of(source):
+            self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
         self.names = Names(facts)
         #: Table, see Run.people

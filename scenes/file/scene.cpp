@@ -40,6 +40,13 @@ Scene load_scene(const std::string& path_or_name) {
   return read_scene(file, parse_yaml(text, file.string()));
 }
 
+Scene read_scene_text(const std::string& text, const std::string& name) {
+  if (text.size() > kMaxYamlBytes)
+    throw InputError(name, fmt::format("at most {} bytes", kMaxYamlBytes),
+                     fmt::format("{}", text.size()));
+  return read_scene(name, parse_yaml(text, name));
+}
+
 std::vector<SceneEntry> bundled_scenes() {
   std::vector<SceneEntry> entries;
   for (const auto& item : fs::directory_iterator(bundled_folder())) {

@@ -73,6 +73,10 @@ uint64_t content_hash_of(const Scene& scene);
 /// or with suggestions for an unknown name.
 Scene load_scene(const std::string& path_or_name);
 
+/// Reads a scene from the text of a scene file, with the same checks. Errors name `name`:line, and
+/// a scene without the key `name` is called so. Files are looked up in the working directory.
+Scene read_scene_text(const std::string& text, const std::string& name);
+
 /// Name and one-line description of a bundled scene; the list is sorted by name.
 struct SceneEntry {
   std::string name;

@@ -50,6 +50,14 @@ class Examples(Case):
         self.assertGreater(len(table), 10)
         self.assertLessEqual(set(table.part_a_name), {"base", "arm", "gripper"})
 
+    def test_a_floor_plan_gives_a_table_in_ten_lines(self):
+        self.needs("pandas", "shapely")
+        code = (SOURCES / "examples/floor_plan.py").read_text()
+        self.assertLessEqual(len(self.lines(code.split('"""')[2])), 14)
+        names = {}
+        shown(code, names)
+        self.assertGreater(len(names["run"].contacts), 50)
+
     def test_contacts_by_part_notebook_gives_a_plot_in_ten_lines(self):
         self.needs("pandas", "matplotlib")
         (code,) = code_of(SOURCES / "examples/contacts_by_part.ipynb")

@@ -9,6 +9,8 @@ import throng
 from expectations import SOURCES, Case
 
 STUBS = ast.parse((SOURCES / "python/throng/__init__.pyi").read_text())
+# The classes of scene keys have their types in their own source.
+NAMES = [name for name in throng.__all__ if getattr(throng, name).__module__ != "throng._scene_keys"]
 MESSAGES = ast.parse(pathlib.Path(throng.__file__).with_name("_messages.pyi").read_text())
 
 
@@ -23,10 +25,10 @@ class Stubs(Case):
         self.named = {node.name: node for node in STUBS.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
 
     def test_name_all_public_names(self):
-        self.assertLessEqual(set(throng.__all__), set(self.named))
+        self.assertLessEqual(set(NAMES), set(self.named))
 
     def test_have_the_parameters_of_the_functions(self):
-        for name in throng.__all__:
+        for name in NAMES:
             node, real = self.named[name], getattr(throng, name)
             functions = [(name, node, real)] if isinstance(node, ast.FunctionDef) else [
                 (f"{name}.{member.name}", member, getattr(real, member.name))
@@ -52,7 +54,7 @@ class Stubs(Case):
                 self.assertRegex(inspect.getdoc(throng.run), rf"\b{name}\b")
 
     def test_name_every_public_member(self):
-        for name in throng.__all__:
+        for name in NAMES:
             node, real = self.named[name], getattr(throng, name)
             if not isinstance(node, ast.ClassDef) or name in ("Table", "LogReport"):
                 continue

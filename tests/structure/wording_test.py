@@ -9,7 +9,7 @@ import sys
 
 SUFFIXES = {".h", ".cpp", ".ts", ".py", ".md"}
 SKIPPED = {"build", ".git", "node_modules", "out"}
-GENERATED = ("docs/reference/", "docs/gallery.md", "docs/paper/", "docs/validation/")
+GENERATED = ("docs/reference/", "python/throng/_scene_keys.py", "docs/gallery.md", "docs/paper/", "docs/validation/")
 MAX_WORDS = 25
 
 
