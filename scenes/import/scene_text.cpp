@@ -9,6 +9,7 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/file/scene_values.h"
 #include "scenes/import/imported_plan.h"
 
 namespace throng {
@@ -24,12 +25,8 @@ constexpr double kMaxAgentsPerStart = 1000;
 /// Pieces of an obstacle get numbers behind its name.
 constexpr size_t kMaxStemBytes = 100;
 
-std::string number_text(double value) {
-  std::string out = fmt::format("{:.4f}", value);
-  while (out.ends_with('0')) out.pop_back();
-  if (out.ends_with('.')) out.pop_back();
-  return out == "-0" ? "0" : out;
-}
+/// A length to 0.1 mm, the grid of polygons.
+std::string number_text(double value) { return decimal_text(value, 4); }
 
 std::string point_text(const Eigen::Vector2d& point) {
   return fmt::format("[{}, {}]", number_text(point.x()), number_text(point.y()));
