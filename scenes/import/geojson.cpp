@@ -69,8 +69,9 @@ class GeoJsonPlan {
   const std::string& file_;
   std::string place_ = "the file";
   std::map<std::string, Layer> layers_;
-  std::vector<std::string> names_;  ///< layers and names of the features
-  std::map<std::string, size_t> left_out_;
+  std::vector<std::string> names_;        ///< layers and names of the features
+  size_t shapeless_ = 0;                  ///< features without geometry
+  std::map<std::string, size_t> points_;  ///< geometries that are no shapes, by their type
   size_t vertices_ = 0;
 };
 
@@ -104,8 +105,11 @@ const json& GeoJsonPlan::member(const json& object, const char* key) const {
 std::string GeoJsonPlan::text_of(const json& properties, std::string_view key) {
   if (!properties.is_object()) return "";
   for (const auto& [name, value] : properties.items())
-    if (lower(name) == key && value.is_string()) {
-      const std::string text = value.get<std::string>();
+    if (lower(name) == key && (value.is_string() || value.is_number())) {
+      // Layers may have numbers for names.
+      const std::string text = value.is_string()         ? value.get<std::string>()
+                               : value.is_number_float() ? fmt::format("{}", value.get<double>())
+                                                         : value.dump();
       return trimmed(text).empty() ? "" : escaped(trimmed(text));
     }
   return "";
@@ -193,7 +197,7 @@ void GeoJsonPlan::geometry(const json& geometry, Layer& layer, int depth) {
     return;
   }
   if (kind == "Point" || kind == "MultiPoint") {
-    ++left_out_[kind];
+    ++points_[kind];
     return;
   }
   const bool is_area = kind == "Polygon" || kind == "MultiPolygon";
@@ -211,7 +215,7 @@ void GeoJsonPlan::feature(const json& feature) {
   Layer& layer = layer_of(properties != feature.end() ? *properties : json());
   const json& shape = member(feature, "geometry");
   if (shape.is_null()) {
-    ++left_out_["feature without geometry"];
+    ++shapeless_;
     return;
   }
   ++layer.features;
@@ -270,7 +274,10 @@ ImportedPlan GeoJsonPlan::read(const std::string& text) {
   tally.add_to(out);
   if (unused > 0)
     out.left_out.push_back(counted(unused, "feature") + " that --layer does not name");
-  for (const auto& [what, count] : left_out_) out.left_out.push_back(counted(count, what));
+  if (shapeless_ > 0)
+    out.left_out.push_back(
+        counted(shapeless_, "feature without geometry", "features without geometry"));
+  for (const auto& [what, count] : points_) out.left_out.push_back(counted(count, what));
   return out;
 }
 

@@ -156,6 +156,30 @@ TEST_F(GeoJson, LayersAreChosenByLayerTypeOrName) {
             "'kisok' (did you mean 'kiosk'?)");
 }
 
+TEST_F(GeoJson, NumbersNameLayersToo) {
+  const std::string text = collection(feature(R"({"layer": 6})", square(0, 0, 20)) + "," +
+                                      feature(R"({"layer": 7.0, "name": 12})", square(3, 3, 1)) +
+                                      "," + feature(R"({"layer": 7})", square(6, 6, 1)) + "," +
+                                      feature(R"({"layer": true})", square(8, 8, 1)));
+  const ImportedPlan plan = read(text, 1, {{"walkable", {"6"}}, {"obstacles", {"7"}}});
+  EXPECT_EQ(plan.walkable.size(), 1u);
+  ASSERT_EQ(plan.obstacles.size(), 2u);
+  EXPECT_EQ(plan.obstacles[0].name, "12");
+  EXPECT_EQ(plan.obstacles[1].name, "7");
+  EXPECT_EQ(refusal(text, 1, {{"walkable", {"5"}}}),
+            "--layer: expected a layer, type or name of the features: '12', '6', '7', found '5' "
+            "(did you mean '6'?)");
+  EXPECT_EQ(load(scene_text_of(plan, "plan")).obstacles.back().name, "7");
+}
+
+TEST_F(GeoJson, CountsFeaturesWithoutGeometry) {
+  EXPECT_THAT(read(collection(feature("{}", square(0, 0, 10)) + "," + feature("{}", "null") + "," +
+                              feature("{}", "null")),
+                   1)
+                  .left_out,
+              ElementsAre("2 features without geometry"));
+}
+
 TEST_F(GeoJson, RejectsMalformedFeatures) {
   EXPECT_THAT(refusal("{\"type\": \"FeatureCollection\",\n \"features\": [,]}", 1),
               StartsWith("plan:2: expected JSON"));
@@ -393,11 +417,26 @@ TEST_F(Dxf, HiddenLayersAndThePaperAreLeftOut) {
   EXPECT_EQ(plan.walls.size(), 1u);
   EXPECT_THAT(plan.left_out, ElementsAre("layer 'WALL-OFF': 1 hidden entity (layer that is off)",
                                          "layer 'WALL-OLD': 1 hidden entity (frozen layer)",
-                                         "1 entities of the paper space"));
+                                         "1 entity of the paper space"));
   EXPECT_EQ(
       read(dxf(line("WALL-OLD", 0, 1, 5, 1), tables), {}, {{"walls", {"WALL-OLD"}}}).walls.size(),
       1u)
       << "a chosen layer is used";
+}
+
+TEST_F(Dxf, CountsWhatIsLeftOutInWords) {
+  const std::string paper = line("WALL", 0, 3, 5, 3) + " 67 1";
+  const std::string slanted = " 0 CIRCLE 8 WALL 10 0 20 0 40 1 210 1 220 0 230 0";
+  const std::string missing = " 0 INSERT 8 WALL 2 NONE";
+  EXPECT_THAT(
+      read(dxf(line("WALL", 0, 0, 5, 0) + paper + slanted + missing)).left_out,
+      ElementsAre("1 CIRCLE that is not horizontal", "1 INSERT of a block that the file lacks",
+                  "1 entity of the paper space"));
+  EXPECT_THAT(
+      read(dxf(line("WALL", 0, 0, 5, 0) + paper + paper + slanted + slanted + missing + missing))
+          .left_out,
+      ElementsAre("2 CIRCLEs that are not horizontal", "2 INSERTs of blocks that the file lacks",
+                  "2 entities of the paper space"));
 }
 
 TEST_F(Dxf, EntitiesDrawnFromBelowAreMirrored) {
