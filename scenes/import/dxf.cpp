@@ -673,10 +673,10 @@ void DxfDrawing::use_layers(ImportedPlan& plan) {
     if (layer.shapes.is_empty()) continue;
     has_use = true;
     join_lines(layer.shapes, kJoin_m / tolerance_unit_m_);
-    add_shapes(plan, *use, std::move(layer.shapes), layer.name, tally.of(label, *use));
+    add_shapes(plan, *use, std::move(layer.shapes), layer.name, tally.of(layer.name, *use));
   }
   if (!has_use) reject_without_uses();
-  tally.add_to(plan);
+  tally.add_to(plan, file_);
   if (!unused.empty())
     plan.left_out.push_back(
         fmt::format("{} without a use: {}", counted(unused.size(), "layer"), quoted_names(unused)));

@@ -43,7 +43,7 @@ class GeoJsonPlan {
  private:
   /// Shapes of features with one layer, or with one name.
   struct Layer {
-    std::string label;
+    std::string layer;  ///< "" for features without one
     std::string name;
     std::optional<PlanUse> use;
     LayerShapes shapes;
@@ -134,7 +134,7 @@ GeoJsonPlan::Layer& GeoJsonPlan::layer_of(const json& properties) {
   const std::string& selected = is_chosen_name ? name : layer;
   const std::string object = name.empty() ? layer : name;
   Layer& out = layers_[lower(selected) + '\n' + object];
-  out.label = selected.empty() ? "features without a layer" : "layer " + in_quotes(selected);
+  out.layer = selected;
   out.name = object;
   out.use = choice_.is_empty() ? stated_use(selected) : choice_.use_of(selected);
   return out;
@@ -227,7 +227,7 @@ void GeoJsonPlan::use(Layer& layer, ImportedPlan& plan, UseTally& tally) const {
     if (shapes.is_empty()) return;
     const std::string name =
         layer.name.empty() ? std::string(kPlanUses[static_cast<size_t>(use)]) : layer.name;
-    add_shapes(plan, use, std::move(shapes), name, tally.of(layer.label, use));
+    add_shapes(plan, use, std::move(shapes), name, tally.of(layer.layer, use));
   };
   join_lines(layer.shapes, 0.001 / options_.unit_m.value_or(1));
   if (layer.use) return add(*layer.use, std::move(layer.shapes));
@@ -271,7 +271,7 @@ ImportedPlan GeoJsonPlan::read(const std::string& text) {
     else
       unused += layer.features;
   }
-  tally.add_to(out);
+  tally.add_to(out, file_);
   if (unused > 0)
     out.left_out.push_back(counted(unused, "feature") + " that --layer does not name");
   if (shapeless_ > 0)

@@ -303,6 +303,26 @@ TEST_F(Dxf, LinesThatDoNotMeetEncloseNothing) {
               ElementsAre("layer 'FLOOR': 2 open lines that enclose no area"));
 }
 
+TEST_F(Dxf, SaysWhichLinesEncloseNothing) {
+  const std::string open = line("A", 0, 0, 8, 0) + line("A", 8, 0, 8, 5) + line("A", 0, 2, 4, 2);
+  EXPECT_EQ(
+      refusal(dxf(open), {}, {{"walkable", {"a"}}}),
+      "plan: expected closed lines, or walls, found 2 lines that enclose no area on layer 'A' "
+      "(walkable); draw closed polylines, or use the lines as walls (--layer walls=A)");
+  EXPECT_EQ(refusal(dxf(line("COLUMN", 0, 0, 8, 0) + line("FLOOR", 0, 2, 4, 2))),
+            "plan: expected closed lines, or walls, found 2 lines that enclose no area on layer "
+            "'COLUMN' (obstacles) and 1 more layer; draw closed polylines, or use the lines as "
+            "walls (--layer walls=COLUMN)");
+  EXPECT_EQ(read(dxf(open), {}, {{"walls", {"a"}}}).walls.size(), 2u);
+}
+
+TEST_F(GeoJson, SaysWhichLinesEncloseNothing) {
+  EXPECT_EQ(refusal(collection(feature(R"({"layer": "ground floor"})", kLine)), 1),
+            "plan: expected closed lines, or walls, found 1 line that encloses no area on layer "
+            "'ground floor' (walkable); draw closed polylines, or use the lines as walls (--layer "
+            "walls=\"ground floor\")");
+}
+
 TEST_F(Dxf, WallsEndWhereThreeMeet) {
   const ImportedPlan plan =
       read(dxf(line("WALL", 0, 0, 4, 0) + line("WALL", 4, 0, 8, 0) + line("WALL", 4, 0, 4, 4)));
