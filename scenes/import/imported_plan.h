@@ -62,8 +62,9 @@ std::optional<Rectangle> plan_bounds(const ImportedPlan& plan);
 std::string added_group_note(const ImportedPlan& plan);
 
 /// Returns the plan as a scene file. Groups walk from the starts to the nearest goals; without
-/// starts or goals they use the largest walkable area. The first line names `source`. If
-/// `wkt_file` is not empty, the ground is in that file, with the text of ground_wkt_of().
+/// starts or goals they use the largest walkable area once touching ones are joined. The first line
+/// names `source`. If `wkt_file` is not empty, the ground is in that file, with the text of
+/// ground_wkt_of(). Throws InputError if the areas cannot be joined.
 std::string scene_text_of(const ImportedPlan& plan, const std::string& source,
                           const std::string& wkt_file = "");
 

@@ -8,7 +8,9 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "geometry/polygon_union.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 #include "scenes/import/imported_plan.h"
 
@@ -129,21 +131,21 @@ class UniqueNames {
   std::set<std::string> used_;
 };
 
-const Polygon* largest_walkable(const ImportedPlan& plan) {
-  const Polygon* out = nullptr;
-  for (const Polygon& each : plan.walkable)
-    if (out == nullptr || area_m2(each) > area_m2(*out)) out = &each;
-  return out;
-}
-
 Rectangle ground_rectangle(const ImportedPlan& plan) {
   return plan_bounds(plan).value_or(Rectangle{}).grown(kGroundMargin_m);
 }
 
-/// Area for starts or goals that the plan lacks.
-Polygon substitute_area(const ImportedPlan& plan) {
-  if (const Polygon* const walkable = largest_walkable(plan)) return *walkable;
-  return polygon_of(plan_bounds(plan).value_or(Rectangle{}));
+/// Area for starts or goals that the plan lacks: the largest walkable one once touching ones are
+/// joined, as in a scene. Of an outline too long for an area, the rectangle around it.
+Polygon substitute_area(const ImportedPlan& plan, const std::string& source) {
+  if (plan.walkable.empty()) return polygon_of(plan_bounds(plan).value_or(Rectangle{}));
+  const std::vector<Polygon> joined =
+      plan.walkable.size() > 1 ? join(plan.walkable, source).polygons : plan.walkable;
+  const Polygon& largest =
+      *std::max_element(joined.begin(), joined.end(),
+                        [](const Polygon& a, const Polygon& b) { return area_m2(a) < area_m2(b); });
+  return vertex_count({largest}) > kMaxAreaVertices ? polygon_of(bounds_of(largest.outline))
+                                                    : largest;
 }
 
 std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
@@ -184,11 +186,14 @@ std::string goals_text(const NamedPolygon& start, const std::vector<NamedPolygon
   return out;
 }
 
-std::string groups_text(const ImportedPlan& plan) {
+std::string groups_text(const ImportedPlan& plan, const std::string& source) {
   std::vector<NamedPolygon> starts = plan.starts;
-  if (starts.empty()) starts.push_back({"visitors", substitute_area(plan)});
   std::vector<NamedPolygon> goals = plan.goals;
-  if (goals.empty()) goals.push_back({"", substitute_area(plan)});
+  if (starts.empty() || goals.empty()) {
+    const Polygon substitute = substitute_area(plan, source);
+    if (starts.empty()) starts.push_back({"visitors", substitute});
+    if (goals.empty()) goals.push_back({"", substitute});
+  }
   UniqueNames names;
   std::string out = "groups:\n";
   for (const NamedPolygon& start : starts) {
@@ -261,7 +266,7 @@ std::string scene_text_of(const ImportedPlan& plan, const std::string& source,
     out += fmt::format("# {}\n", note);
   out += "duration_s: 60\n\n";
   out += ground_text(plan, wkt_file) + "\n";
-  out += groups_text(plan);
+  out += groups_text(plan, source);
   return out + obstacles_text(plan);
 }
 

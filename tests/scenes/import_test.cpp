@@ -657,6 +657,28 @@ TEST_F(SceneText, LoadsAsAScene) {
   EXPECT_EQ(load(scene_text_of(plan, "plan.dxf", "s.wkt")).groups.size(), 1u);
 }
 
+TEST_F(SceneText, JoinsTouchingRoomsBeforeItChoosesTheLargest) {
+  // A hall of 150 m2 apart, and ten rooms of 16 m2 that share edges.
+  std::string text = "GEOMETRYCOLLECTION (POLYGON ((50 0, 65 0, 65 10, 50 10))";
+  for (int i = 0; i < 10; ++i)
+    text += fmt::format(", POLYGON (({0} {1}, {2} {1}, {2} {3}, {0} {3}))", 4 * (i % 5),
+                        4 * (i / 5), 4 * (i % 5) + 4, 4 * (i / 5) + 4);
+  const Scene scene = load(scene_text_of(read(text + ")", 1), "rooms.wkt"));
+  ASSERT_EQ(scene.groups.size(), 1u);
+  EXPECT_EQ(scene.groups[0].count, 40);
+  EXPECT_NEAR(scene.groups[0].spawn.area_m2(), 160, 1e-6);
+  EXPECT_EQ(scene.groups[0].spawn.bounds(), (Rectangle{{0, 0}, {20, 8}}));
+  EXPECT_EQ(scene.groups[0].goals.at(0).areas.at(0), scene.groups[0].spawn);
+}
+
+TEST_F(SceneText, StartsInTheRectangleAroundALongOutline) {
+  std::string text = "POLYGON ((0 0, 300 0";
+  for (int i = 0; i <= 12'000; ++i) text += fmt::format(", {} {}", 300 - i * 0.025, 50 + i % 2);
+  const Scene scene = load(scene_text_of(read(text + "))", 1), "long.wkt"));
+  EXPECT_TRUE(scene.groups.at(0).spawn.is_rectangle());
+  EXPECT_EQ(scene.groups[0].spawn.bounds(), (Rectangle{{0, 0}, {300, 51}}));
+}
+
 // ---- damaged files
 
 struct DamagedKind {
