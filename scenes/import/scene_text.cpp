@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "geometry/polygon_union.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/file/key_tables.h"
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 #include "scenes/import/imported_plan.h"
@@ -24,6 +25,8 @@ constexpr double kPlanWallThickness_m = 0.1;
 constexpr double kGroundMargin_m = 1;
 constexpr double kAreaPerAgent_m2 = 4;
 constexpr double kMaxAgentsPerStart = 1000;
+/// Less is crowded: agents may find no place at the start.
+constexpr double kMinAreaPerAgent_m2 = 1;
 /// Pieces of an obstacle get numbers behind its name.
 constexpr size_t kMaxStemBytes = 100;
 
@@ -159,6 +162,30 @@ std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
   return wrapped(fmt::format("ground: {{wkt: \"{}\", {}}}", ground_wkt_of(plan), walls), true);
 }
 
+std::string distribution_yaml(const Distribution& each) {
+  constexpr int kDecimals = 6;
+  if (each.std_dev == 0 || each.min == each.max) return decimal_text(each.mean, kDecimals);
+  std::string out = fmt::format("{{mean: {}, std_dev: {}", decimal_text(each.mean, kDecimals),
+                                decimal_text(each.std_dev, kDecimals));
+  if (each.min > kTimeRange.min) out += ", min: " + decimal_text(each.min, kDecimals);
+  if (each.max < kTimeRange.max) out += ", max: " + decimal_text(each.max, kDecimals);
+  return out + "}";
+}
+
+/// ", wait_s: 5" if all alternatives have one waiting time; a goal has no more.
+std::string wait_text(const std::vector<const NamedPolygon*>& alternatives) {
+  const std::optional<Distribution>& wait_s = alternatives.front()->wait_s;
+  const bool is_common =
+      std::all_of(alternatives.begin(), alternatives.end(),
+                  [&](const NamedPolygon* each) { return each->wait_s == wait_s; });
+  return wait_s && is_common ? "wait_s: " + distribution_yaml(*wait_s) : "";
+}
+
+std::string goal_text(const NamedPolygon& goal) {
+  const std::string wait = wait_text({&goal});
+  return "{" + shape_keys(goal.polygon) + (wait.empty() ? "" : ", " + wait) + "}";
+}
+
 /// One goal per name that the start states, or one for all goals.
 std::string goals_text(const NamedPolygon& start, const std::vector<NamedPolygon>& goals) {
   std::vector<std::vector<const NamedPolygon*>> stops;
@@ -173,17 +200,36 @@ std::string goals_text(const NamedPolygon& start, const std::vector<NamedPolygon
     for (const NamedPolygon& goal : goals) stops.back().push_back(&goal);
   }
   if (stops.size() == 1 && stops[0].size() == 1)
-    return wrapped("    goals: [" + area_text(stops[0][0]->polygon) + "]");
+    return wrapped("    goals: [" + goal_text(*stops[0][0]) + "]");
   std::string out = "    goals:\n";
   for (const std::vector<const NamedPolygon*>& stop : stops) {
     if (stop.size() == 1) {
-      out += wrapped("      - " + area_text(stop[0]->polygon));
+      out += wrapped("      - " + goal_text(*stop[0]));
       continue;
     }
     out += "      - any_of:\n";
     for (const NamedPolygon* goal : stop) out += wrapped("          - " + area_text(goal->polygon));
+    if (const std::string wait = wait_text(stop); !wait.empty()) out += "        " + wait + "\n";
   }
   return out;
+}
+
+/// Agents at the start, or entering. Those who would be crowded enter as space permits.
+std::string people_text(const NamedPolygon& start) {
+  const double own_m2 = area_m2(start.polygon);
+  const double by_area = std::clamp(std::round(own_m2 / kAreaPerAgent_m2), 1.0, kMaxAgentsPerStart);
+  const PlanArrivals arrivals =
+      start.arrivals.value_or(PlanArrivals{.count = static_cast<int64_t>(by_area)});
+  const bool is_at_once = arrivals.rate_per_s == 0 && arrivals.start_s == 0;
+  if (!start.arrivals ||
+      (is_at_once && static_cast<double>(arrivals.count) * kMinAreaPerAgent_m2 <= own_m2))
+    return fmt::format("    count: {}\n", arrivals.count) +
+           wrapped("    spawn: " + area_text(start.polygon));
+  const double rate_per_s = arrivals.rate_per_s > 0 ? arrivals.rate_per_s : kRateRange.max;
+  return wrapped(
+      fmt::format("    sources: [{{area: {}, count: {}, rate_per_s: {:.6g}, start_s: {:.9g}{}}}]",
+                  area_text(start.polygon), arrivals.count, rate_per_s, arrivals.start_s,
+                  arrivals.is_poisson ? ", arrivals: poisson" : ""));
 }
 
 std::string groups_text(const ImportedPlan& plan, const std::string& source) {
@@ -197,13 +243,13 @@ std::string groups_text(const ImportedPlan& plan, const std::string& source) {
   UniqueNames names;
   std::string out = "groups:\n";
   for (const NamedPolygon& start : starts) {
-    const double count =
-        std::clamp(std::round(area_m2(start.polygon) / kAreaPerAgent_m2), 1.0, kMaxAgentsPerStart);
-    out += fmt::format("  - name: {}\n    count: {}\n", yaml_text(names.of(start.name)),
-                       static_cast<int>(count));
-    out += wrapped("    spawn: " + area_text(start.polygon));
+    out += fmt::format("  - name: {}\n", yaml_text(names.of(start.name)));
+    out += people_text(start);
+    if (const auto& speed_mps = start.speed_mps ? start.speed_mps : plan.speed_mps)
+      out += fmt::format("    desired_speed_mps: {}\n", distribution_yaml(*speed_mps));
     out += goals_text(start, goals);
-    out += fmt::format("    on_arrival: {}\n", plan.goals.empty() ? "stay" : "leave");
+    out +=
+        fmt::format("    on_arrival: {}\n", plan.goals.empty() || start.stays ? "stay" : "leave");
   }
   return out;
 }
