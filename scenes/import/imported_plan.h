@@ -51,6 +51,7 @@ struct ImportedPlan {
   std::vector<NamedPolygon> starts;       ///< areas where agents start or enter
   std::vector<NamedPolygon> goals;        ///< areas where agents go to or leave
   std::optional<Distribution> speed_mps;  ///< desired speed; none: the file states none
+  std::optional<double> duration_s;       ///< duration of a run; none: the file states none
   std::optional<double> unit_m;           ///< length of the file's unit; none: the file states none
   /// Lower left corner of the plan in the file, in metres, if it lies far from the origin and was
   /// moved there; otherwise zero.

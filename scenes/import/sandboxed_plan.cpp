@@ -58,6 +58,7 @@ class PlanArchive {
       archive_(each.thickness_m);
     });
     optional(plan.unit_m, [&](double& unit_m) { archive_(unit_m); });
+    optional(plan.duration_s, [&](double& duration_s) { archive_(duration_s); });
     distribution(plan.speed_mps);
     for (std::vector<std::string>* lines : {&plan.used, &plan.left_out})
       list(*lines, [&](std::string& each) { text(each); });
@@ -109,6 +110,8 @@ class PlanCheck {
         distribution(each.wait_s, kTimeRange);
       }
     distribution(plan.speed_mps, kDesiredSpeedRange);
+    expect(!plan.duration_s || (*plan.duration_s > 0 && *plan.duration_s <= kTimeRange.max),
+           "a duration");
     for (const PlanWall& each : plan.walls) {
       name(each.name);
       points(each.line_m, 2);

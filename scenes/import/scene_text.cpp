@@ -23,6 +23,7 @@ constexpr double kWallHeight_m = 2.5;
 constexpr double kPlanWallThickness_m = 0.1;
 /// Margin of the ground around a plan without walkable areas.
 constexpr double kGroundMargin_m = 1;
+constexpr double kDuration_s = 60;
 constexpr double kAreaPerAgent_m2 = 4;
 constexpr double kMaxAgentsPerStart = 1000;
 /// Less is crowded: agents may find no place at the start.
@@ -310,7 +311,7 @@ std::string scene_text_of(const ImportedPlan& plan, const std::string& source,
         fmt::format("# Coordinates are those of the plan minus {} m.\n", point_text(plan.shift_m));
   if (const std::string note = added_group_note(plan); !note.empty())
     out += fmt::format("# {}\n", note);
-  out += "duration_s: 60\n\n";
+  out += fmt::format("duration_s: {:.9g}\n\n", plan.duration_s.value_or(kDuration_s));
   out += ground_text(plan, wkt_file) + "\n";
   out += groups_text(plan, source);
   return out + obstacles_text(plan);

@@ -217,6 +217,7 @@ class VadereScenario {
       if (const PlanJson* const simulation = stated(outer, "attributesSimulation"))
         end_s_ = time_or(*simulation, "finishTime", kMaxScenarioNumber);
     }
+    if (end_s_ > 0 && end_s_ <= kTimeRange.max) plan_.duration_s = end_s_;
   }
 
   static bool states_speed(const PlanJson* attributes) {

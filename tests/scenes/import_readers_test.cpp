@@ -855,6 +855,16 @@ TEST_F(Vadere, ReadsNumbersAndTimesOfSourcesOfEveryVersion) {
             0.25);
 }
 
+TEST_F(Vadere, RunsForTheTimeOfTheScenario) {
+  const auto duration_s = [&](const std::string& simulation) {
+    return load(scene_text_of(scenario(people("", "", "", simulation)), "a")).duration_s;
+  };
+  EXPECT_EQ(duration_s(""), 60);
+  EXPECT_EQ(duration_s(R"("finishTime": 312.5)"), 312.5);
+  EXPECT_EQ(duration_s(R"("finishTime": 1.7976931348623157E308)"), 60);
+  EXPECT_EQ(duration_s(R"("finishTime": 0)"), 60);
+}
+
 TEST_F(Vadere, NamesNumbersAndTimesThatASceneCannotExpress) {
   const auto left_out = [&](const std::string& source) {
     return scenario(people(R"("startTime": 0, "endTime": 50, )" + source)).left_out;
