@@ -4,12 +4,22 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "crowd/navigation/nav_mesh.h"
 #include "recordings/recording.h"
 #include "scenes/file/scene.h"
 
 namespace throng {
+
+/// An obstacle as the scene file states it: one body, or the pieces of a polygon or wall.
+struct StatedObstacle {
+  std::string name;
+  std::vector<const Obstacle*> pieces;
+};
+
+/// Obstacles in the order of their first pieces. Keeps pointers into the scene.
+std::vector<StatedObstacle> stated_obstacles(const Scene& scene);
 
 /// The mesh on which agents find their paths while all doors are open; none if no agent steers.
 std::optional<NavMesh> navigation_mesh_of(const Scene& scene);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -12,9 +13,11 @@
 
 #include "analysis/trajectories/walkable_area.h"
 #include "apps/commands/info.h"
+#include "base/errors.h"
 #include "base/text.h"
 #include "crowd/navigation/footprints.h"
 #include "geometry/polygon_grid.h"
+#include "geometry/polygon_union.h"
 
 namespace throng {
 namespace {
@@ -73,11 +76,28 @@ std::string letter_of(size_t group) {
   return letters;
 }
 
-std::vector<Polygon> outline_of(const Obstacle& obstacle) {
+/// Outline of an obstacle from above; without the edges between its pieces if they can be joined.
+std::vector<Polygon> outline_of(const StatedObstacle& obstacle) {
   std::vector<Polygon> pieces;
-  for (std::vector<Point>& piece : footprint_pieces_of(obstacle))
-    pieces.push_back({std::move(piece), {}});
-  return pieces;
+  double reach_m = 0;
+  for (const Obstacle* each : obstacle.pieces)
+    for (std::vector<Point>& piece : footprint_pieces_of(*each)) {
+      for (const Point& corner : piece) reach_m = std::max(reach_m, corner.cwiseAbs().maxCoeff());
+      pieces.push_back({std::move(piece), {}});
+    }
+  if (pieces.size() < 2 || reach_m > kMaxOnGrid_m) return pieces;
+  try {
+    std::vector<Polygon> joined = join(pieces, obstacle.name).polygons;
+    return joined.empty() ? pieces : joined;
+  } catch (const InputError&) {
+    return pieces;  // too many crossings; the edges between the pieces stay
+  }
+}
+
+const Polygon& largest_of(const std::vector<Polygon>& polygons) {
+  return *std::max_element(
+      polygons.begin(), polygons.end(),
+      [](const Polygon& a, const Polygon& b) { return area_m2(a) < area_m2(b); });
 }
 
 /// The largest 1, 2 or 5 times a power of ten up to `limit`.
@@ -172,6 +192,10 @@ class View {
     const Point low = (*this)(m.min_m), high = (*this)(m.max_m);
     return {low.x(), high.y(), high.x(), low.y()};
   }
+  Point metres(const Point& px) const {
+    const Point offset = (px - frame.middle()) / scale;
+    return {middle_m_.x() + offset.x(), middle_m_.y() - offset.y()};
+  }
   /// Metres at the edges of the frame.
   Rectangle shown_m() const {
     const Point half = Point(frame.width(), frame.height()) / (2 * scale);
@@ -209,22 +233,27 @@ class Labels {
            upright ? fmt::format(" transform=\"rotate(-90 {} {})\"", x, y) : "", xml_text(text));
     return true;
   }
-  /// Writes a framed text in or near an area; if all places are taken, nothing.
-  void place_badge(const std::string& text, const Box& area, const char* colour) {
+  /// Writes a framed text as near to a point of an area as possible, on the area or at least within
+  /// its bounds or near them; if all places are taken, nothing.
+  void place_badge(const std::string& text, const Box& bounds, const Point& anchor,
+                   const std::function<bool(const Point&)>& is_on_area, const char* colour) {
     const double width = width_px(text) + 9, height = kText_px + 5;
     std::vector<Point> places;
     for (int row = -8; row <= 8; ++row)
       for (int column = -8; column <= 8; ++column)
-        places.emplace_back(area.middle() + Point(column * (width + 3), row * (height + 3)));
+        places.emplace_back(anchor + Point(column * (width + 3), row * (height + 3)));
     std::stable_sort(places.begin(), places.end(), [&](const Point& a, const Point& b) {
-      return (a - area.middle()).squaredNorm() < (b - area.middle()).squaredNorm();
+      return (a - anchor).squaredNorm() < (b - anchor).squaredNorm();
     });
-    const Box reach = {area.left - 1.5 * width, area.top - 1.5 * height, area.right + 1.5 * width,
-                       area.bottom + 1.5 * height};
-    for (const bool inside : {true, false})
+    const Box reach = {bounds.left - 1.5 * width, bounds.top - 1.5 * height,
+                       bounds.right + 1.5 * width, bounds.bottom + 1.5 * height};
+    enum class Limit { kArea, kBounds, kReach };
+    for (const Limit limit : {Limit::kArea, Limit::kBounds, Limit::kReach})
       for (const Point& place : places) {
         const Box box = Box::around(place, width, height);
-        if (!(inside ? area : reach).contains(box) || !is_free(box)) continue;
+        if (!(limit == Limit::kReach ? reach : bounds).contains(box) || !is_free(box) ||
+            (limit == Limit::kArea && !is_on_area(place)))
+          continue;
         taken_.push_back(box);
         append(svg_,
                "<rect class=\"badge\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"4\" "
@@ -268,6 +297,22 @@ class PlanDrawing {
   }
 
  private:
+  struct Shape {
+    std::string name;
+    Box box;
+    Point middle;                           ///< a point inside, far from the edges
+    std::vector<std::vector<Point>> rings;  ///< outlines and holes
+  };
+  struct Badge {
+    size_t group;
+    Area area;
+    std::string label;
+  };
+  struct DoorLabel {
+    std::string name;
+    Point middle, half;
+  };
+
   std::string path_of(const std::vector<Polygon>& polygons) const {
     std::string path;
     for (const Polygon& polygon : polygons) {
@@ -386,7 +431,7 @@ class PlanDrawing {
   }
 
   void add_badge(size_t group, const Area& area, const std::string& label) {
-    badges_.push_back({group, view_(area.bounds()), label});
+    badges_.push_back({group, area, label});
   }
 
   std::string count_of(const Group& group) const {
@@ -469,24 +514,28 @@ class PlanDrawing {
   void draw_obstacles() {
     const double headroom = headroom_m(scene_);
     std::string small, solid, overhead;
-    for (const Obstacle& obstacle : scene_.obstacles) {
-      const bool blocks = blocks_people(obstacle, headroom);
+    const std::vector<StatedObstacle> obstacles = stated_obstacles(scene_);
+    has_few_obstacles_ = obstacles.size() <= kMaxNamesBeside;
+    for (const StatedObstacle& obstacle : obstacles) {
+      const Obstacle& first = *obstacle.pieces.front();
+      const bool blocks = blocks_people(first, headroom);
       (blocks ? has_obstacle_ : has_overhead_) = true;
       const std::vector<Polygon> outline = outline_of(obstacle);
-      Shape shape{&obstacle, view_(bounds_of(outline)), {}};
+      const Rectangle bounds = bounds_of(outline);
+      const Box box = view_(bounds);
       // Its outline would hide a small obstacle's true size.
-      const bool is_small = blocks && std::max(shape.box.width(), shape.box.height()) < 4;
-      if (std::max(shape.box.width(), shape.box.height()) > kText_px) {
-        for (const Point& corner : outline.front().outline) shape.corners.push_back(view_(corner));
-        shapes_.push_back(std::move(shape));
-      }
+      const bool is_small = blocks && std::max(box.width(), box.height()) < 4;
+      if (std::max(box.width(), box.height()) > kText_px)
+        shapes_.push_back(shape_of(obstacle.name, outline, box));
+      const Point size_m =
+          obstacle.pieces.size() > 1 ? bounds.size_m() : Point(first.size_m.head<2>());
       std::string& svg = is_small ? small : blocks ? solid : overhead;
       svg += "<path d=\"" + path_of(outline) + '"';
       if (small.size() + solid.size() + overhead.size() < kMaxObstacleBytes)
-        append(svg, ">{}</path>\n",
-               tooltip(fmt::format("{}: {:.4g} x {:.4g} x {:.4g} m{}", obstacle.name,
-                                   obstacle.size_m.x(), obstacle.size_m.y(), obstacle.size_m.z(),
-                                   blocks ? "" : ", not in the way")));
+        append(
+            svg, ">{}</path>\n",
+            tooltip(fmt::format("{}: {:.4g} x {:.4g} x {:.4g} m{}", obstacle.name, size_m.x(),
+                                size_m.y(), first.size_m.z(), blocks ? "" : ", not in the way")));
       else
         svg += "/>\n";
     }
@@ -494,6 +543,20 @@ class PlanDrawing {
            "<g class=\"small\">\n{}</g>\n<g class=\"solid\">\n{}</g>\n<g "
            "class=\"overhead\">\n{}</g>\n",
            small, solid, overhead);
+  }
+
+  Shape shape_of(const std::string& name, const std::vector<Polygon>& outline,
+                 const Box& box) const {
+    Shape shape{name, box, box.middle(), {}};
+    for (const Polygon& polygon : outline)
+      for_each_ring(polygon, [&](const Ring& ring) {
+        for (std::vector<Point>& corners = shape.rings.emplace_back(); const Point& corner : ring)
+          corners.push_back(view_(corner));
+      });
+    const bool is_convex = outline.size() == 1 && outline[0].holes.empty() &&
+                           convex_hull(outline[0].outline).size() == outline[0].outline.size();
+    if (!is_convex) shape.middle = view_(Area({largest_of(outline)}).middle_m());
+    return shape;
   }
 
   /// Arrowhead in the middle of a path's longest leg: labels cover the ends.
@@ -587,7 +650,10 @@ class PlanDrawing {
       return a.label.size() < b.label.size();  // goals first
     });
     for (const Badge& badge : badges_)
-      labels_.place_badge(badge.label, badge.box, colour_of(badge.group));
+      labels_.place_badge(
+          badge.label, view_(badge.area.bounds()), view_(badge.area.middle_m()),
+          [&](const Point& place) { return badge.area.contains(view_.metres(place)); },
+          colour_of(badge.group));
     for (const DoorLabel& door : doors_) {
       const double aside = width_px(door.name) / 2 + 8;
       for (const Point& offset : {Point(door.half.x() + aside, 0), Point(-door.half.x() - aside, 0),
@@ -596,19 +662,18 @@ class PlanDrawing {
     }
   }
 
-  /// Length of the line through the middle of a convex shape along an axis.
-  static double chord_px(const std::vector<Point>& corners, const Point& middle, int along) {
+  /// Length of the line through the middle of a shape along an axis, up to the nearest edge.
+  static double chord_px(const Shape& shape, int along) {
     const int across = 1 - along;
-    double low = 1e9, high = -1e9;
-    for (size_t i = 0; i < corners.size(); ++i) {
-      const Point &p = corners[i], &q = corners[(i + 1) % corners.size()];
-      if ((p[across] <= middle[across]) == (q[across] <= middle[across])) continue;
-      const double t = (middle[across] - p[across]) / (q[across] - p[across]);
-      const double at = p[along] + t * (q[along] - p[along]);
-      low = std::min(low, at);
-      high = std::max(high, at);
-    }
-    return 2 * std::min(middle[along] - low, high - middle[along]);
+    double half = 1e9;
+    for (const std::vector<Point>& corners : shape.rings)
+      for (size_t i = 0; i < corners.size(); ++i) {
+        const Point &p = corners[i], &q = corners[(i + 1) % corners.size()];
+        if ((p[across] <= shape.middle[across]) == (q[across] <= shape.middle[across])) continue;
+        const double t = (shape.middle[across] - p[across]) / (q[across] - p[across]);
+        half = std::min(half, std::abs(p[along] + t * (q[along] - p[along]) - shape.middle[along]));
+      }
+    return half < 1e9 ? 2 * half : 0;
   }
 
   void label_obstacles() {
@@ -617,23 +682,21 @@ class PlanDrawing {
     });
     std::vector<const Shape*> left;
     for (const Shape& shape : shapes_) {
-      const Point middle = shape.box.middle();
-      const double along[] = {chord_px(shape.corners, middle, 0),
-                              chord_px(shape.corners, middle, 1)};
-      const double width = width_px(shape.obstacle->name) + 2;
+      const double along[] = {chord_px(shape, 0), chord_px(shape, 1)};
+      const double width = width_px(shape.name) + 2;
       const bool is_written = (along[0] >= width && along[1] >= kText_px + 1 &&
-                               labels_.place(shape.obstacle->name, middle)) ||
+                               labels_.place(shape.name, shape.middle)) ||
                               (along[1] >= width && along[0] >= kText_px + 1 &&
-                               labels_.place(shape.obstacle->name, middle, true));
+                               labels_.place(shape.name, shape.middle, true));
       if (!is_written) left.push_back(&shape);
     }
-    if (scene_.obstacles.size() > kMaxNamesBeside) return;
+    if (!has_few_obstacles_) return;
     for (const Shape* shape : left) {
       // Bounds of slanted walls are mostly empty.
       if (std::min(shape->box.width(), shape->box.height()) < 60) labels_.block(shape->box);
     }
     for (const Shape* shape : left) {
-      const std::string& name = shape->obstacle->name;
+      const std::string& name = shape->name;
       const Box& box = shape->box;
       const Point middle = box.middle();
       const double width = width_px(name) + 8, height = kText_px + 6;
@@ -852,6 +915,7 @@ path, rect, circle { stroke-linejoin: round; }
 .source { stroke-width: 3; stroke-dasharray: 1 4; stroke-linecap: round; }
 .external { stroke-width: 3.5; stroke-dasharray: 12 2; }
 .goal { stroke-width: 2.6; fill-opacity: 0.14; }
+.solid, .small, .overhead { fill-rule: evenodd; }
 .solid { fill: #8b8b8b; stroke: #333; stroke-width: 0.9; }
 .small { fill: #444; }
 .overhead { fill: #8b8b8b; fill-opacity: 0.12; stroke: #333; stroke-width: 1.2; stroke-dasharray: 5 3; }
@@ -868,21 +932,6 @@ path, rect, circle { stroke-linejoin: round; }
 </style>
 )";
 
-  struct Shape {
-    const Obstacle* obstacle;
-    Box box;
-    std::vector<Point> corners;
-  };
-  struct Badge {
-    size_t group;
-    Box box;
-    std::string label;
-  };
-  struct DoorLabel {
-    std::string name;
-    Point middle, half;
-  };
-
   const Scene& scene_;
   const std::optional<NavMesh>& mesh_;
   const View view_;
@@ -895,7 +944,7 @@ path, rect, circle { stroke-linejoin: round; }
   std::vector<LegendRow> legend_;
   bool has_start_ = false, has_source_ = false, has_external_ = false, has_goal_ = false;
   bool has_look_ = false, has_route_ = false, has_queue_ = false, has_obstacle_ = false;
-  bool has_overhead_ = false, has_shut_ = false, has_open_ = false;
+  bool has_overhead_ = false, has_shut_ = false, has_open_ = false, has_few_obstacles_ = true;
 };
 
 }  // namespace

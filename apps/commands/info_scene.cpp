@@ -1,17 +1,23 @@
 #include <fmt/format.h>
 
 #include <numeric>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
 
 #include "apps/commands/info.h"
 #include "avatars/model/describe.h"
 #include "base/text.h"
 #include "crowd/navigation/flow_field.h"
+#include "crowd/navigation/footprints.h"
 #include "crowd/navigation/nav_mesh.h"
 #include "crowd/navigation/walkable.h"
 #include "scenes/file/scene.h"
 
 namespace throng {
 namespace {
+
+constexpr size_t kMaxListedObstacles = 30;
 
 std::string describe(const Rectangle& area) {
   return fmt::format("({:g}, {:g}) to ({:g}, {:g}) m", area.min_m.x(), area.min_m.y(),
@@ -145,10 +151,41 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
   add_people(text, group);
 }
 
-void add_obstacle(std::string& text, const Obstacle& obstacle) {
-  append(text, "  {}: {} {:g} x {:g} x {:g} m at ({:g}, {:g})\n", obstacle.name,
-         kind_name(obstacle.kind), obstacle.size_m.x(), obstacle.size_m.y(), obstacle.size_m.z(),
-         obstacle.centre_m.x(), obstacle.centre_m.y());
+void add_obstacle(std::string& text, const StatedObstacle& stated) {
+  const Obstacle& first = *stated.pieces.front();
+  Eigen::Vector2d size_m = first.size_m.head<2>(), middle_m = first.centre_m.head<2>();
+  if (stated.pieces.size() > 1) {
+    Rectangle bounds = bounds_of(footprint_of(first));
+    for (const Obstacle* piece : stated.pieces)
+      bounds = bounds.joined(bounds_of(footprint_of(*piece)));
+    size_m = bounds.size_m();
+    middle_m = bounds.middle_m();
+  }
+  append(text, "  {}: {} {:g} x {:g} x {:g} m at ({:g}, {:g})", stated.name, kind_name(first.kind),
+         size_m.x(), size_m.y(), first.size_m.z(), middle_m.x(), middle_m.y());
+  if (stated.pieces.size() > 1) append(text, ", in {} pieces", stated.pieces.size());
+  text += '\n';
+}
+
+void add_obstacles(std::string& text, const Scene& scene) {
+  append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
+  size_t walls = 0, listed = 0, left = 0;
+  for (const Obstacle& obstacle : scene.obstacles) walls += obstacle.lines_floor ? 1 : 0;
+  for (const StatedObstacle& stated : stated_obstacles(scene)) {
+    const Obstacle& first = *stated.pieces.front();
+    if (first.lines_floor) {
+      if (walls > 0)
+        append(text, "  walls: {} along the edges of the ground, {:g} m high\n", walls,
+               first.size_m.z());
+      walls = 0;
+    } else if (listed < kMaxListedObstacles) {
+      add_obstacle(text, stated);
+      ++listed;
+    } else {
+      ++left;
+    }
+  }
+  if (left > 0) append(text, "  and {} more\n", left);
 }
 
 /// Assumptions made about the scene's models.
@@ -161,6 +198,26 @@ void add_notes(std::string& text, const Scene& scene) {
 }
 
 }  // namespace
+
+std::vector<StatedObstacle> stated_obstacles(const Scene& scene) {
+  std::vector<StatedObstacle> out;
+  std::unordered_map<uint32_t, size_t> by_surface;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    const auto [at, is_first] = obstacle.surface == 0
+                                    ? std::pair(by_surface.end(), true)
+                                    : by_surface.try_emplace(obstacle.surface, out.size());
+    if (is_first)
+      out.push_back({obstacle.name, {&obstacle}});
+    else
+      out[at->second].pieces.push_back(&obstacle);
+  }
+  // Pieces have their numbers behind the name.
+  constexpr std::string_view kFirst = " 1";
+  for (StatedObstacle& each : out)
+    if (each.pieces.size() > 1 && each.name.ends_with(kFirst))
+      each.name.erase(each.name.size() - kFirst.size());
+  return out;
+}
 
 std::optional<NavMesh> navigation_mesh_of(const Scene& scene) {
   const bool follows_recording = scene.recorded && scene.groups.size() == 1;
@@ -203,8 +260,7 @@ std::string describe_scene(const Scene& scene, const std::optional<NavMesh>& mes
   }
   if (scene.recorded) add_recorded(groups, scene);
   text += "\nGroups:\n" + groups;
-  append(text, "\nObstacles:{}\n", scene.obstacles.empty() ? " none" : "");
-  for (const Obstacle& obstacle : scene.obstacles) add_obstacle(text, obstacle);
+  add_obstacles(text, scene);
   for (const std::string& note : scene.notes) append(text, "  note: {}\n", note);
   if (!scene.doors.empty()) text += "\nDoors:\n";
   for (const Door& door : scene.doors) add_door(text, door);

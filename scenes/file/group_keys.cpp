@@ -70,7 +70,6 @@ SocialGroupRule read_social_groups(ReadContext& context, const std::string& file
 
 namespace {
 
-constexpr Range kSpeedRange{0.1, 4.0};
 constexpr Range kPersonRange{kMinPerson_m, kMaxPerson_m};
 constexpr Range kRobotRange{kMinRobot_m, kMaxRobot_m};
 constexpr Range kRadiusRange{kMinRadius_m, kMaxRadius_m};
@@ -171,7 +170,7 @@ const AgeGroup& base_of(const Fields& fields) {
 void read_speed(ReadContext&, Fields& fields, Group& group) {
   if (const YamlNode* node = fields.find("desired_speed_mps"))
     group.speed_mps = read_distribution(fields.file(), *node, "desired_speed_mps",
-                                        base_of(fields).speed_mps, kSpeedRange);
+                                        base_of(fields).speed_mps, kDesiredSpeedRange);
 }
 
 /// Defaults of a robot: its model's height, without limits.

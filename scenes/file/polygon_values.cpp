@@ -23,8 +23,6 @@ namespace {
 constexpr double kFloorMargin_m = 1;
 /// From a kerb to a tower; walls keep their height when a plan is scaled.
 constexpr Range kWallHeightRange{0, 1000};
-/// Each agent and step may test all edges of an area.
-constexpr size_t kMaxAreaVertices = 10'000;
 
 KeyText corner_text(const std::string& name, const std::string& meaning) {
   return {name,

@@ -3,6 +3,7 @@
 // Invariant: polygons are joined and without faults; errors name the place of a fault.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "scenes/file/key.h"
 
 namespace throng {
+
+/// Maximum number of vertices of an area: each agent and step may test all of its edges.
+inline constexpr size_t kMaxAreaVertices = 10'000;
 
 /// Reads a rectangle or polygons within the ground, with some of them on the floor. `what` names
 /// the area in messages: "spawn".

@@ -117,8 +117,6 @@ void require_lines(const ReadContext& context) {
 
 namespace {
 
-/// 1000 agents per second fill any entrance; higher rates are mistaken units.
-constexpr Range kRateRange{0, 1000, true};
 constexpr Range kEntersRange{0, 4};
 
 void read_areas(ReadContext& context, Fields& fields, Goal& goal) {

@@ -47,8 +47,22 @@ std::vector<std::string> age_words() {
 
 }  // namespace
 
+std::string decimal_text(double value, int decimals) {
+  std::string out = fmt::format("{:.{}f}", value, decimals);
+  if (decimals > 0) {
+    while (out.ends_with('0')) out.pop_back();
+    if (out.ends_with('.')) out.pop_back();
+  }
+  return out == "-0" ? "0" : out;
+}
+
 std::string to_text(const Rectangle& r) {
-  return fmt::format("[{}, {}] to [{}, {}]", r.min_m.x(), r.min_m.y(), r.max_m.x(), r.max_m.y());
+  constexpr int kDecimals = 6;
+  const auto corner = [](const Eigen::Vector2d& point) {
+    return fmt::format("[{}, {}]", decimal_text(point.x(), kDecimals),
+                       decimal_text(point.y(), kDecimals));
+  };
+  return fmt::format("{} to {}", corner(r.min_m), corner(r.max_m));
 }
 
 Rectangle read_rectangle(const Fields& fields, const std::string& what) {

@@ -13,7 +13,9 @@ inline constexpr Range kPositionRange{-kMaxCoordinate_m, kMaxCoordinate_m};
 /// Reads {min_m: [x, y], max_m: [x, y]} with min below max. `what` names the value in messages:
 /// "ground".
 Rectangle read_rectangle(const Fields& fields, const std::string& what);
-/// "[0, 0] to [8, 5]".
+/// A number with at most `decimals` digits behind the point, without zeros at the end.
+std::string decimal_text(double value, int decimals);
+/// "[0, 0] to [8, 5]", to a micrometre.
 std::string to_text(const Rectangle& area);
 
 /// Reads {mean, std_dev, min, max}, each optional, or one number for all agents.

@@ -173,6 +173,11 @@ class DxfDrawing {
   void read_layer(const DxfRecord& record);
   void read_blocks(std::span<const DxfRecord> records);
   void count_entities(size_t count);
+  void leave_out(const std::string& one, const std::string& several) {
+    LeftOut& out = left_out_[one];
+    out.several = several;
+    ++out.count;
+  }
   void expand(std::span<const DxfRecord> records, const DxfPlacement& placement,
               const std::string& block_layer, int depth);
   size_t expand_entity(std::span<const DxfRecord> records, size_t at, const DxfPlacement& placement,
@@ -205,6 +210,11 @@ class DxfDrawing {
   [[noreturn]] void reject_without_uses() const;
   std::vector<const DxfLayer*> drawn_layers() const;
 
+  struct LeftOut {
+    size_t count = 0;
+    std::string several;  ///< words after a number above 1
+  };
+
   const ImportOptions& options_;
   LayerChoice choice_;
   std::string file_;
@@ -212,9 +222,9 @@ class DxfDrawing {
   std::vector<DxfRecord> records_;
   std::optional<double> unit_m_;
   double tolerance_unit_m_ = 1;
-  std::map<std::string, DxfLayer> layers_;  ///< keys: names in lower case
-  std::map<std::string, DxfBlock> blocks_;  ///< keys: names in lower case
-  std::map<std::string, size_t> left_out_;
+  std::map<std::string, DxfLayer> layers_;   ///< keys: names in lower case
+  std::map<std::string, DxfBlock> blocks_;   ///< keys: names in lower case
+  std::map<std::string, LeftOut> left_out_;  ///< keys: words after the number 1
   size_t vertices_ = 0;
   size_t entities_ = 0;
 };
@@ -434,7 +444,8 @@ size_t DxfDrawing::add_polyline(DxfLayer& layer, std::span<const DxfRecord> reco
            end == records.size() ? "none" : in_quotes(records[end].type));
   const std::optional<DxfPlacement> plane = plane_of(head, placement);
   if ((flags & kMeshes) != 0 || !plane)
-    ++left_out_[plane ? "POLYLINE that is a mesh" : "POLYLINE that is not horizontal"];
+    plane ? leave_out("POLYLINE that is a mesh", "POLYLINEs that are meshes")
+          : leave_out("POLYLINE that is not horizontal", "POLYLINEs that are not horizontal");
   else
     add_vertices(layer, vertices, (flags & kClosed) != 0, *plane);
   return end + 1;
@@ -487,16 +498,17 @@ void DxfDrawing::insert(const DxfRecord& record, const DxfPlacement& placement,
   const std::string name = text_or(record, 2, "");
   const auto block = blocks_.find(lower(name));
   if (block == blocks_.end()) {
-    ++left_out_["INSERT of a block that the file lacks"];
+    leave_out("INSERT of a block that the file lacks", "INSERTs of blocks that the file lacks");
     return;
   }
   if (depth >= kMaxBlockDepth) {
-    ++left_out_[fmt::format("INSERT deeper than {} blocks", kMaxBlockDepth)];
+    leave_out(fmt::format("INSERT deeper than {} blocks", kMaxBlockDepth),
+              fmt::format("INSERTs deeper than {} blocks", kMaxBlockDepth));
     return;
   }
   const std::optional<DxfPlacement> plane = plane_of(record, placement);
   if (!plane) {
-    ++left_out_["INSERT that is not horizontal"];
+    leave_out("INSERT that is not horizontal", "INSERTs that are not horizontal");
     return;
   }
   const double angle_rad = number_or(record, 50, 0) * std::numbers::pi / 180;
@@ -549,7 +561,7 @@ size_t DxfDrawing::expand_entity(std::span<const DxfRecord> records, size_t at,
     return next;
   };
   if (whole_or(record, 67, 0) == 1) {
-    ++left_out_["entities of the paper space"];
+    leave_out("entity of the paper space", "entities of the paper space");
     return skip_vertices();
   }
   const bool is_chosen = choice_.use_of(name).has_value();
@@ -582,7 +594,8 @@ size_t DxfDrawing::expand_entity(std::span<const DxfRecord> records, size_t at,
   }
   const std::optional<DxfPlacement> plane = plane_of(record, placement);
   if (!plane) {
-    ++left_out_[name_after(type) + " that is not horizontal"];
+    const std::string kind = name_after(type);
+    leave_out(kind + " that is not horizontal", kind + "s that are not horizontal");
     return next;
   }
   if (type == "LWPOLYLINE") {
@@ -660,15 +673,15 @@ void DxfDrawing::use_layers(ImportedPlan& plan) {
     if (layer.shapes.is_empty()) continue;
     has_use = true;
     join_lines(layer.shapes, kJoin_m / tolerance_unit_m_);
-    add_shapes(plan, *use, std::move(layer.shapes), layer.name, tally.of(label, *use));
+    add_shapes(plan, *use, std::move(layer.shapes), layer.name, tally.of(layer.name, *use));
   }
   if (!has_use) reject_without_uses();
-  tally.add_to(plan);
+  tally.add_to(plan, file_);
   if (!unused.empty())
     plan.left_out.push_back(
         fmt::format("{} without a use: {}", counted(unused.size(), "layer"), quoted_names(unused)));
-  for (const auto& [what, count] : left_out_)
-    plan.left_out.push_back(fmt::format("{} {}", count, what));
+  for (const auto& [one, out] : left_out_)
+    plan.left_out.push_back(counted(out.count, one, out.several));
 }
 
 ImportedPlan DxfDrawing::plan() {

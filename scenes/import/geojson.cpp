@@ -43,7 +43,7 @@ class GeoJsonPlan {
  private:
   /// Shapes of features with one layer, or with one name.
   struct Layer {
-    std::string label;
+    std::string layer;  ///< "" for features without one
     std::string name;
     std::optional<PlanUse> use;
     LayerShapes shapes;
@@ -69,8 +69,9 @@ class GeoJsonPlan {
   const std::string& file_;
   std::string place_ = "the file";
   std::map<std::string, Layer> layers_;
-  std::vector<std::string> names_;  ///< layers and names of the features
-  std::map<std::string, size_t> left_out_;
+  std::vector<std::string> names_;        ///< layers and names of the features
+  size_t shapeless_ = 0;                  ///< features without geometry
+  std::map<std::string, size_t> points_;  ///< geometries that are no shapes, by their type
   size_t vertices_ = 0;
 };
 
@@ -104,8 +105,11 @@ const json& GeoJsonPlan::member(const json& object, const char* key) const {
 std::string GeoJsonPlan::text_of(const json& properties, std::string_view key) {
   if (!properties.is_object()) return "";
   for (const auto& [name, value] : properties.items())
-    if (lower(name) == key && value.is_string()) {
-      const std::string text = value.get<std::string>();
+    if (lower(name) == key && (value.is_string() || value.is_number())) {
+      // Layers may have numbers for names.
+      const std::string text = value.is_string()         ? value.get<std::string>()
+                               : value.is_number_float() ? fmt::format("{}", value.get<double>())
+                                                         : value.dump();
       return trimmed(text).empty() ? "" : escaped(trimmed(text));
     }
   return "";
@@ -130,7 +134,7 @@ GeoJsonPlan::Layer& GeoJsonPlan::layer_of(const json& properties) {
   const std::string& selected = is_chosen_name ? name : layer;
   const std::string object = name.empty() ? layer : name;
   Layer& out = layers_[lower(selected) + '\n' + object];
-  out.label = selected.empty() ? "features without a layer" : "layer " + in_quotes(selected);
+  out.layer = selected;
   out.name = object;
   out.use = choice_.is_empty() ? stated_use(selected) : choice_.use_of(selected);
   return out;
@@ -193,7 +197,7 @@ void GeoJsonPlan::geometry(const json& geometry, Layer& layer, int depth) {
     return;
   }
   if (kind == "Point" || kind == "MultiPoint") {
-    ++left_out_[kind];
+    ++points_[kind];
     return;
   }
   const bool is_area = kind == "Polygon" || kind == "MultiPolygon";
@@ -211,7 +215,7 @@ void GeoJsonPlan::feature(const json& feature) {
   Layer& layer = layer_of(properties != feature.end() ? *properties : json());
   const json& shape = member(feature, "geometry");
   if (shape.is_null()) {
-    ++left_out_["feature without geometry"];
+    ++shapeless_;
     return;
   }
   ++layer.features;
@@ -223,7 +227,7 @@ void GeoJsonPlan::use(Layer& layer, ImportedPlan& plan, UseTally& tally) const {
     if (shapes.is_empty()) return;
     const std::string name =
         layer.name.empty() ? std::string(kPlanUses[static_cast<size_t>(use)]) : layer.name;
-    add_shapes(plan, use, std::move(shapes), name, tally.of(layer.label, use));
+    add_shapes(plan, use, std::move(shapes), name, tally.of(layer.layer, use));
   };
   join_lines(layer.shapes, 0.001 / options_.unit_m.value_or(1));
   if (layer.use) return add(*layer.use, std::move(layer.shapes));
@@ -267,10 +271,13 @@ ImportedPlan GeoJsonPlan::read(const std::string& text) {
     else
       unused += layer.features;
   }
-  tally.add_to(out);
+  tally.add_to(out, file_);
   if (unused > 0)
     out.left_out.push_back(counted(unused, "feature") + " that --layer does not name");
-  for (const auto& [what, count] : left_out_) out.left_out.push_back(counted(count, what));
+  if (shapeless_ > 0)
+    out.left_out.push_back(
+        counted(shapeless_, "feature without geometry", "features without geometry"));
+  for (const auto& [what, count] : points_) out.left_out.push_back(counted(count, what));
   return out;
 }
 

@@ -154,6 +154,10 @@ bool is_inside(const Polygon::Ring& inner, const Polygon::Ring& outer, double ro
   return true;
 }
 
+std::string layer_text(const std::string& layer) {
+  return layer.empty() ? "features without a layer" : "layer " + in_quotes(layer);
+}
+
 struct NestedRing {
   Polygon::Ring ring;
   double area = 0;
@@ -271,9 +275,37 @@ std::vector<Polygon> nested_areas(std::vector<Polygon::Ring> rings) {
   return out;
 }
 
-void UseTally::add_to(ImportedPlan& plan) const {
+void UseTally::require_shapes(const ImportedPlan& plan, const std::string& file) const {
+  if (!plan.walkable.empty() || !plan.obstacles.empty() || !plan.walls.empty() ||
+      !plan.starts.empty() || !plan.goals.empty())
+    return;
+  size_t lines = 0, layers = 0;
+  std::string where, first;
   for (const auto& [key, counts] : counts_) {
-    const auto& [label, use] = key;
+    if (counts.open_lines == 0) continue;
+    if (layers++ == 0) {
+      first = key.first;
+      where = fmt::format("{} ({})", layer_text(first), kPlanUses[static_cast<size_t>(key.second)]);
+    }
+    lines += counts.open_lines;
+  }
+  if (lines == 0) return;
+  if (layers > 1) where += " and " + counted(layers - 1, "more layer");
+  const bool has_blank = first.find(' ') != std::string::npos;
+  const std::string option =
+      first.empty() ? ""
+                    : fmt::format(" (--layer walls={})", has_blank ? '"' + first + '"' : first);
+  throw InputError(
+      file, "closed lines, or walls",
+      fmt::format("{} no area on {}; draw closed polylines, or use the lines as walls{}",
+                  counted(lines, "line that encloses", "lines that enclose"), where, option));
+}
+
+void UseTally::add_to(ImportedPlan& plan, const std::string& file) const {
+  require_shapes(plan, file);
+  for (const auto& [key, counts] : counts_) {
+    const auto& [layer, use] = key;
+    const std::string label = layer_text(layer);
     std::string parts;
     if (counts.areas > 0) parts = counted(counts.areas, "area");
     if (counts.holes > 0) parts += fmt::format(" with {}", counted(counts.holes, "hole"));

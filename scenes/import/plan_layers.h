@@ -100,17 +100,21 @@ void join_lines(LayerShapes& shapes, double tolerance);
 /// Polygons of closed lines: lines inside others are holes, and lines inside holes are areas again.
 std::vector<Polygon> nested_areas(std::vector<Polygon::Ring> rings);
 
-/// UseTally counts the shapes that are used, for plan.used and plan.left_out.
+/// UseTally counts the shapes of each layer that are used, for plan.used and plan.left_out.
 class UseTally {
  public:
   struct Counts {
     size_t areas = 0, holes = 0, lines = 0;
     size_t open_lines = 0;  ///< that enclose no area
   };
-  Counts& of(const std::string& label, PlanUse use) { return counts_[{label, use}]; }
-  void add_to(ImportedPlan& plan) const;
+  /// An empty name stands for features without a layer.
+  Counts& of(const std::string& layer, PlanUse use) { return counts_[{layer, use}]; }
+  /// Adds the lines of text. Throws InputError if all shapes are lines that enclose no area.
+  void add_to(ImportedPlan& plan, const std::string& file) const;
 
  private:
+  void require_shapes(const ImportedPlan& plan, const std::string& file) const;
+
   std::map<std::pair<std::string, PlanUse>, Counts> counts_;
 };
 

@@ -7,6 +7,7 @@
 #include "base/errors.h"
 #include "base/files/archive.h"
 #include "base/text.h"
+#include "scenes/file/key_tables.h"
 #include "scenes/import/plan_readers.h"
 
 namespace throng {
@@ -44,17 +45,21 @@ class PlanArchive {
         text(each.name);
         polygon(each.polygon);
         list(each.goals, [&](std::string& goal) { text(goal); });
+        optional(each.arrivals, [&](PlanArrivals& arrivals) {
+          archive_(arrivals.count, arrivals.start_s, arrivals.rate_per_s, arrivals.is_poisson);
+        });
+        distribution(each.speed_mps);
+        archive_(each.stays);
+        distribution(each.wait_s);
       });
     list(plan.walls, [&](PlanWall& each) {
       text(each.name);
       archive_.resized(each.line_m, kMaxPlanItems);
       archive_(each.thickness_m);
     });
-    bool has_unit = plan.unit_m.has_value();
-    archive_(has_unit);
-    double unit_m = plan.unit_m.value_or(1);
-    archive_(unit_m);
-    plan.unit_m = has_unit ? std::optional(unit_m) : std::nullopt;
+    optional(plan.unit_m, [&](double& unit_m) { archive_(unit_m); });
+    optional(plan.duration_s, [&](double& duration_s) { archive_(duration_s); });
+    distribution(plan.speed_mps);
     for (std::vector<std::string>* lines : {&plan.used, &plan.left_out})
       list(*lines, [&](std::string& each) { text(each); });
   }
@@ -69,6 +74,17 @@ class PlanArchive {
       values.resize(static_cast<size_t>(count));
     }
     for (T& value : values) each(value);
+  }
+  template <typename T, typename Each>
+  void optional(std::optional<T>& value, const Each& each) {
+    bool is_there = value.has_value();
+    archive_(is_there);
+    if (is_there && !value) value.emplace();
+    if (is_there) each(*value);
+  }
+  void distribution(std::optional<Distribution>& value) {
+    optional(value,
+             [&](Distribution& each) { archive_(each.mean, each.std_dev, each.min, each.max); });
   }
   void polygon(Polygon& polygon) {
     archive_.resized(polygon.outline, kMaxPlanItems);
@@ -89,7 +105,13 @@ class PlanCheck {
         name(each.name);
         polygon(each.polygon);
         for (const std::string& goal : each.goals) name(goal);
+        if (each.arrivals) arrivals(*each.arrivals);
+        distribution(each.speed_mps, kDesiredSpeedRange);
+        distribution(each.wait_s, kTimeRange);
       }
+    distribution(plan.speed_mps, kDesiredSpeedRange);
+    expect(!plan.duration_s || (*plan.duration_s > 0 && *plan.duration_s <= kTimeRange.max),
+           "a duration");
     for (const PlanWall& each : plan.walls) {
       name(each.name);
       points(each.line_m, 2);
@@ -108,6 +130,16 @@ class PlanCheck {
   void line(const std::string& text) const {
     expect(find_invalid_utf8(text) == std::string::npos && text.find('\n') == std::string::npos,
            "a line of text");
+  }
+  void arrivals(const PlanArrivals& each) const {
+    expect(each.count >= 0 && each.count <= kMaxBodies, "a number of agents");
+    expect(each.start_s >= kTimeRange.min && each.start_s <= kTimeRange.max, "a time");
+    expect(each.rate_per_s >= 0 && each.rate_per_s <= kRateRange.max, "a rate");
+  }
+  void distribution(const std::optional<Distribution>& each, const Range& range) const {
+    expect(!each || (each->min >= range.min && each->min <= each->mean && each->mean <= each->max &&
+                     each->max <= range.max && each->std_dev >= 0 && each->std_dev <= range.max),
+           "a distribution");
   }
   void polygon(const Polygon& polygon) {
     points(polygon.outline, 3);

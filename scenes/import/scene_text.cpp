@@ -8,7 +8,11 @@
 
 #include "base/errors.h"
 #include "base/text.h"
+#include "geometry/polygon_union.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/file/key_tables.h"
+#include "scenes/file/polygon_values.h"
+#include "scenes/file/scene_values.h"
 #include "scenes/import/imported_plan.h"
 
 namespace throng {
@@ -19,17 +23,16 @@ constexpr double kWallHeight_m = 2.5;
 constexpr double kPlanWallThickness_m = 0.1;
 /// Margin of the ground around a plan without walkable areas.
 constexpr double kGroundMargin_m = 1;
+constexpr double kDuration_s = 60;
 constexpr double kAreaPerAgent_m2 = 4;
 constexpr double kMaxAgentsPerStart = 1000;
+/// Less is crowded: agents may find no place at the start.
+constexpr double kMinAreaPerAgent_m2 = 1;
 /// Pieces of an obstacle get numbers behind its name.
 constexpr size_t kMaxStemBytes = 100;
 
-std::string number_text(double value) {
-  std::string out = fmt::format("{:.4f}", value);
-  while (out.ends_with('0')) out.pop_back();
-  if (out.ends_with('.')) out.pop_back();
-  return out == "-0" ? "0" : out;
-}
+/// A length to 0.1 mm, the grid of polygons.
+std::string number_text(double value) { return decimal_text(value, 4); }
 
 std::string point_text(const Eigen::Vector2d& point) {
   return fmt::format("[{}, {}]", number_text(point.x()), number_text(point.y()));
@@ -132,21 +135,21 @@ class UniqueNames {
   std::set<std::string> used_;
 };
 
-const Polygon* largest_walkable(const ImportedPlan& plan) {
-  const Polygon* out = nullptr;
-  for (const Polygon& each : plan.walkable)
-    if (out == nullptr || area_m2(each) > area_m2(*out)) out = &each;
-  return out;
-}
-
 Rectangle ground_rectangle(const ImportedPlan& plan) {
   return plan_bounds(plan).value_or(Rectangle{}).grown(kGroundMargin_m);
 }
 
-/// Area for starts or goals that the plan lacks.
-Polygon substitute_area(const ImportedPlan& plan) {
-  if (const Polygon* const walkable = largest_walkable(plan)) return *walkable;
-  return polygon_of(plan_bounds(plan).value_or(Rectangle{}));
+/// Area for starts or goals that the plan lacks: the largest walkable one once touching ones are
+/// joined, as in a scene. Of an outline too long for an area, the rectangle around it.
+Polygon substitute_area(const ImportedPlan& plan, const std::string& source) {
+  if (plan.walkable.empty()) return polygon_of(plan_bounds(plan).value_or(Rectangle{}));
+  const std::vector<Polygon> joined =
+      plan.walkable.size() > 1 ? join(plan.walkable, source).polygons : plan.walkable;
+  const Polygon& largest =
+      *std::max_element(joined.begin(), joined.end(),
+                        [](const Polygon& a, const Polygon& b) { return area_m2(a) < area_m2(b); });
+  return vertex_count({largest}) > kMaxAreaVertices ? polygon_of(bounds_of(largest.outline))
+                                                    : largest;
 }
 
 std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
@@ -158,6 +161,30 @@ std::string ground_text(const ImportedPlan& plan, const std::string& wkt_file) {
   if (plan.walkable.size() == 1)
     return wrapped(fmt::format("ground: {{{}, {}}}", shape_keys(plan.walkable.front()), walls));
   return wrapped(fmt::format("ground: {{wkt: \"{}\", {}}}", ground_wkt_of(plan), walls), true);
+}
+
+std::string distribution_yaml(const Distribution& each) {
+  constexpr int kDecimals = 6;
+  if (each.std_dev == 0 || each.min == each.max) return decimal_text(each.mean, kDecimals);
+  std::string out = fmt::format("{{mean: {}, std_dev: {}", decimal_text(each.mean, kDecimals),
+                                decimal_text(each.std_dev, kDecimals));
+  if (each.min > kTimeRange.min) out += ", min: " + decimal_text(each.min, kDecimals);
+  if (each.max < kTimeRange.max) out += ", max: " + decimal_text(each.max, kDecimals);
+  return out + "}";
+}
+
+/// ", wait_s: 5" if all alternatives have one waiting time; a goal has no more.
+std::string wait_text(const std::vector<const NamedPolygon*>& alternatives) {
+  const std::optional<Distribution>& wait_s = alternatives.front()->wait_s;
+  const bool is_common =
+      std::all_of(alternatives.begin(), alternatives.end(),
+                  [&](const NamedPolygon* each) { return each->wait_s == wait_s; });
+  return wait_s && is_common ? "wait_s: " + distribution_yaml(*wait_s) : "";
+}
+
+std::string goal_text(const NamedPolygon& goal) {
+  const std::string wait = wait_text({&goal});
+  return "{" + shape_keys(goal.polygon) + (wait.empty() ? "" : ", " + wait) + "}";
 }
 
 /// One goal per name that the start states, or one for all goals.
@@ -174,34 +201,56 @@ std::string goals_text(const NamedPolygon& start, const std::vector<NamedPolygon
     for (const NamedPolygon& goal : goals) stops.back().push_back(&goal);
   }
   if (stops.size() == 1 && stops[0].size() == 1)
-    return wrapped("    goals: [" + area_text(stops[0][0]->polygon) + "]");
+    return wrapped("    goals: [" + goal_text(*stops[0][0]) + "]");
   std::string out = "    goals:\n";
   for (const std::vector<const NamedPolygon*>& stop : stops) {
     if (stop.size() == 1) {
-      out += wrapped("      - " + area_text(stop[0]->polygon));
+      out += wrapped("      - " + goal_text(*stop[0]));
       continue;
     }
     out += "      - any_of:\n";
     for (const NamedPolygon* goal : stop) out += wrapped("          - " + area_text(goal->polygon));
+    if (const std::string wait = wait_text(stop); !wait.empty()) out += "        " + wait + "\n";
   }
   return out;
 }
 
-std::string groups_text(const ImportedPlan& plan) {
+/// Agents at the start, or entering. Those who would be crowded enter as space permits.
+std::string people_text(const NamedPolygon& start) {
+  const double own_m2 = area_m2(start.polygon);
+  const double by_area = std::clamp(std::round(own_m2 / kAreaPerAgent_m2), 1.0, kMaxAgentsPerStart);
+  const PlanArrivals arrivals =
+      start.arrivals.value_or(PlanArrivals{.count = static_cast<int64_t>(by_area)});
+  const bool is_at_once = arrivals.rate_per_s == 0 && arrivals.start_s == 0;
+  if (!start.arrivals ||
+      (is_at_once && static_cast<double>(arrivals.count) * kMinAreaPerAgent_m2 <= own_m2))
+    return fmt::format("    count: {}\n", arrivals.count) +
+           wrapped("    spawn: " + area_text(start.polygon));
+  const double rate_per_s = arrivals.rate_per_s > 0 ? arrivals.rate_per_s : kRateRange.max;
+  return wrapped(
+      fmt::format("    sources: [{{area: {}, count: {}, rate_per_s: {:.6g}, start_s: {:.9g}{}}}]",
+                  area_text(start.polygon), arrivals.count, rate_per_s, arrivals.start_s,
+                  arrivals.is_poisson ? ", arrivals: poisson" : ""));
+}
+
+std::string groups_text(const ImportedPlan& plan, const std::string& source) {
   std::vector<NamedPolygon> starts = plan.starts;
-  if (starts.empty()) starts.push_back({"visitors", substitute_area(plan)});
   std::vector<NamedPolygon> goals = plan.goals;
-  if (goals.empty()) goals.push_back({"", substitute_area(plan)});
+  if (starts.empty() || goals.empty()) {
+    const Polygon substitute = substitute_area(plan, source);
+    if (starts.empty()) starts.push_back({"visitors", substitute});
+    if (goals.empty()) goals.push_back({"", substitute});
+  }
   UniqueNames names;
   std::string out = "groups:\n";
   for (const NamedPolygon& start : starts) {
-    const double count =
-        std::clamp(std::round(area_m2(start.polygon) / kAreaPerAgent_m2), 1.0, kMaxAgentsPerStart);
-    out += fmt::format("  - name: {}\n    count: {}\n", yaml_text(names.of(start.name)),
-                       static_cast<int>(count));
-    out += wrapped("    spawn: " + area_text(start.polygon));
+    out += fmt::format("  - name: {}\n", yaml_text(names.of(start.name)));
+    out += people_text(start);
+    if (const auto& speed_mps = start.speed_mps ? start.speed_mps : plan.speed_mps)
+      out += fmt::format("    desired_speed_mps: {}\n", distribution_yaml(*speed_mps));
     out += goals_text(start, goals);
-    out += fmt::format("    on_arrival: {}\n", plan.goals.empty() ? "stay" : "leave");
+    out +=
+        fmt::format("    on_arrival: {}\n", plan.goals.empty() || start.stays ? "stay" : "leave");
   }
   return out;
 }
@@ -262,9 +311,9 @@ std::string scene_text_of(const ImportedPlan& plan, const std::string& source,
         fmt::format("# Coordinates are those of the plan minus {} m.\n", point_text(plan.shift_m));
   if (const std::string note = added_group_note(plan); !note.empty())
     out += fmt::format("# {}\n", note);
-  out += "duration_s: 60\n\n";
+  out += fmt::format("duration_s: {:.9g}\n\n", plan.duration_s.value_or(kDuration_s));
   out += ground_text(plan, wkt_file) + "\n";
-  out += groups_text(plan);
+  out += groups_text(plan, source);
   return out + obstacles_text(plan);
 }
 

@@ -200,6 +200,79 @@ TEST(InfoPlan, StaysSmallAndLegibleWithManyObstacles) {
                   std::abs(names[i][1] - names[j][1]) >= 12);
 }
 
+/// Centre of a label in metres, for a ground from the origin.
+std::array<double, 2> label_at(const std::string& svg, const std::string& label,
+                               const std::string& style, double height_m) {
+  const auto ground = [&](const std::string& attribute) {
+    return number_in(svg, "id=\"ground\"[^>]* " + attribute + "=\"([0-9.]+)\"");
+  };
+  const std::string begin = "class=\"" + style + "\" x=\"";
+  const double x = number_in(svg, begin + "([0-9.]+)\"[^>]*>" + label + "<");
+  const double y = number_in(svg, begin + "[0-9.]+\" y=\"([0-9.]+)\"[^>]*>" + label + "<");
+  const double px_per_m = ground("height") / height_m;
+  return {(x - ground("x")) / px_per_m, height_m - (y - ground("y")) / px_per_m};
+}
+
+TEST(InfoPlan, LabelsStandOnConcaveAndDividedAreas) {
+  const ScratchFolder folder;
+  write_file(folder / "s.yaml", R"yaml(
+ground: {min_m: [0, 0], max_m: [60, 40]}
+groups:
+  - name: g
+    count: 1
+    spawn: {polygon: [[2, 2], [58, 2], [58, 12], [54, 12], [54, 6], [6, 6], [6, 12], [2, 12]]}
+    goals:
+      - {wkt: "MULTIPOLYGON (((2 30, 4 30, 4 34, 2 34)), ((40 26, 56 26, 56 38, 40 38)))"}
+obstacles:
+  - {name: bar, kind: polygon, polygon: [[8, 14], [34, 14], [34, 32], [26, 32], [26, 18], [8, 18]],
+     top_m: 1.2}
+)yaml");
+  const std::string svg = plan_of("s.yaml", folder);
+  EXPECT_EQ(defect_of_xml(svg), "");
+  const auto [start_x, start_y] = label_at(svg, "A start", "code", 40);
+  EXPECT_TRUE(start_y > 2 && start_y < 12 && (start_y < 6 || start_x < 6 || start_x > 54))
+      << start_x << ", " << start_y;
+  const auto [goal_x, goal_y] = label_at(svg, "A1", "code", 40);
+  EXPECT_NEAR(goal_x, 48, 2);
+  EXPECT_NEAR(goal_y, 32, 2);
+  const auto [bar_x, bar_y] = label_at(svg, "bar", "name", 40);
+  EXPECT_TRUE(bar_y > 14 && bar_y < 32 && bar_x < 34 && (bar_y < 18 || bar_x > 26))
+      << bar_x << ", " << bar_y;
+}
+
+TEST(InfoPlan, DrawsPiecesOfAPolygonAsOneShape) {
+  const ScratchFolder folder;
+  write_file(folder / "s.yaml", R"(
+ground: {min_m: [0, 0], max_m: [30, 20]}
+groups:
+  - {name: g, count: 1, spawn: {min_m: [1, 1], max_m: [3, 3]}, goals: [{min_m: [1, 1], max_m: [3, 3]}]}
+obstacles:
+  - {name: counter, kind: polygon, polygon: [[5, 5], [9.1, 5], [9.1, 8.3], [7.7, 8.3], [7.7, 6.1],
+     [5, 6.1]], top_m: 1}
+  - {name: pillar, kind: cylinder, position_m: [4, 15], diameter_m: 1, height_m: 3}
+  - {name: fence, kind: wall, line: [[15, 5], [25, 5], [25, 15], [15, 15], [15, 5]],
+     thickness_m: 0.2, top_m: 1}
+)");
+  const std::string svg = plan_of("s.yaml", folder);
+  EXPECT_EQ(defect_of_xml(svg), "");
+  const auto outline = [&](const std::string& title) {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(
+        svg, found, std::regex("<path d=\"([^\"]*)\"><title>" + title + " m</title>")))
+        << title;
+    return found.size() > 1 ? found[1].str() : "";
+  };
+  const std::string counter = outline("counter: 4.1 x 3.3 x 1");
+  EXPECT_EQ(std::count(counter.begin(), counter.end(), 'M'), 1) << counter;
+  EXPECT_EQ(std::count(counter.begin(), counter.end(), 'L'), 5) << counter;
+  const std::string fence = outline("fence: 10.2 x 10.2 x 1");
+  EXPECT_EQ(std::count(fence.begin(), fence.end(), 'M'), 2) << fence;
+  EXPECT_EQ(std::count(fence.begin(), fence.end(), 'L'), 6) << fence;
+  EXPECT_THAT(svg, Not(HasSubstr("counter 1")));
+  EXPECT_THAT(svg, Not(HasSubstr("fence 2")));
+  EXPECT_THAT(svg, HasSubstr(">counter</text>"));
+}
+
 TEST(InfoPlan, RejectsOtherFilesInOneLine) {
   const ScratchFolder folder;
   ASSERT_EQ(shell("throng run corridor --avatars 4 --seconds 0.1 --lcm off --log a.lcmlog "

@@ -152,6 +152,35 @@ std::string scene_of(const std::string& model) {
          ", spawn: {min_m: [-8, -8], max_m: [8, 8]}, goals: [{min_m: [2, 2], max_m: [5, 5]}]}\n";
 }
 
+TEST(Info, CountsWallsAndPiecesInOneLine) {
+  const ScratchFolder folder;
+  std::string text =
+      "ground: {polygon: [[0, 0], [30, 0], [30, 10], [20, 10], [20, 20], [0, 20]], wall_height_m: "
+      "2.5}\ngroups:\n- {name: g, count: 2, spawn: {min_m: [1, 1], max_m: [8, 8]}, goals: [{min_m: "
+      "[2, 2], max_m: [5, 5]}]}\nobstacles:\n- {name: counter, kind: polygon, polygon: [[12, 2], "
+      "[16, 2], [16, 5], [15, 5], [15, 3], [12, 3]], top_m: 1.1}\n";
+  const auto pillars = [](int count) {
+    std::string out;
+    for (int i = 0; i < count; ++i)
+      out += "- {name: pillar-" + std::to_string(i) + ", kind: cylinder, position_m: [" +
+             std::to_string(1 + i % 18) + ", " + std::to_string(12 + 2 * (i / 18)) +
+             "], diameter_m: 0.2, height_m: 3}\n";
+    return out;
+  };
+  write_file(folder / "few.yaml", text + pillars(29));
+  const std::string few = shell("throng info few.yaml", folder).out;
+  EXPECT_THAT(few, HasSubstr("\nObstacles:\n"));
+  EXPECT_THAT(few, HasSubstr("\n  walls: 6 along the edges of the ground, 2.5 m high\n"));
+  EXPECT_THAT(few, HasSubstr("\n  counter: polygon 4 x 3 x 1.1 m at (14, 3.5), in 2 pieces\n"));
+  EXPECT_THAT(few, HasSubstr("\n  pillar-28: cylinder 0.2 x 0.2 x 3 m at (11, 14)\n"));
+  EXPECT_THAT(few, testing::Not(HasSubstr(" more\n")));
+  EXPECT_THAT(few, testing::Not(HasSubstr("wall 2")));
+  write_file(folder / "many.yaml", text + pillars(40));
+  const std::string many = shell("throng info many.yaml", folder).out;
+  EXPECT_THAT(many, HasSubstr("\n  and 11 more\n"));
+  EXPECT_THAT(many, testing::Not(HasSubstr("pillar-29")));
+}
+
 TEST(Info, RecognisesAUrdfByItsContent) {
   const ScratchFolder folder;
   const std::string urdf =

@@ -724,8 +724,7 @@ TEST_F(Vadere, ReadsTheTopographyOfEveryVersion) {
     ASSERT_EQ(plan.goals.size(), 1u);
     EXPECT_NEAR(area_of(plan.goals[0].polygon), std::numbers::pi, 0.004);
     EXPECT_THAT(plan.left_out,
-                ElementsAre("numbers and times of 1 source", "agents that are placed singly: 1",
-                            "measurement areas: 2"));
+                ElementsAre("agents that are placed singly: 1", "measurement areas: 2"));
   }
 }
 
@@ -733,7 +732,7 @@ TEST_F(Vadere, SendsEachSourceToItsTargetsInOrder) {
   std::string text = "{\"topography\": " + kTopography + "}";
   const std::string target = R"({"id": 2, "shape": {"type": "CIRCLE")";
   const std::string more =
-      R"({"id": 9, "shape": {"x": 2, "y": 9, "width": 1, "height": 1, "type": "RECTANGLE"}}, )";
+      R"({"id": 9, "absorbing": false, "shape": {"x": 2, "y": 9, "width": 1, "height": 1, "type": "RECTANGLE"}}, )";
   text.replace(text.find(target), 0, more);
   text.replace(text.find("\"spawnNumber\""), 0, "\"targetIds\": [9, 2], ");
   const ImportedPlan plan = scenario(text);
@@ -775,9 +774,225 @@ TEST_F(Vadere, RejectsShapesThatItDoesNotUnderstand) {
   EXPECT_THAT(scenario_refusal("[]"), HasSubstr("expected the key topography"));
 }
 
+/// A scenario with a source, two targets and pedestrians that have these keys too.
+std::string people(const std::string& source, const std::string& target = "",
+                   const std::string& pedestrian = "", const std::string& simulation = "") {
+  const auto element = [](int id, double x, const std::string& keys) {
+    return fmt::format(
+        R"({{"id": {}, "shape": {{"x": {}, "y": 4, "width": 4, "height": 5, "type": )"
+        R"("RECTANGLE"}}{}}})",
+        id, x, keys.empty() ? "" : ", " + keys);
+  };
+  return R"({"scenario": {"attributesSimulation": {)" + simulation +
+         R"(}, "topography": {"attributes": {"bounds": {"x": 0, "y": 0, "width": 40, "height": 20}},
+"obstacles": [], "targets": [)" +
+         element(1, 15, target) + ", " + element(2, 30, "") + R"(], "sources": [)" +
+         element(7, 3, R"("targetIds": [1, 2])" + (source.empty() ? "" : ", " + source)) +
+         R"(], "attributesPedestrian": {)" + pedestrian + "}}}}";
+}
+
+TEST_F(Vadere, ReadsNumbersAndTimesOfSourcesOfEveryVersion) {
+  const auto group = [&](const std::string& source, const std::string& simulation = "") {
+    const Scene scene = load(scene_text_of(scenario(people(source, "", "", simulation)), "a"));
+    return scene.groups.at(0);
+  };
+  const std::string new_keys = R"("spawner": {"type": "org.a.AttributesRegularSpawner", )";
+  for (const std::string& source :
+       {std::string(R"("spawnNumber": 18)"),
+        std::string(R"("spawnNumber": 18, "startTime": 0.0, "endTime": 0.0, "spawnDelay": -1.0)"),
+        new_keys + R"("eventElementCount": 18, "eventElement": null})"}) {
+    EXPECT_EQ(group(source).count, 18) << source;
+    EXPECT_TRUE(group(source).sources.empty());
+    EXPECT_EQ(group(source).spawn.bounds(), (Rectangle{{3, 4}, {7, 9}}));
+  }
+  // More than one per square metre enter as space permits.
+  ASSERT_EQ(group(R"("spawnNumber": 300)").sources.size(), 1u);
+  EXPECT_EQ(group(R"("spawnNumber": 300)").count, 0);
+  EXPECT_EQ(group(R"("spawnNumber": 300)").sources[0].count, 300);
+  EXPECT_EQ(group(R"("spawnNumber": 3, "startTime": 5, "endTime": 5)").sources.at(0).start_s, 5);
+
+  // One every 2 s from 10 s to 50 s.
+  const std::string times = R"("startTime": 10, "endTime": 50, )";
+  const std::string new_times = R"("constraintsTimeStart": 10, "constraintsTimeEnd": 50, )";
+  for (const std::string& source :
+       {times +
+            R"("spawnNumber": 1, "distributionParameters": [2.0], "interSpawnTimeDistribution": )"
+            R"("org.vadere.state.scenario.ConstantDistribution")",
+        times + R"("spawnDelay": 2.0)",
+        times + R"("interSpawnTimeDistribution": "constant", "spawnNumber": 1, )"
+                R"("distributionParameters": {"updateFrequency": 2.0}, "maxSpawnNumberTotal": -1)",
+        new_keys + new_times +
+            R"("constraintsElementsMax": -1, "eventElementCount": 1, "distribution": {"type": )"
+            R"("org.a.AttributesConstantDistribution", "updateFrequency": 2.0}})"}) {
+    SCOPED_TRACE(source);
+    const Group entering = group(source);
+    EXPECT_EQ(entering.count, 0);
+    ASSERT_EQ(entering.sources.size(), 1u);
+    EXPECT_EQ(entering.sources[0].count, 21);
+    EXPECT_EQ(entering.sources[0].rate_per_s, 0.5);
+    EXPECT_EQ(entering.sources[0].start_s, 10);
+    EXPECT_FALSE(entering.sources[0].is_poisson);
+    EXPECT_EQ(entering.sources[0].area.bounds(), (Rectangle{{3, 4}, {7, 9}}));
+    EXPECT_EQ(group(source, R"("finishTime": 20)").sources.at(0).count, 6) << "until the end";
+  }
+  EXPECT_EQ(group(times + R"("spawnNumber": 4, "maxSpawnNumberTotal": 30)").sources.at(0).count,
+            30);
+  EXPECT_EQ(group(times + R"("spawnNumber": 4)").sources.at(0).rate_per_s, 4);
+  EXPECT_EQ(group(R"("spawnNumber": 0)").count, 0);
+  EXPECT_EQ(group("").count, 5) << "by area";
+  const Source poisson =
+      group(new_keys + new_times +
+            R"("distribution": {"type": "a.AttributesPoissonDistribution", "numberPedsPerSecond": )"
+            R"(0.5}})")
+          .sources.at(0);
+  EXPECT_TRUE(poisson.is_poisson);
+  EXPECT_EQ(poisson.rate_per_s, 0.5);
+  EXPECT_EQ(poisson.count, 21);
+  EXPECT_EQ(group(times + R"("interSpawnTimeDistribution": "negativeExponential", )"
+                          R"("distributionParameters": {"mean": 4}, "spawnNumber": 1)")
+                .sources.at(0)
+                .rate_per_s,
+            0.25);
+}
+
+TEST_F(Vadere, RunsForTheTimeOfTheScenario) {
+  const auto duration_s = [&](const std::string& simulation) {
+    return load(scene_text_of(scenario(people("", "", "", simulation)), "a")).duration_s;
+  };
+  EXPECT_EQ(duration_s(""), 60);
+  EXPECT_EQ(duration_s(R"("finishTime": 312.5)"), 312.5);
+  EXPECT_EQ(duration_s(R"("finishTime": 1.7976931348623157E308)"), 60);
+  EXPECT_EQ(duration_s(R"("finishTime": 0)"), 60);
+}
+
+TEST_F(Vadere, NamesNumbersAndTimesThatASceneCannotExpress) {
+  const auto left_out = [&](const std::string& source) {
+    return scenario(people(R"("startTime": 0, "endTime": 50, )" + source)).left_out;
+  };
+  EXPECT_THAT(left_out(R"("spawnNumber": 1)"), testing::IsEmpty());
+  EXPECT_THAT(left_out(R"("spawnNumber": 3)"),
+              ElementsAre("events of 1 source with several agents: they enter one by one"));
+  EXPECT_THAT(left_out(R"("interSpawnTimeDistribution": "poisson", "distributionParameters": )"
+                       R"({"numberPedsPerSecond": 2})"),
+              ElementsAre("random numbers of 1 source: the mean is used"));
+  EXPECT_THAT(left_out(R"("interSpawnTimeDistribution": "timeSeries", "spawnNumber": 1)"),
+              ElementsAre("numbers and times of 1 source, kind 'timeseries'"));
+  EXPECT_THAT(left_out(R"("distributionParameters": {"updateFrequency": 0}, )"
+                       R"("interSpawnTimeDistribution": "constant")"),
+              ElementsAre("numbers and times of 1 source, kind 'constant'"));
+  EXPECT_THAT(left_out(R"("spawnNumber": 900000000)"),
+              ElementsAre("numbers and times of 1 source, too many or too late"));
+  EXPECT_THAT(
+      left_out(R"("spawner": {"type": "a.AttributesLerpSpawner", "constraintsTimeEnd": 9})"),
+      ElementsAre("numbers and times of 1 source, kind 'lerp'"));
+  EXPECT_THAT(scenario_refusal(people(R"("spawnNumber": "3")")),
+              HasSubstr("a number as 'spawnNumber' in sources 1 of the topography"));
+  EXPECT_THAT(scenario_refusal(people(R"("spawnNumber": 1.5)")), HasSubstr("a whole number"));
+  EXPECT_THAT(scenario_refusal(people(R"("spawner": 3)")), HasSubstr("an object as 'spawner'"));
+}
+
+TEST_F(Vadere, ReadsDesiredSpeeds) {
+  const auto plan = [&](const std::string& pedestrian, const std::string& source = "") {
+    return scenario(people(source, "", pedestrian));
+  };
+  const auto speed = [&](const ImportedPlan& each) {
+    return load(scene_text_of(each, "a")).groups.at(0).speed_mps;
+  };
+  const std::string slow = R"("speedDistributionMean": 0.6, "speedDistributionStandardDeviation": )"
+                           R"(0.05, "minimumSpeed": 0.55, "maximumSpeed": 0.65)";
+  EXPECT_EQ(speed(plan(slow)), (Distribution{0.6, 0.05, 0.55, 0.65}));
+  EXPECT_EQ(speed(plan(R"("radius": 0.2)")), std::nullopt);
+  EXPECT_EQ(speed(plan(R"("speedDistributionMean": 1)")), (Distribution{1, 0.26, 0.5, 2.2}));
+  EXPECT_EQ(speed(plan(R"("speedDistributionStandardDeviation": 0)")),
+            (Distribution{1.34, 0, 1.34, 1.34}));
+  const std::string own = R"("speedDistributionMean": 0.62)";
+  EXPECT_EQ(speed(plan(slow, R"("attributesPedestrian": {)" + own + "}")),
+            (Distribution{0.62, 0.05, 0.55, 0.65}));
+  EXPECT_EQ(speed(plan(slow, R"("spawner": {"eventElement": {)" + own + "}}")),
+            (Distribution{0.62, 0.05, 0.55, 0.65}));
+  const ImportedPlan fast = plan(R"("minimumSpeed": 0, "maximumSpeed": 5)");
+  EXPECT_EQ(speed(fast), (Distribution{1.34, 0.26, 0.1, 4}));
+  EXPECT_THAT(fast.left_out, ElementsAre("desired speeds outside 0.1 to 4 m/s"));
+  const ImportedPlan cars = plan(R"("speedDistributionMean": 13)");
+  EXPECT_EQ(speed(cars), std::nullopt);
+  EXPECT_THAT(cars.left_out,
+              ElementsAre("desired speeds of mean 13 and standard deviation 0.26 m/s "
+                          "between 0.5 and 2.2 m/s"));
+}
+
+TEST_F(Vadere, ReadsWaitingTimesOfEveryVersion) {
+  const std::string passed = R"("absorbing": false, )";
+  const auto wait_s = [&](const std::string& target) {
+    const Scene scene = load(scene_text_of(scenario(people("", passed + target)), "a"));
+    EXPECT_EQ(scene.groups.at(0).goals.size(), 2u);
+    EXPECT_EQ(scene.groups[0].goals.back().wait_s, Distribution{});
+    return scene.groups[0].goals[0].wait_s;
+  };
+  const Distribution ten{10, 0, 10, 10}, around_ten{10, 2, 0, 1e7};
+  EXPECT_EQ(wait_s(R"("waitingTime": 10.0, "individualWaiting": true)"), ten);
+  EXPECT_EQ(wait_s(R"("waitingTimeDistribution": "constant", "distributionParameters": )"
+                   R"({"updateFrequency": 10}, "waitingBehaviour": "INDIVIDUAL")"),
+            ten);
+  EXPECT_EQ(wait_s(R"("waiter": {"enabled": true, "individualWaiting": true, "distribution": )"
+                   R"({"type": "a.AttributesConstantDistribution", "updateFrequency": 10.0}})"),
+            ten);
+  EXPECT_EQ(wait_s(R"("waiter": {"enabled": true, "distribution": "normal", )"
+                   R"("distributionParameters": {"mean": 10, "sd": 2}})"),
+            around_ten);
+  EXPECT_EQ(wait_s(R"("waiter": {"enabled": true, "distribution": {"type": )"
+                   R"("a.AttributesNormalDistribution", "mean": 10, "sd": 2}})"),
+            around_ten);
+  for (const char* none :
+       {R"("waitingTime": 0.0)", R"("waiter": {"enabled": false, "distribution": null})",
+        R"("waitingTimeDistribution": "null", "distributionParameters": "null", )"
+        R"("waitingBehaviour": "NO_WAITING")"})
+    EXPECT_EQ(wait_s(none), Distribution{}) << none;
+}
+
+TEST_F(Vadere, NamesWaitingTimesThatASceneCannotExpress) {
+  const auto left_out = [&](const std::string& target) {
+    return scenario(people("", target)).left_out;
+  };
+  EXPECT_THAT(left_out(R"("waitingTime": 10, "individualWaiting": false)"),
+              ElementsAre("waiting times of 1 target, kind 'traffic light'"));
+  EXPECT_THAT(left_out(R"("waitingTime": 10, "parallelWaiters": 2)"),
+              ElementsAre("limits of the number of agents that wait at a target"));
+  EXPECT_THAT(left_out(R"("waiter": {"enabled": true, "distribution": {"type": )"
+                       R"("a.AttributesPoissonDistribution", "numberPedsPerSecond": 1}})"),
+              ElementsAre("waiting times of 1 target, kind 'poisson'"));
+  EXPECT_THAT(left_out(R"("waitingTime": 1e8)"),
+              ElementsAre("waiting times of 1 target, kind 'too long'"));
+  std::string chosen = people("", R"("waitingTime": 10)");
+  chosen.replace(chosen.find("[1, 2]"), 6, "[]");
+  EXPECT_THAT(scenario(chosen).left_out,
+              ElementsAre("waiting times that differ between alternative targets"));
+}
+
+TEST_F(Vadere, EndsRoutesAtTargetsThatAbsorb) {
+  const auto group = [&](const std::string& target) {
+    return load(scene_text_of(scenario(people("", target)), "a")).groups.at(0);
+  };
+  for (const std::string absorbing :
+       {"", R"("absorbing": true)", R"("absorber": {"enabled": true, "deletionDistance": 0.1})"})
+    EXPECT_EQ(group(absorbing).goals.size(), 1u) << absorbing;
+  for (const std::string passed : {R"("absorbing": false)", R"("absorber": {"enabled": false})"}) {
+    EXPECT_EQ(group(passed).goals.size(), 2u) << passed;
+    EXPECT_EQ(group(passed).on_arrival, OnArrival::kLeave);
+    std::string text = people("", passed);
+    text.replace(text.find("[1, 2]"), 6, "[1]");
+    EXPECT_EQ(load(scene_text_of(scenario(text), "a")).groups.at(0).on_arrival, OnArrival::kStay);
+  }
+}
+
 TEST_F(Vadere, RejectsOrReadsMutatedFiles) {
   try_mutated(read_vadere_scenario, "a.scenario", "a.scenario",
               "{\"scenario\": {\"topography\": " + kTopography + "}}");
+  try_mutated(read_vadere_scenario, "a.scenario", "a.scenario",
+              people(R"("spawnNumber": 3, "startTime": 1, "endTime": 9, "distributionParameters": )"
+                     R"({"updateFrequency": 2.0}, "interSpawnTimeDistribution": "constant")",
+                     R"("waiter": {"enabled": true, "distribution": {"type": )"
+                     R"("a.AttributesNormalDistribution", "mean": 10, "sd": 2}})",
+                     R"("speedDistributionMean": 1.2, "maximumSpeed": 2)"));
 }
 
 }  // namespace

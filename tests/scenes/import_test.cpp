@@ -156,6 +156,30 @@ TEST_F(GeoJson, LayersAreChosenByLayerTypeOrName) {
             "'kisok' (did you mean 'kiosk'?)");
 }
 
+TEST_F(GeoJson, NumbersNameLayersToo) {
+  const std::string text = collection(feature(R"({"layer": 6})", square(0, 0, 20)) + "," +
+                                      feature(R"({"layer": 7.0, "name": 12})", square(3, 3, 1)) +
+                                      "," + feature(R"({"layer": 7})", square(6, 6, 1)) + "," +
+                                      feature(R"({"layer": true})", square(8, 8, 1)));
+  const ImportedPlan plan = read(text, 1, {{"walkable", {"6"}}, {"obstacles", {"7"}}});
+  EXPECT_EQ(plan.walkable.size(), 1u);
+  ASSERT_EQ(plan.obstacles.size(), 2u);
+  EXPECT_EQ(plan.obstacles[0].name, "12");
+  EXPECT_EQ(plan.obstacles[1].name, "7");
+  EXPECT_EQ(refusal(text, 1, {{"walkable", {"5"}}}),
+            "--layer: expected a layer, type or name of the features: '12', '6', '7', found '5' "
+            "(did you mean '6'?)");
+  EXPECT_EQ(load(scene_text_of(plan, "plan")).obstacles.back().name, "7");
+}
+
+TEST_F(GeoJson, CountsFeaturesWithoutGeometry) {
+  EXPECT_THAT(read(collection(feature("{}", square(0, 0, 10)) + "," + feature("{}", "null") + "," +
+                              feature("{}", "null")),
+                   1)
+                  .left_out,
+              ElementsAre("2 features without geometry"));
+}
+
 TEST_F(GeoJson, RejectsMalformedFeatures) {
   EXPECT_THAT(refusal("{\"type\": \"FeatureCollection\",\n \"features\": [,]}", 1),
               StartsWith("plan:2: expected JSON"));
@@ -279,6 +303,26 @@ TEST_F(Dxf, LinesThatDoNotMeetEncloseNothing) {
               ElementsAre("layer 'FLOOR': 2 open lines that enclose no area"));
 }
 
+TEST_F(Dxf, SaysWhichLinesEncloseNothing) {
+  const std::string open = line("A", 0, 0, 8, 0) + line("A", 8, 0, 8, 5) + line("A", 0, 2, 4, 2);
+  EXPECT_EQ(
+      refusal(dxf(open), {}, {{"walkable", {"a"}}}),
+      "plan: expected closed lines, or walls, found 2 lines that enclose no area on layer 'A' "
+      "(walkable); draw closed polylines, or use the lines as walls (--layer walls=A)");
+  EXPECT_EQ(refusal(dxf(line("COLUMN", 0, 0, 8, 0) + line("FLOOR", 0, 2, 4, 2))),
+            "plan: expected closed lines, or walls, found 2 lines that enclose no area on layer "
+            "'COLUMN' (obstacles) and 1 more layer; draw closed polylines, or use the lines as "
+            "walls (--layer walls=COLUMN)");
+  EXPECT_EQ(read(dxf(open), {}, {{"walls", {"a"}}}).walls.size(), 2u);
+}
+
+TEST_F(GeoJson, SaysWhichLinesEncloseNothing) {
+  EXPECT_EQ(refusal(collection(feature(R"({"layer": "ground floor"})", kLine)), 1),
+            "plan: expected closed lines, or walls, found 1 line that encloses no area on layer "
+            "'ground floor' (walkable); draw closed polylines, or use the lines as walls (--layer "
+            "walls=\"ground floor\")");
+}
+
 TEST_F(Dxf, WallsEndWhereThreeMeet) {
   const ImportedPlan plan =
       read(dxf(line("WALL", 0, 0, 4, 0) + line("WALL", 4, 0, 8, 0) + line("WALL", 4, 0, 4, 4)));
@@ -393,11 +437,26 @@ TEST_F(Dxf, HiddenLayersAndThePaperAreLeftOut) {
   EXPECT_EQ(plan.walls.size(), 1u);
   EXPECT_THAT(plan.left_out, ElementsAre("layer 'WALL-OFF': 1 hidden entity (layer that is off)",
                                          "layer 'WALL-OLD': 1 hidden entity (frozen layer)",
-                                         "1 entities of the paper space"));
+                                         "1 entity of the paper space"));
   EXPECT_EQ(
       read(dxf(line("WALL-OLD", 0, 1, 5, 1), tables), {}, {{"walls", {"WALL-OLD"}}}).walls.size(),
       1u)
       << "a chosen layer is used";
+}
+
+TEST_F(Dxf, CountsWhatIsLeftOutInWords) {
+  const std::string paper = line("WALL", 0, 3, 5, 3) + " 67 1";
+  const std::string slanted = " 0 CIRCLE 8 WALL 10 0 20 0 40 1 210 1 220 0 230 0";
+  const std::string missing = " 0 INSERT 8 WALL 2 NONE";
+  EXPECT_THAT(
+      read(dxf(line("WALL", 0, 0, 5, 0) + paper + slanted + missing)).left_out,
+      ElementsAre("1 CIRCLE that is not horizontal", "1 INSERT of a block that the file lacks",
+                  "1 entity of the paper space"));
+  EXPECT_THAT(
+      read(dxf(line("WALL", 0, 0, 5, 0) + paper + paper + slanted + slanted + missing + missing))
+          .left_out,
+      ElementsAre("2 CIRCLEs that are not horizontal", "2 INSERTs of blocks that the file lacks",
+                  "2 entities of the paper space"));
 }
 
 TEST_F(Dxf, EntitiesDrawnFromBelowAreMirrored) {
@@ -596,6 +655,28 @@ TEST_F(SceneText, LoadsAsAScene) {
   EXPECT_EQ(load(scene_text_of(read(kRoom, 1), "room.wkt")).groups.size(), 1u);
   write("s.wkt", ground_wkt_of(plan));
   EXPECT_EQ(load(scene_text_of(plan, "plan.dxf", "s.wkt")).groups.size(), 1u);
+}
+
+TEST_F(SceneText, JoinsTouchingRoomsBeforeItChoosesTheLargest) {
+  // A hall of 150 m2 apart, and ten rooms of 16 m2 that share edges.
+  std::string text = "GEOMETRYCOLLECTION (POLYGON ((50 0, 65 0, 65 10, 50 10))";
+  for (int i = 0; i < 10; ++i)
+    text += fmt::format(", POLYGON (({0} {1}, {2} {1}, {2} {3}, {0} {3}))", 4 * (i % 5),
+                        4 * (i / 5), 4 * (i % 5) + 4, 4 * (i / 5) + 4);
+  const Scene scene = load(scene_text_of(read(text + ")", 1), "rooms.wkt"));
+  ASSERT_EQ(scene.groups.size(), 1u);
+  EXPECT_EQ(scene.groups[0].count, 40);
+  EXPECT_NEAR(scene.groups[0].spawn.area_m2(), 160, 1e-6);
+  EXPECT_EQ(scene.groups[0].spawn.bounds(), (Rectangle{{0, 0}, {20, 8}}));
+  EXPECT_EQ(scene.groups[0].goals.at(0).areas.at(0), scene.groups[0].spawn);
+}
+
+TEST_F(SceneText, StartsInTheRectangleAroundALongOutline) {
+  std::string text = "POLYGON ((0 0, 300 0";
+  for (int i = 0; i <= 12'000; ++i) text += fmt::format(", {} {}", 300 - i * 0.025, 50 + i % 2);
+  const Scene scene = load(scene_text_of(read(text + "))", 1), "long.wkt"));
+  EXPECT_TRUE(scene.groups.at(0).spawn.is_rectangle());
+  EXPECT_EQ(scene.groups[0].spawn.bounds(), (Rectangle{{0, 0}, {300, 51}}));
 }
 
 // ---- damaged files

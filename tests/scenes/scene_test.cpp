@@ -237,6 +237,12 @@ TEST_F(SceneFile, ReportsErrorsWithFileAndLine) {
            "obstacles:\n  - {name: x, kind: box, position_m: [20.5, 5], size_m: [1, 1, 1]}\n",
        "s.yaml:8: expected obstacle 'x' on the ground ([0, 0] to [20, 10]), found all of it "
        "outside, [20, 4.5] to [21, 5.5]"},
+      {"obstacle off the ground, in millimetres",
+       kGround + kGroup +
+           "obstacles:\n  - {name: x, kind: box, position_m: [20.7, 4.3], size_m: [0.2466, 0.6014, "
+           "1]}\n",
+       "s.yaml:8: expected obstacle 'x' on the ground ([0, 0] to [20, 10]), found all of it "
+       "outside, [20.5767, 3.9993] to [20.8233, 4.6007]"},
       {"flat obstacle",
        kGround + kGroup + "obstacles:\n  - {kind: box, position_m: [5, 5], size_m: [1, 0, 1]}\n",
        "s.yaml:8: expected 'size_m' from 0.001 to 10000, found 0"},
