@@ -319,13 +319,14 @@ void bind_culler(py::module_& module) {
   py::class_<PosedCuller, CullerPtr>(module, "Culler")
       .def(py::init(&new_culler), py::arg("bodies"), py::arg("options"))
       .def("contact_points", idle([](const PosedCuller& culler) {
-             return array_of(contact_point_rows(culler.culler().contact_points()));
+             return array_of(
+                 contact_point_rows(culler.frame() - 1, culler.culler().contact_points()));
            }))
       .def("proximity", idle([](const PosedCuller& culler) {
-             return array_of(proximity_rows(culler.culler().proximity_pairs()));
+             return array_of(proximity_rows(culler.frame() - 1, culler.culler().proximity_pairs()));
            }))
       .def("closest_parts", idle([](const PosedCuller& culler) {
-             return array_of(proximity_rows(culler.culler().closest_parts()));
+             return array_of(proximity_rows(culler.frame() - 1, culler.culler().closest_parts()));
            }))
       .def("step", step)
       .def("finish",

@@ -34,13 +34,15 @@ namespace fs = std::filesystem;
 namespace throng {
 namespace {
 
-/// Events, positions and counters of the first run of a log. Invalid messages are left out and
+/// Rows of the first run of a log. Invalid messages are left out and
 /// counted; `throng check` reports them in full.
 struct LogArrays {
   RunFacts facts;
   std::vector<EventRow> events;
   std::vector<PositionRow> positions;
   std::vector<FrameRow> frames;
+  std::vector<ProximityRow> proximity, closest_parts;
+  std::vector<ContactPointRow> contact_points;
   int64_t end_frame = 0;
   bool finished = false;  ///< the log contains the end of the run
   std::string hash;       ///< at the end; "" if the log is cut off
@@ -106,6 +108,9 @@ class LogRecorder {
         return store_positions(header, bytes);
       case Channel::kFrameStats:
         return decode(bytes, frame_stats_).empty() && store_frame_stats();
+      case Channel::kProximity:
+      case Channel::kContactPoints:
+        return store_distances(channel, header, bytes);
       case Channel::kEnd:
         return decode(bytes, end_).empty() && store_end();
       default:
@@ -175,6 +180,19 @@ class LogRecorder {
     return true;
   }
 
+  /// A frame may consist of several messages; the last of them completes its rows.
+  bool store_distances(Channel channel, const MessageHeader& header,
+                       std::span<const uint8_t> bytes) {
+    const RunReader::Update update = reader_.take(name_of(channel), bytes);
+    if (update == RunReader::Update::kProximity) {
+      add_proximity(header.frame, reader_.proximity_pairs(), out_.proximity);
+      add_proximity(header.frame, reader_.closest_parts(), out_.closest_parts);
+    } else if (update == RunReader::Update::kContactPoints) {
+      add_contact_points(header.frame, reader_.contact_points(), out_.contact_points);
+    }
+    return update != RunReader::Update::kRejected;
+  }
+
   bool store_end() {
     out_.finished = true;
     out_.end_frame = end_.frames;
@@ -226,6 +244,9 @@ py::dict read(const fs::path& file, std::optional<double> fps, bool positions,
   recorder.events = std::move(log->events);
   recorder.positions = std::move(log->positions);
   recorder.frames = std::move(log->frames);
+  recorder.proximity = std::move(log->proximity);
+  recorder.closest_parts = std::move(log->closest_parts);
+  recorder.contact_points = std::move(log->contact_points);
   recorder.end_frame = log->end_frame;
   const double step_s = log->facts.step_s;
   py::dict out = dict_of(std::move(log->facts));

@@ -93,6 +93,9 @@ void RunRecorder::begin(const RunInfo& run) {
 void RunRecorder::frame(const RunInfo&, const Frame& frame) {
   for (const PairEvent& event : frame.events) events.push_back(event_row(frame.number, event));
   frames.push_back(row_of(frame));
+  add_proximity(frame.number, frame.proximity_pairs, proximity);
+  add_proximity(frame.number, frame.closest_parts, closest_parts);
+  add_contact_points(frame.number, frame.contact_points, contact_points);
   if (!stores_positions_ || frame.number % every_ != 0) return;
   const double time_s = static_cast<double>(frame.utime_us) * 1e-6;
   for (size_t i = 0; i < frame.roots.size(); ++i)
@@ -136,6 +139,9 @@ void add_rows(py::dict& out, RunRecorder& recorder, double step_s) {
   });
   out["trajectories"] = array_of(std::move(recorder.positions));
   out["counters"] = array_of(std::move(recorder.frames));
+  out["proximity"] = array_of(std::move(recorder.proximity));
+  out["closest_parts"] = array_of(std::move(recorder.closest_parts));
+  out["contact_points"] = array_of(std::move(recorder.contact_points));
 }
 
 }  // namespace throng

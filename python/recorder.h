@@ -47,6 +47,8 @@ class RunRecorder final : public Sink {
   std::vector<EventRow> events;
   std::vector<PositionRow> positions;
   std::vector<FrameRow> frames;
+  std::vector<ProximityRow> proximity, closest_parts;
+  std::vector<ContactPointRow> contact_points;
   int64_t end_frame = 0;
 
  private:
@@ -64,7 +66,7 @@ std::string hash_text(uint64_t hash);
 
 pybind11::dict dict_of(RunFacts facts);
 
-/// Adds events, trajectories and counters as arrays; contacts are computed on request.
+/// Adds all rows as arrays; contacts are computed on request.
 void add_rows(pybind11::dict& out, RunRecorder& recorder, double step_s);
 
 }  // namespace throng

@@ -57,11 +57,10 @@ std::vector<ContactRow> contacts_of(const std::vector<EventRow>& events, double 
   return contacts;
 }
 
-std::vector<ProximityRow> proximity_rows(const ProximityRows& pairs) {
-  std::vector<ProximityRow> rows;
-  rows.reserve(pairs.size());
+void add_proximity(int64_t frame, const ProximityRows& pairs, std::vector<ProximityRow>& rows) {
   for (const ProximityPair& pair : pairs) {
     ProximityRow& row = rows.emplace_back();
+    row.frame = frame;
     set_pair(row, pair.pair);
     row.level = static_cast<uint8_t>(pair.level);
     row.distance_lo_m = pair.lo_m;
@@ -73,20 +72,18 @@ std::vector<ProximityRow> proximity_rows(const ProximityRows& pairs) {
     row.closing_speed_mps = pair.closing_speed_mps;
     row.time_to_contact_s = pair.time_to_contact_s();
   }
-  return rows;
 }
 
-std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points) {
-  std::vector<ContactPointRow> rows;
-  rows.reserve(points.size());
+void add_contact_points(int64_t frame, std::span<const ContactPoint> points,
+                        std::vector<ContactPointRow>& rows) {
   for (const ContactPoint& point : points) {
     ContactPointRow& row = rows.emplace_back();
+    row.frame = frame;
     set_pair(row, point.pair);
     std::copy(point.point_m.begin(), point.point_m.end(), row.point_m);
     std::copy(point.normal.begin(), point.normal.end(), row.normal);
     row.depth_m = point.depth_m;
   }
-  return rows;
 }
 
 void register_rows() {
@@ -94,10 +91,11 @@ void register_rows() {
   PYBIND11_NUMPY_DTYPE(ContactRow, body_a, body_b, part_a, part_b, level, ended, begin_frame,
                        end_frame, begin_s, end_s);
   PYBIND11_NUMPY_DTYPE(PairRow, body_a, body_b, part_a, part_b);
-  PYBIND11_NUMPY_DTYPE(ProximityRow, body_a, body_b, part_a, part_b, level, distance_lo_m,
+  PYBIND11_NUMPY_DTYPE(ProximityRow, frame, body_a, body_b, part_a, part_b, level, distance_lo_m,
                        distance_hi_m, point_a_m, point_b_m, normal, depth_m, closing_speed_mps,
                        time_to_contact_s);
-  PYBIND11_NUMPY_DTYPE(ContactPointRow, body_a, body_b, part_a, part_b, point_m, normal, depth_m);
+  PYBIND11_NUMPY_DTYPE(ContactPointRow, frame, body_a, body_b, part_a, part_b, point_m, normal,
+                       depth_m);
   PYBIND11_NUMPY_DTYPE(PersonRow, id, group, model, scale, height_m);
   PYBIND11_NUMPY_DTYPE(PositionRow, frame, time_s, id, x_m, y_m, z_m, heading_rad, speed_mps);
   PYBIND11_NUMPY_DTYPE(FrameRow, frame, time_s, touching, begins, ends, persisting,

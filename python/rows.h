@@ -38,6 +38,7 @@ struct PairRow {
 /// Distance of a pair of parts; see culling/proximity.h. Point values are NaN if only volumes were
 /// tested.
 struct ProximityRow {
+  int64_t frame;
   uint32_t body_a, body_b;
   uint8_t part_a, part_b;
   uint8_t level;  ///< PairLevel: 2 volumes, 3 triangles
@@ -49,6 +50,7 @@ struct ProximityRow {
 
 /// Contact point of a pair of parts; see ContactPoint in culling/proximity.h.
 struct ContactPointRow {
+  int64_t frame;
   uint32_t body_a, body_b;
   uint8_t part_a, part_b;
   double point_m[3];
@@ -86,8 +88,22 @@ struct FrameRow {
   double frame_ms, cull_ms;
 };
 
-std::vector<ProximityRow> proximity_rows(const ProximityRows& pairs);
-std::vector<ContactPointRow> contact_point_rows(std::span<const ContactPoint> points);
+/// Appends rows of one frame.
+void add_proximity(int64_t frame, const ProximityRows& pairs, std::vector<ProximityRow>& rows);
+void add_contact_points(int64_t frame, std::span<const ContactPoint> points,
+                        std::vector<ContactPointRow>& rows);
+
+inline std::vector<ProximityRow> proximity_rows(int64_t frame, const ProximityRows& pairs) {
+  std::vector<ProximityRow> rows;
+  add_proximity(frame, pairs, rows);
+  return rows;
+}
+inline std::vector<ContactPointRow> contact_point_rows(int64_t frame,
+                                                       std::span<const ContactPoint> points) {
+  std::vector<ContactPointRow> rows;
+  add_contact_points(frame, points, rows);
+  return rows;
+}
 
 inline EventRow event_row(int64_t frame, const PairEvent& event) {
   return {frame,

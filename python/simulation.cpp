@@ -92,19 +92,19 @@ struct FrameView {
   py::array proximity() const {
     const Frame& f = frame();
     require(run->scene().proximity_m > 0, "without proximity=M, and its scene has no proximity_m");
-    return array_of(proximity_rows(f.proximity_pairs));
+    return array_of(proximity_rows(number, f.proximity_pairs));
   }
   py::array contact_points() const {
     const Frame& f = frame();
     require(run->scene().contact_points,
             "without contact_points=True, and its scene has no contact_points");
-    return array_of(contact_point_rows(f.contact_points));
+    return array_of(contact_point_rows(number, f.contact_points));
   }
   py::array closest_parts() const {
     const Frame& f = frame();
     require(run->scene().closest_parts_m > 0,
             "without closest_parts=M, and its scene has no closest_parts_m");
-    return array_of(proximity_rows(f.closest_parts));
+    return array_of(proximity_rows(number, f.closest_parts));
   }
   py::array part_poses(const Numbers& people) const;
 

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -37,6 +37,7 @@ class _Names:
     models: List[str]
     parts: List[List[str]]
     obstacles: List[str]
+    def bodies(self, bodies: npt.ArrayLike) -> npt.NDArray[np.object_]: ...
     def part(self, bodies: npt.ArrayLike, parts: npt.ArrayLike) -> npt.NDArray[np.object_]: ...
 
 class Run:
@@ -54,6 +55,9 @@ class Run:
     events: Table
     trajectories: Table
     counters: Table
+    proximity: Table
+    closest_parts: Table
+    contact_points: Table
     @property
     def contacts(self) -> Table: ...
     def view(self) -> Page: ...
@@ -65,7 +69,7 @@ def run(
     avatars: Optional[int] = None,
     seed: Optional[int] = None,
     steering: Optional[str] = None,
-    part_volume: Optional[str] = None,
+    part_volume: Union[None, str, Mapping[str, str]] = None,
     exact: bool = False,
     proximity: Optional[float] = None,
     closest_parts: Optional[float] = None,
@@ -140,13 +144,45 @@ class Simulation:
     seed: int
     run_id: str
     step_s: float
-    def __init__(self, source: RunSource, **options: Any) -> None: ...
+    def __init__(
+        self,
+        source: RunSource,
+        *,
+        seconds: Optional[float] = None,
+        avatars: Optional[int] = None,
+        seed: Optional[int] = None,
+        steering: Optional[str] = None,
+        part_volume: Union[None, str, Mapping[str, str]] = None,
+        exact: bool = False,
+        proximity: Optional[float] = None,
+        closest_parts: Optional[float] = None,
+        contact_points: bool = False,
+        filter_groups: Optional[str] = None,
+        filter_parts: Optional[str] = None,
+        threads: Optional[int] = None,
+        budget_ms: Optional[float] = None,
+        budget_tests: Optional[int] = None,
+        strategy: Optional[str] = None,
+        simd: Optional[str] = None,
+        pair_search: Optional[str] = None,
+        fps: Optional[float] = None,
+        unit: Optional[str] = None,
+        heading_unit: Optional[str] = None,
+        columns: Optional[str] = None,
+        separator: Optional[str] = None,
+        tracked_point: Optional[str] = None,
+        strict: bool = False,
+        sampling: Optional[str] = None,
+        culling: Optional[bool] = None,
+        joint_positions: Optional[bool] = None,
+        **options: None,
+    ) -> None: ...
     def step(self) -> Frame: ...
     def finish(self) -> Table: ...
     def __iter__(self) -> Iterator[Frame]: ...
     def __next__(self) -> Frame: ...
     def save(self) -> bytes: ...
-    def resume(self, state: Union[bytes, bytearray, memoryview]) -> None: ...
+    def resume(self, state: Union[bytes, bytearray, memoryview]) -> Simulation: ...
     def set_pose(
         self,
         avatar: int,

@@ -3,6 +3,7 @@
 import os
 import sys
 import tempfile
+from collections.abc import Mapping
 
 import numpy
 
@@ -19,6 +20,8 @@ _WHOLE_BODY = 255
 def options_of(source, given):
     """Return the options for the compiled module: source and all options that are not None."""
     options = {name: value for name, value in given.items() if value is not None}
+    if isinstance(options.get("part_volume"), Mapping):
+        options["part_volume"] = ", ".join(f"{words}: {volume}" for words, volume in options["part_volume"].items())
     if isinstance(source, SceneText):
         return {**options, **source_options(source)}
     options["source"] = path_of("source", source, "a Scene, the name of a scene, or a path")
@@ -39,10 +42,12 @@ class Names:
         self.parts = [list(names) for names in facts["part_names"]]
         self.obstacles = list(facts["obstacles"])
         self._model_of_person = facts["people"]["model"]
+        self._group_of_person = facts["people"]["group"]
         # One row per model, one per obstacle, each with the name of the whole body. The last row is
         # for bodies that the run does not have.
         kinds = self.parts + [[name] for name in self.obstacles]
         self._part_counts = numpy.array([len(names) for names in kinds], dtype=numpy.int64)
+        self._body_names = None
         self._table = numpy.full((len(kinds) + 1, 256), "", dtype=object)
         for row, names in enumerate(kinds):
             self._table[row, : len(names)] = names
@@ -72,12 +77,21 @@ class Names:
     def _of_parts(self, bodies, parts):
         return self._table[self._kinds(bodies.astype(numpy.int64)), parts]
 
+    def bodies(self, bodies):
+        """Return the names of N bodies (N, object): "walkers 12" for avatar 12 of the group walkers, or the obstacle's."""
+        if self._body_names is None:
+            groups = [self.groups[group] if group < len(self.groups) else "body" for group in self._group_of_person]
+            names = [f"{group} {i}" for i, group in enumerate(groups)] + self.obstacles + [""]
+            self._body_names = numpy.array(names, dtype=object)
+        return self._body_names[numpy.minimum(integers("bodies", bodies), len(self._body_names) - 1)]
+
     def of_pairs(self, table):
-        out = {
-            f"part_{side}_name": self._of_parts(table[f"body_{side}"], table[f"part_{side}"])
-            for side in "ab"
-            if has_columns(table, f"body_{side}", f"part_{side}")
-        }
+        out = {}
+        for side in "ab":
+            if has_columns(table, f"body_{side}"):
+                out[f"body_{side}_name"] = self.bodies(table[f"body_{side}"])
+            if has_columns(table, f"body_{side}", f"part_{side}"):
+                out[f"part_{side}_name"] = self._of_parts(table[f"body_{side}"], table[f"part_{side}"])
         if has_columns(table, "level"):
             out["level_name"] = _LEVELS[table["level"]]
         return out
@@ -109,6 +123,8 @@ class Run:
             (0: lasted to the end of the run), begin_frame, end_frame, begin_s, end_s.
         trajectories: Table, one row per sampled frame and avatar in the scene. Columns: frame, time_s, id, x_m, y_m,
             z_m (root position), heading_rad (counter-clockwise from the x axis), speed_mps.
+        proximity, closest_parts, contact_points: Table, one row per frame and pair of parts, with the options of these
+            names; empty without them. Columns: see Frame.
         counters: Table, one row per frame. Columns: frame, time_s, touching, begins, ends, persisting, posed_bodies,
             frame_ms and cull_ms (wall times). Also updates, tests and passed of each culling stage: body_sphere,
             body_box, part_box, part_volume, triangles.
@@ -137,6 +153,9 @@ class Run:
         self.events = Table(facts["events"], self.names.of_pairs)
         self.trajectories = Table(facts["trajectories"])
         self.counters = Table(facts["counters"])
+        self.proximity = Table(facts["proximity"], self.names.of_pairs)
+        self.closest_parts = Table(facts["closest_parts"], self.names.of_pairs)
+        self.contact_points = Table(facts["contact_points"], self.names.of_pairs)
         self._find_contacts = facts["find_contacts"]
         self._contacts = None
         self._page = page
@@ -238,15 +257,15 @@ def run(
         avatars: total number of agents; scales all groups [the scene's].
         seed: seed of all random numbers, from 0 [the scene's].
         steering: steering model: "heuristic", "orca" or "collision_free_speed" [the scene's].
-        part_volume: bounding volume of body parts: "ordop26", "obb", ..., or a map by words of part names, "hands:
-            sphere, default: ordop26" [the scene's].
+        part_volume: bounding volume of body parts: "ordop26", "obb", ..., or a dict by words of part names, {"hands":
+            "sphere", "default": "ordop26"} [the scene's].
         exact: True decides contacts and distances by triangle tests; False by part volumes.
-        proximity: margin in metres, 0 to 100. Lists pairs of parts within it, with distances, in the log and in
-            Frame.proximity of a Simulation.
-        closest_parts: margin in metres, 0 to 100. Lists the closest parts of each two avatars within it, in the log
-            and in Frame.closest_parts.
-        contact_points: True adds points and penetration depths to the log and to Frame.contact_points; requires
-            exact=True.
+        proximity: margin in metres, 0 to 100. Lists pairs of parts within it, with distances, in Run.proximity,
+            Frame.proximity and the log.
+        closest_parts: margin in metres, 0 to 100. Lists the closest parts of each two avatars within it, in
+            Run.closest_parts, Frame.closest_parts and the log.
+        contact_points: True lists points and penetration depths in Run.contact_points, Frame.contact_points and the
+            log; requires exact=True.
         filter_groups, filter_parts: pairs to report [all], as in "robots: people" and "hands: head".
         threads: number of threads, 1 to 256 [all cores].
         budget_ms, budget_tests: limit per frame for contact detection, in milliseconds or tests [none]. Remaining

@@ -31,14 +31,14 @@ class Frame:
             where those of each avatar begin.
         pairs (Table): pairs of parts that touch in this frame, sorted. Columns: body_a, body_b, part_a, part_b.
         events (Table): begin and end events of this frame. Columns: see Run.events.
-        proximity (Table): with proximity=M, all pairs of parts of two bodies within M metres. Columns: body_a, body_b,
-            part_a, part_b, level (2 part volumes, 3 triangles), distance_lo_m and distance_hi_m (bounds of the
+        proximity (Table): with proximity=M, all pairs of parts of two bodies within M metres. Columns: frame, body_a,
+            body_b, part_a, part_b, level (2 part volumes, 3 triangles), distance_lo_m and distance_hi_m (bounds of the
             distance). Known with exact=True, otherwise nan or 0: point_a_m and point_b_m (3, nearest points, world
             frame), normal (3, unit, from a to b), depth_m, closing_speed_mps, time_to_contact_s.
         closest_parts (Table): with closest_parts=M, the nearest parts of each two avatars within M metres. Columns as
             in proximity.
-        contact_points (Table): with exact=True and contact_points=True, one row per row of pairs. Columns: body_a,
-            body_b, part_a, part_b, point_m (3, world frame, on both parts), normal (3, unit, direction of least
+        contact_points (Table): with exact=True and contact_points=True, one row per row of pairs. Columns: frame,
+            body_a, body_b, part_a, part_b, point_m (3, world frame, on both parts), normal (3, unit, direction of least
             penetration for b), depth_m (penetration depth of the convex hulls).
 
     A table that was not requested raises RuntimeError.
@@ -95,10 +95,44 @@ class Simulation:
             positions of avatar i, in the order of Model.joint_names.
     """
 
-    def __init__(self, source, **options):
+    def __init__(
+        self,
+        source,
+        *,
+        seconds=None,
+        avatars=None,
+        seed=None,
+        steering=None,
+        part_volume=None,
+        exact=False,
+        proximity=None,
+        closest_parts=None,
+        contact_points=False,
+        filter_groups=None,
+        filter_parts=None,
+        threads=None,
+        budget_ms=None,
+        budget_tests=None,
+        strategy=None,
+        simd=None,
+        pair_search=None,
+        fps=None,
+        unit=None,
+        heading_unit=None,
+        columns=None,
+        separator=None,
+        tracked_point=None,
+        strict=False,
+        sampling=None,
+        culling=None,
+        joint_positions=None,
+        **options,
+    ):
+        given = {name: value for name, value in locals().items() if name not in ("self", "source", "options", "__class__")}
         for name in _OF_RUNS:
             if options.get(name) not in (None, False):
                 raise input_error(name, "an option that shapes frames; run() writes and keeps", abbreviated(options[name]))
+        options.update(given)
         with errors_of(source):
             self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
@@ -126,11 +160,12 @@ class Simulation:
         """Continue from save() of a simulation with the same source and options. Call it before the first step.
 
         Later frames, events and the hash equal those of the saved simulation bit for bit. Raises InputError if the
-        state belongs to another run.
+        state belongs to another run. Returns this simulation.
         """
         if not isinstance(state, (bytes, bytearray, memoryview)):
             raise input_error("state", "bytes returned by save()", abbreviated(state))
         self._run.resume(bytes(state))
+        return self
 
     def __iter__(self):
         return self

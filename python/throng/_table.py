@@ -1,6 +1,11 @@
 """Structured arrays that convert to data frames."""
 
+from html import escape
+
 import numpy
+
+# Maximum number of rows that a notebook shows.
+_SHOWN = 20
 
 
 class Table(numpy.ndarray):
@@ -31,12 +36,21 @@ class Table(numpy.ndarray):
         # A column, and any array computed from it, is a plain array.
         return part.view(numpy.ndarray) if isinstance(part, Table) and part.dtype.names is None else part
 
+    def _repr_html_(self):
+        shown = self if len(self) <= _SHOWN else self[[*range(_SHOWN // 2), *range(-_SHOWN // 2, 0)]]
+        columns = {**dict(_columns(shown)), **(self._names(shown) if self._names else {})}
+        rows = [f"<tr>{''.join(f'<td>{escape(_text(value))}</td>' for value in row)}</tr>" for row in zip(*columns.values())]
+        if shown is not self:
+            rows.insert(_SHOWN // 2, f"<tr>{'<td>...</td>' * len(columns)}</tr>")
+        head = "".join(f"<th>{escape(name)}</th>" for name in columns)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table><p>{len(self)} rows</p>"
+
     def to_pandas(self):
         """Return a pandas.DataFrame with a column per field, and columns of names.
 
         A point or direction becomes three columns: point_a_m becomes point_a_x_m, point_a_y_m and point_a_z_m; normal
-        becomes normal_x, normal_y and normal_z. part_a adds part_a_name, level adds level_name. A part's name also
-        needs the column of its body.
+        becomes normal_x, normal_y and normal_z. body_a adds body_a_name, part_a adds part_a_name, level adds level_name.
+        A part's name also needs the column of its body.
         """
         try:
             import pandas
@@ -46,6 +60,10 @@ class Table(numpy.ndarray):
         for name, values in (self._names(self) if self._names else {}).items():
             frame[name] = pandas.Categorical(values)
         return frame
+
+
+def _text(value):
+    return f"{value:.6g}" if isinstance(value, (float, numpy.floating)) else str(value)
 
 
 def has_columns(table, *names):

@@ -158,11 +158,11 @@ class Runs(Case):
     def test_convert_selected_columns_to_data_frames(self):
         run = throng.run("plaza", seconds=0.5)
         for table, columns, names in [
-            (run.contacts, ["body_a", "body_b"], []),
+            (run.contacts, ["body_a", "body_b"], ["body_a_name", "body_b_name"]),
             (run.contacts, ["part_a", "part_b"], []),
-            (run.contacts, ["body_a", "part_a", "begin_s"], ["part_a_name"]),
+            (run.contacts, ["body_a", "part_a", "begin_s"], ["body_a_name", "part_a_name"]),
             (run.contacts, ["level"], ["level_name"]),
-            (run.events, ["frame", "body_b", "part_b", "level"], ["part_b_name", "level_name"]),
+            (run.events, ["frame", "body_b", "part_b", "level"], ["body_b_name", "part_b_name", "level_name"]),
             (run.people, ["id"], []),
             (run.people, ["id", "model"], ["model_name"]),
             (run.people, ["group"], ["group_name"]),
@@ -172,6 +172,39 @@ class Runs(Case):
                 self.assertEqual(list(frame.columns), columns + names)
                 for name in names:
                     self.assertEqual(list(frame[name]), list(whole[name]))
+
+    def test_hold_the_distances_of_all_frames(self):
+        options = {"seconds": 0.5, "avatars": 80, "exact": True, "proximity": 0.2, "closest_parts": 0.5, "contact_points": True}
+        file = self.folder / "plaza.lcmlog"
+        run = throng.run("plaza", log=file, **options)
+        log = throng.read_log(file)
+        names = ("proximity", "closest_parts", "contact_points")
+        rows = {name: [] for name in names}
+        for frame in throng.Simulation("plaza", **options):
+            for name in names:
+                rows[name].append(numpy.array(getattr(frame, name)))
+        for name in names:
+            with self.subTest(table=name):
+                whole = numpy.concatenate(rows[name])
+                self.assertGreater(len(whole), 0)
+                self.assertSameTable(getattr(run, name), whole)
+                self.assertSameTable(getattr(log, name), whole)
+        first = run.proximity.to_pandas().iloc[0]
+        self.assertEqual(first.body_a_name, f"{run.people[first.body_a:first.body_a + 1].to_pandas().group_name[0]} {first.body_a}")
+        self.assertEqual(len(throng.run("plaza", seconds=0.1, avatars=40).proximity), 0)
+
+    def test_show_tables_in_notebooks(self):
+        run = throng.run("corridor", seconds=1)
+        shown = run.people._repr_html_()
+        self.assertIn("<th>group_name</th>", shown)
+        self.assertIn(f"<p>{len(run.people)} rows</p>", shown)
+        self.assertLessEqual(shown.count("<tr>"), 22)
+        self.assertIn("0 rows", run.proximity._repr_html_())
+
+    def test_take_part_volumes_as_a_dictionary(self):
+        options = {"seconds": 0.3, "avatars": 60}
+        text = throng.run("plaza", part_volume="hands: sphere, default: obb", **options)
+        self.assertEqual(throng.run("plaza", part_volume={"hands": "sphere", "default": "obb"}, **options).hash, text.hash)
 
     def test_convert_to_data_frames(self):
         try:
