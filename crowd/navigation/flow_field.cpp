@@ -72,6 +72,15 @@ Eigen::Vector2d best_place(const Eigen::Vector2d& centre, double cell_m, const W
   return best;
 }
 
+/// Replaces `walls` by the footprints of which a point within `radius_m` of the centre can be
+/// nearer than `reach_m`.
+void list_walls(const Walkable& walkable, const Eigen::Vector2d& centre, double radius_m,
+                double reach_m, std::vector<uint32_t>& walls) {
+  walls.clear();
+  for (const uint32_t wall : walkable.nearby_footprints(centre))
+    if (!walkable.is_beyond(wall, centre, reach_m + radius_m)) walls.push_back(wall);
+}
+
 float slowness_at(double clearance_m) {
   const double tightness = std::clamp((kComfort_m - clearance_m) / kComfort_m, 0.0, 1.0);
   return static_cast<float>(1 + (kMaxSlowness - 1) * tightness);
@@ -112,10 +121,11 @@ FlowGrid::FlowGrid(const Walkable& walkable)
 /// Gaps that contain no cell centre are passable nevertheless.
 void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clearances_m) {
   const double gap_limit_m = max_gap_m(cell_m_);
+  std::vector<uint32_t> walls;
   // The most distant point from both walls; before a thin wall there is more clearance.
   const auto clearance_in_gap = [&](const Eigen::Vector2d& point) {
-    return walkable.gap_at(point, gap_limit_m).width_m < gap_limit_m
-               ? walkable.obstacle_clearance_m(point)
+    return walkable.gap_at(point, gap_limit_m, walls).width_m < gap_limit_m
+               ? walkable.obstacle_clearance_m(point, walls)
                : -1.0;
   };
   for (size_t cell = 0; cell < slowness_.size(); ++cell) {
@@ -123,7 +133,7 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
     if (is_free(cell) || static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kMinGap_m / 2)
       continue;
     // Walls stand on both sides of a point in a gap, also for a point inside one of them.
-    const auto walls = walkable.nearby_footprints(centre);
+    list_walls(walkable, centre, 0.71 * cell_m_, gap_limit_m, walls);
     const auto is_next_to = [&](uint32_t wall) {
       return !walkable.is_beyond(wall, centre, gap_limit_m) &&
              walkable.nearest(wall, centre).distance_m < gap_limit_m;
@@ -142,18 +152,22 @@ void FlowGrid::find_narrow(const Walkable& walkable, std::span<const float> clea
 /// Before a gap a cell's centre may be too close to a corner. The path then leads through the place
 /// in the cell from which the gap is best entered.
 void FlowGrid::add_approaches(const Walkable& walkable, std::span<const float> clearances_m) {
+  constexpr double kClear_m = kBodyMargin_m + 0.05;
   std::vector<std::pair<size_t, Eigen::Vector2d>> approaches;
+  std::vector<uint32_t> walls;
   for (const auto& [narrow, gap] : narrow_)
     for (const ptrdiff_t next : neighbours_of(*this, narrow)) {
       const auto cell = static_cast<size_t>(next);
       if (next < 0 || is_free(cell) || is_narrow(cell)) continue;
       if (static_cast<double>(clearances_m[cell]) + 0.71 * cell_m_ < kMinGap_m / 2) continue;
+      list_walls(walkable, centre_m(cell), 0.71 * cell_m_, kClear_m, walls);
       const Eigen::Vector2d place =
           best_place(centre_m(cell), cell_m_, [&, &middle = gap](const Eigen::Vector2d& point) {
-            return std::min(walkable.obstacle_clearance_m(point), kBodyMargin_m + 0.05) -
+            return std::min(walkable.obstacle_clearance_m(point, walls), kClear_m) -
                    0.01 * (point - middle).norm();
           });
-      if (walkable.obstacle_clearance_m(place) >= kBodyMargin_m && walkable.is_on_floor(place))
+      if (walkable.obstacle_clearance_m(place, walls) >= kBodyMargin_m &&
+          walkable.is_on_floor(place))
         approaches.emplace_back(cell, place);
     }
   const auto by_cell = [](const auto& a, const auto& b) { return a.first < b.first; };
@@ -171,12 +185,14 @@ void FlowGrid::join(const Walkable& walkable, size_t from, size_t to) {
   const bool is_new = is_narrow(from) || is_narrow(to);
   const double gap_limit_m = max_gap_m(cell_m_);
   const int steps = std::max(1, static_cast<int>(std::ceil((end - start).norm() / 0.04)));
+  std::vector<uint32_t> walls;
+  list_walls(walkable, start, (end - start).norm(), gap_limit_m, walls);
   bool is_gap = is_new;
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Vector2d point = start + (static_cast<double>(i) / steps) * (end - start);
     // At a single corner a shoulder may brush it; between two walls there has to be room.
-    if (is_new && walkable.obstacle_clearance_m(point) < 0.7 * kBodyMargin_m) return;
-    const Gap gap = walkable.gap_at(point, gap_limit_m);
+    if (is_new && walkable.obstacle_clearance_m(point, walls) < 0.7 * kBodyMargin_m) return;
+    const Gap gap = walkable.gap_at(point, gap_limit_m, walls);
     if (gap.width_m < kMinGap_m) {
       closures_.push_back(gap.across);
       return;

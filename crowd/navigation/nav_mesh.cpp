@@ -24,6 +24,11 @@ constexpr double kMinVoxel_m = 0.1;
 constexpr double kMaxVoxels = 1 << 20;
 /// Recast walks 40 000 sides of voxels round a region and drops the rest of a longer contour.
 constexpr double kMaxVoxelsPerRow = 15'000;
+/// Time for the polygons of a region grows with the cube of its corners: with 600 some 0.05 s.
+constexpr int kMaxRegionCorners = 600;
+/// Side of the squares that divide regions if one has more corners.
+constexpr int kDividedVoxels = 48;
+constexpr unsigned short kMaxRegions = 0x7fff;  // the bit above marks borders
 /// In fewer rows than this Recast finds no region.
 constexpr double kMinVoxelRows = 4;
 /// A mesh has at most 65 534 corners, and a footprint at least three of them.
@@ -54,6 +59,68 @@ std::vector<Eigen::Vector2d> widened(const std::vector<Eigen::Vector2d>& footpri
       points.push_back(corner + radius_m * Eigen::Vector2d(turn.cos, turn.sin));
     }
   return convex_hull(std::move(points));
+}
+
+/// Returns the neighbour of a voxel in one of four directions, or -1 at a wall.
+int neighbour_of(const rcCompactHeightfield& open, int voxel, int column, int row, int direction) {
+  const int level = rcGetCon(open.spans[voxel], direction);
+  if (level == RC_NOT_CONNECTED) return -1;
+  const int cell =
+      column + rcGetDirOffsetX(direction) + (row + rcGetDirOffsetY(direction)) * open.width;
+  return static_cast<int>(open.cells[cell].index) + level;
+}
+
+template <typename Visit>
+void for_each_voxel(const rcCompactHeightfield& open, const Visit& visit) {
+  for (int row = 0; row < open.height; ++row)
+    for (int column = 0; column < open.width; ++column) {
+      const rcCompactCell& cell = open.cells[column + row * open.width];
+      for (unsigned i = 0; i < cell.count; ++i)
+        visit(static_cast<int>(cell.index + i), column, row);
+    }
+}
+
+bool has_large_regions(const rcContourSet& contours) {
+  return std::any_of(contours.conts, contours.conts + contours.nconts,
+                     [](const rcContour& each) { return each.nverts > kMaxRegionCorners; });
+}
+
+/// Divides all regions along a grid of squares; each connected part becomes a region. Returns
+/// false, without a change, if they would be too many.
+bool divide_regions(rcCompactHeightfield& open) {
+  struct Place {
+    int voxel, column, row;
+  };
+  std::vector<unsigned short> regions(static_cast<size_t>(open.spanCount));
+  std::vector<Place> front;
+  int count = 0;
+  for_each_voxel(open, [&](int seed, int seed_column, int seed_row) {
+    if (open.spans[seed].reg == 0 || regions[static_cast<size_t>(seed)] != 0) return;
+    if (++count >= kMaxRegions) return;
+    const auto name = static_cast<unsigned short>(count);
+    regions[static_cast<size_t>(seed)] = name;
+    front.assign(1, {seed, seed_column, seed_row});
+    while (!front.empty()) {
+      const auto [voxel, column, row] = front.back();
+      front.pop_back();
+      for (int direction = 0; direction < 4; ++direction) {
+        const int next = neighbour_of(open, voxel, column, row, direction);
+        const int next_column = column + rcGetDirOffsetX(direction),
+                  next_row = row + rcGetDirOffsetY(direction);
+        if (next < 0 || regions[static_cast<size_t>(next)] != 0 ||
+            open.spans[next].reg != open.spans[seed].reg ||
+            next_column / kDividedVoxels != seed_column / kDividedVoxels ||
+            next_row / kDividedVoxels != seed_row / kDividedVoxels)
+          continue;
+        regions[static_cast<size_t>(next)] = name;
+        front.push_back({next, next_column, next_row});
+      }
+    }
+  });
+  if (count >= kMaxRegions) return false;
+  for (int i = 0; i < open.spanCount; ++i) open.spans[i].reg = regions[static_cast<size_t>(i)];
+  open.maxRegions = static_cast<unsigned short>(count);
+  return true;
 }
 
 }  // namespace
@@ -163,13 +230,18 @@ bool NavMesh::State::build(const Rectangle& ground,
   // A gap is open exactly for agents that fit through, regardless of rounding to voxels.
   for (const Passage& closure : closures) mark(closure, RC_NULL_AREA, *open);
   for (const Passage& passage : passages) mark(passage, RC_WALKABLE_AREA, *open);
-  const Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
+  Owned<rcContourSet, rcFreeContourSet> contours(rcAllocContourSet());
   const Owned<rcPolyMesh, rcFreePolyMesh> polygons(rcAllocPolyMesh());
   if (!contours || !polygons) return false;
-  return rcBuildDistanceField(&context, *open) &&
-         rcBuildRegions(&context, *open, 0, 0, kMergeVoxels) &&
-         rcBuildContours(&context, *open, kContourError, 0, *contours) &&
-         rcBuildPolyMesh(&context, *contours, kCornersPerPolygon, *polygons) &&
+  if (!rcBuildDistanceField(&context, *open) ||
+      !rcBuildRegions(&context, *open, 0, 0, kMergeVoxels) ||
+      !rcBuildContours(&context, *open, kContourError, 0, *contours))
+    return false;
+  if (has_large_regions(*contours) && divide_regions(*open)) {
+    contours.reset(rcAllocContourSet());
+    if (!contours || !rcBuildContours(&context, *open, kContourError, 0, *contours)) return false;
+  }
+  return rcBuildPolyMesh(&context, *contours, kCornersPerPolygon, *polygons) &&
          polygons->npolys > 0 && take(*polygons);
 }
 

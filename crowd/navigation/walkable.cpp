@@ -177,14 +177,24 @@ bool Walkable::is_clear_between(const Eigen::Vector2d& from, const Eigen::Vector
 }
 
 double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point) const {
+  return obstacle_clearance_m(point, nearby_footprints(point));
+}
+
+double Walkable::obstacle_clearance_m(const Eigen::Vector2d& point,
+                                      std::span<const uint32_t> footprints) const {
   double clearance = kReach_m;
-  for (const uint32_t footprint : nearby_footprints(point))
+  for (const uint32_t footprint : footprints)
     if (!is_beyond(footprint, point, std::max(clearance, 0.0)))
       clearance = std::min(clearance, nearest(footprint, point).distance_m);
   return clearance >= 0 && locator_ && !locator_->contains(point) ? -kReach_m : clearance;
 }
 
 Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
+  return gap_at(point, reach_m, nearby_footprints(point));
+}
+
+Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m,
+                     std::span<const uint32_t> footprints) const {
   constexpr double kOpposite = -0.5;  // 120 degrees apart or more, the cosine
   // Only the nearest wall in each of sixteen directions counts: thousands may be near.
   constexpr size_t kSectors = 16;
@@ -193,7 +203,7 @@ Gap Walkable::gap_at(const Eigen::Vector2d& point, double reach_m) const {
     double distance_m = std::numeric_limits<double>::infinity();
   };
   std::array<Wall, kSectors + 4> walls;
-  for (const uint32_t footprint : nearby_footprints(point)) {
+  for (const uint32_t footprint : footprints) {
     if (is_beyond(footprint, point, reach_m)) continue;
     const Nearest wall = nearest(footprint, point);
     if (!(wall.distance_m < reach_m)) continue;

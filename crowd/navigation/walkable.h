@@ -82,9 +82,15 @@ class Walkable {
                         int pieces) const;
   /// The same as clearance_m(), without edges of the ground.
   double obstacle_clearance_m(const Eigen::Vector2d& point) const;
+  /// The same, of these footprints only.
+  double obstacle_clearance_m(const Eigen::Vector2d& point,
+                              std::span<const uint32_t> footprints) const;
   /// The narrowest gap that contains a point: between two walls (or edges of the ground) on
   /// opposite sides, each nearer than `reach_m`. At least one is an obstacle.
   Gap gap_at(const Eigen::Vector2d& point, double reach_m) const;
+  /// The same, between these footprints and edges of the ground.
+  Gap gap_at(const Eigen::Vector2d& point, double reach_m,
+             std::span<const uint32_t> footprints) const;
   /// Returns where an agent ends that moves from a walkable point `from` to `to` (less than 1 m).
   /// It slides along walls at `gap_m`, and stays at `from` if it would enter or cross one.
   Eigen::Vector2d slide(const Eigen::Vector2d& from, Eigen::Vector2d to, double gap_m) const;

@@ -5,12 +5,14 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/random.h"
 #include "crowd/navigation/footprints.h"
+#include "scenes/file/polygon_values.h"
 #include "scenes/file/scene.h"
 #include "tests/crowd/crowd_world.h"
 #include "tests/nightly.h"
@@ -44,6 +46,56 @@ TEST(NavMesh, KeepsABodyMarginAtCorners) {
       ASSERT_GT(walkable.nearest(0, point).distance_m, 0.05) << point.transpose();
     }
   EXPECT_NEAR(path.length_m(), 2 * std::hypot(7, 14.2), 0.3);
+}
+
+/// A round ground whose edge has 10 000 corners.
+std::vector<Polygon> wavy_floor() {
+  Polygon floor;
+  for (int i = 0; i < 10'000; ++i) {
+    const double angle = 2e-4 * std::numbers::pi * i;
+    const double radius_m = 30 + 1.5 * std::sin(40 * angle) + 0.3 * std::sin(900 * angle);
+    floor.outline.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle));
+  }
+  return {floor};
+}
+
+/// Teeth of 1 m along a corridor, 40 m long and 0.5 m apart.
+std::vector<Polygon> comb_floor(int teeth) {
+  Polygon floor;
+  floor.outline = {{0, 0}, {1.5 * teeth, 0}};
+  for (int i = teeth; i-- > 0;)
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(1.5 * i + 1.5, 2), Eigen::Vector2d(1.5 * i + 1, 2),
+          Eigen::Vector2d(1.5 * i + 1, 42), Eigen::Vector2d(1.5 * i, 42)})
+      floor.outline.push_back(corner);
+  return {floor};
+}
+
+NavMesh mesh_of(const std::vector<Polygon>& floor) {
+  return NavMesh(ground_around(floor), {}, {}, {}, floor);
+}
+
+TEST(NavMesh, LeadsStraightAcrossAGroundWithTenThousandCorners) {
+  const NavMesh mesh = mesh_of(wavy_floor());
+  ASSERT_TRUE(mesh.is_built());
+  for (int i = 0; i < 12; ++i) {
+    const double angle = std::numbers::pi * i / 12;
+    const Eigen::Vector2d from = 27 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const Path path = mesh.path(from, -from);
+    EXPECT_TRUE(path.arrives);
+    EXPECT_NEAR(path.length_m(), 54, 0.03 * 54) << "at " << angle;
+  }
+}
+
+TEST(NavMesh, LeadsThroughAGroundWithALongEdge) {
+  constexpr int kTeeth = 60;  // the edge has 48 000 sides of voxels
+  const NavMesh mesh = mesh_of(comb_floor(kTeeth));
+  ASSERT_TRUE(mesh.is_built());
+  for (int i = 1; i < kTeeth; ++i) {
+    const Path path = mesh.path(Eigen::Vector2d(0.5, 41), Eigen::Vector2d(1.5 * i + 0.5, 41));
+    EXPECT_TRUE(path.arrives) << i;
+    EXPECT_NEAR(path.length_m(), 78 + 1.5 * i, 1.2) << i;
+  }
 }
 
 /// Two boxes with a gap between them, as a wall across the ground, turned and shifted against the
