@@ -49,7 +49,8 @@ class SceneMap:
 
     def to_dict(self):
         """Return the keys that are given, with dictionaries, lists, text and numbers as values."""
-        return {name: _plain(value) for name, value in vars(self).items() if value is not None}
+        given = {name: _converted(value, self._keys[name]) for name, value in vars(self).items() if value is not None}
+        return {name: _plain(value) for name, value in given.items()}
 
 
 class SceneText(SceneMap):

@@ -81,6 +81,8 @@ class Scenes(Case):
         scene.groups[0].goals = [Square(15, 17), Goal(any_of=[Square(1, 2), corners[:3]])]
         self.assertEqual(scene.groups[0].goals[0].polygon[2], [17.0, 17.0])
         self.assertEqual(len(throng.run(scene).people), 12)
+        scene.groups[0].goals.append(Square(10, 12, hole=(10.5, 11)))
+        self.assertEqual(len(scene.to_dict()["groups"][0]["goals"][2]["holes"]), 1)
         self.assertIn("MULTIPOLYGON", Group(spawn=Square(0, 1, many=True)).spawn.wkt)
         self.assertEqual(Obstacle(polygon=Square(0, 1)).polygon[0], [0.0, 0.0])
 
