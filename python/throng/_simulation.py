@@ -1,8 +1,10 @@
 """Runs frame by frame."""
 
+import inspect
+
 from . import _core
 from ._validation import abbreviated, input_error, integer, integers, numbers
-from ._run import Names, options_of
+from ._run import Names, options_of, run
 from ._scene import errors_of
 from ._table import Table
 
@@ -95,44 +97,10 @@ class Simulation:
             positions of avatar i, in the order of Model.joint_names.
     """
 
-    def __init__(
-        self,
-        source,
-        *,
-        seconds=None,
-        avatars=None,
-        seed=None,
-        steering=None,
-        part_volume=None,
-        exact=False,
-        proximity=None,
-        closest_parts=None,
-        contact_points=False,
-        filter_groups=None,
-        filter_parts=None,
-        threads=None,
-        budget_ms=None,
-        budget_tests=None,
-        strategy=None,
-        simd=None,
-        pair_search=None,
-        fps=None,
-        unit=None,
-        heading_unit=None,
-        columns=None,
-        separator=None,
-        tracked_point=None,
-        strict=False,
-        sampling=None,
-        culling=None,
-        joint_positions=None,
-        **options,
-    ):
-        given = {name: value for name, value in locals().items() if name not in ("self", "source", "options", "__class__")}
+    def __init__(self, source, **options):
         for name in _OF_RUNS:
             if options.get(name) not in (None, False):
                 raise input_error(name, "an option that shapes frames; run() writes and keeps", abbreviated(options[name]))
-        options.update(given)
         with errors_of(source):
             self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
@@ -209,3 +177,19 @@ class Simulation:
         except RuntimeError:
             where = "stepping"
         return f"<throng.Simulation {self.scene}: {len(self.people)} people, {where}>"
+
+
+def _signature():
+    """Return the options of run() that shape frames, and those of a Simulation alone."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    options = [
+        each
+        for each in inspect.signature(run).parameters.values()
+        if each.kind == keyword and each.name not in (*_OF_RUNS, "trajectories", "trajectory_area", "view", "progress")
+    ]
+    names = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in ("self", "source")]
+    own = [inspect.Parameter(name, keyword, default=None) for name in ("culling", "joint_positions")]
+    return inspect.Signature(names + options + own)
+
+
+Simulation.__init__.__signature__ = _signature()
