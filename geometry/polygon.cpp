@@ -35,7 +35,7 @@ double area_m2(const Polygon& polygon) {
   return 0.5 * doubled_m2;
 }
 
-bool is_inside(const std::vector<Polygon>& polygons, const Eigen::Vector2d& point) {
+bool is_inside(std::span<const Polygon> polygons, const Eigen::Vector2d& point) {
   bool inside = false;
   for_each_edge(polygons, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const std::optional<double> x_m = crossing_m(from, to, point.y());

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ void for_each_ring(const Polygon& polygon, const Visit& visit) {
 
 /// Calls `visit(from, to)` for each edge of the polygons.
 template <typename Visit>
-void for_each_edge(const std::vector<Polygon>& polygons, const Visit& visit) {
+void for_each_edge(std::span<const Polygon> polygons, const Visit& visit) {
   for (const Polygon& polygon : polygons)
     for_each_ring(polygon, [&](const Polygon::Ring& ring) {
       for (size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
@@ -45,7 +46,7 @@ inline std::optional<double> crossing_m(const Eigen::Vector2d& from, const Eigen
 }
 
 /// Returns whether a point lies in polygons that do not overlap; looks at all edges.
-bool is_inside(const std::vector<Polygon>& polygons, const Eigen::Vector2d& point);
+bool is_inside(std::span<const Polygon> polygons, const Eigen::Vector2d& point);
 
 /// Part of a ring inside a rectangle; the ring is convex, or may get edges that lie on each other
 /// (Sutherland and Hodgman 1974).

@@ -175,7 +175,7 @@ double on_grid_m2(const GridSet& set) {
 
 double perimeter_m(const Polygon& polygon) {
   double sum_m = 0;
-  for_each_edge({polygon}, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  for_each_edge({&polygon, 1}, [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     sum_m += (to - from).norm();
   });
   return sum_m;
@@ -243,9 +243,15 @@ MendedPolygon mended(Polygon polygon) {
   }
   std::vector<GridShape> shapes;
   GridSet(outline - holes).get(shapes);
-  for (Polygon& piece : polygons_of(shapes))
-    if (!fault_of(piece)) out.polygons.push_back(std::move(piece));
+  out.polygons = polygons_of(shapes);
+  // Pieces narrower than rounding may have faults; a wide one must not be lost.
+  std::erase_if(out.polygons, [&](const Polygon& piece) {
+    if (!fault_of(piece)) return false;
+    if (area_m2(piece) > 2 * kAreaUnit_m * perimeter_m(piece)) out.fault = fault;
+    return true;
+  });
   if (out.polygons.empty()) out.fault = fault;
+  if (out.fault) out.polygons.clear();
   return out;
 }
 

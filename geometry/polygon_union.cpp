@@ -221,7 +221,7 @@ class Joiner {
     for (uint32_t i = 0; i < polygons_.size(); ++i)
       for_each_meeting(tree, boxes[i].first, [&](uint32_t k) {
         if (k == i || group_of(i) == group_of(k)) return false;
-        if (is_inside({polygons_[k]}, polygons_[i].outline.front())) unite(i, k);
+        if (is_inside({&polygons_[k], 1}, polygons_[i].outline.front())) unite(i, k);
         return true;
       });
   }

@@ -3,7 +3,8 @@
 # tests/apps/figures.yaml: scripts/docs.sh [--update] [--nightly] [DOCUMENT...], for example
 # `scripts/docs.sh --update culling`. --nightly adds commands that take up to a minute and the shown commands.
 # --update writes the printed figures into the documents, and docs/reference, docs/gallery.md and the classes of
-# scene keys in python/throng anew, to be reviewed and committed. Exit code 1 if a figure differs (with --update: if it could not be updated).
+# scene keys in python/throng anew, to be reviewed and committed. Exit code 1 if a figure differs (with --update: if it
+# could not be updated).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -555,9 +555,14 @@ def python_member(name, node):
     start = next((each for each in methods if each.name == "__init__"), None)
     if start is not None and name not in ("Run", "Frame", "Comparison", "Page", "LogReport"):
         text += signature(name, start, is_method=True)
-    text += docstring(ast.get_docstring(node, clean=False) or "")
-    for each in methods:
-        doc = ast.get_docstring(each, clean=False)
+    return text + docstring(ast.get_docstring(node, clean=False) or "") + python_methods(name, node)
+
+
+def python_methods(name, node):
+    """Return a section for each public method of a class."""
+    text = ""
+    for each in node.body:
+        doc = ast.get_docstring(each, clean=False) if isinstance(each, ast.FunctionDef) else None
         if doc and not each.name.startswith("_"):
             text += f"\n### {name}.{each.name}\n" + signature(each.name, each, is_method=True) + docstring(doc)
     return text
@@ -570,9 +575,7 @@ def python_scenes(folder, names):
     text += "\n" + prose(
         "The arguments of a class are the keys of its map in the [reference of scene keys](scene-keys.md); each is also an "
         "attribute. A shapely geometry, or an array of N corners, stands for an area.")
-    for name, base in (("Scene", "SceneText"), ("Scene", "SceneMap")):
-        text += python_member(name, members[base]).split("\n### ", 1)[1].join(("\n### ", ""))
-    return text
+    return text + python_methods("Scene", members["SceneText"]) + python_methods("Scene", members["SceneMap"])
 
 
 def python():

@@ -181,7 +181,7 @@ class RoomOutline {
   }
 
   EndNodes ends_{kSameEnd};
-  std::vector<std::set<uint32_t>> next_;  ///< by node
+  std::vector<std::set<uint32_t>> next_;  ///< neighbours of each node
 };
 
 struct SubroomKey {
