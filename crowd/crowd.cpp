@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
+#include "base/portable_math.h"
 #include "crowd/crowd_tuning.h"
 
 namespace throng {
@@ -31,6 +33,7 @@ Crowd::Crowd(NavigationMap& map, std::span<const AgentSpec> people, const CrowdO
   for (const AgentSpec& person : people) {
     radius_scales_.push_back(person.radius_scale);
     enters_mps_.push_back(static_cast<float>(person.enters_mps.value_or(-1)));
+    is_own_.push_back(person.is_external ? 0 : 1);
   }
   carried_.resize(people.size());
   block_displacements_m_.resize(state_.block_values.size() + 1, 0);
@@ -118,8 +121,11 @@ void Crowd::start_walking(size_t slot) {
 }
 
 void Crowd::archive(Archive& a) {
-  a(state_.steps, state_.positions_m, state_.headings, state_.displacements_m, detours_, journeys_,
-    population_, triggers_, door_controller_, exits_, social_groups_, counters_);
+  map_.archive(a);
+  a(state_.steps, state_.positions_m, state_.headings, state_.displacements_m,
+    state_.desired_speeds_mps, state_.max_desired_speed_mps, enters_mps_);
+  archive_added(a);
+  a(detours_, journeys_, population_, triggers_, door_controller_, exits_, social_groups_, counters_);
   queues_.archive(a, journeys_);
   state_.grid.archive(a);
   if (a.is_reading()) {
@@ -150,6 +156,7 @@ void Crowd::step() {
     block_displacements_m_[begin / kAgentsPerBlock] = farthest_m;
   });
   const auto blocks = static_cast<size_t>(block_count(state_.grid.order().size()));
+  move_added();
   for (size_t block = 0; block < blocks; ++block)
     counters_.turned_rad += state_.block_values[block];
   state_.grid.add_slack_m(
@@ -165,6 +172,7 @@ void Crowd::decide() {
 }
 
 void Crowd::begin_period() {
+  added_.clear();
   update_population();
   rebuild_slots();
 }
@@ -286,6 +294,95 @@ void Crowd::override_motion(uint32_t id, const Eigen::Vector2d& position_m,
   // An externally controlled agent is never stuck.
   w.anchor_m = position_m;
   w.anchor_step = state_.steps;
+}
+
+/// Heading on entry.
+Eigen::Vector2d Crowd::heading_of(uint32_t id, const AgentEntry& entry) const {
+  if (std::isfinite(entry.heading_rad)) {
+    const SinCos turn = sin_cos(entry.heading_rad);
+    return {turn.cos, turn.sin};
+  }
+  const Eigen::Vector2d along = journeys_.direction(id, entry.position_m);
+  if (!along.isZero()) return along;
+  const Eigen::Vector2d facing = journeys_.facing(id, entry.position_m);
+  return facing.isZero() ? state_.headings[id] : facing;
+}
+
+uint32_t Crowd::add(size_t group, std::span<const AgentEntry> entries) {
+  const uint32_t first = population_.first_spare(group);
+  assert(entries.size() <= population_.spares(group));
+  population_.add_spares(group, static_cast<uint32_t>(entries.size()));
+  for (uint32_t i = 0; i < entries.size(); ++i) {
+    const AgentEntry& entry = entries[i];
+    const uint32_t id = first + i;
+    state_.positions_m[id] = entry.position_m;
+    journeys_.enter(id, entry.position_m, state_.now_s());
+    state_.headings[id] = heading_of(id, entry);
+    state_.velocities_mps[id] = entry.speed_mps * state_.headings[id];
+    enters_mps_[id] = static_cast<float>(entry.speed_mps);
+    added_.push_back(id);
+  }
+  return first;
+}
+
+void Crowd::remove(uint32_t id) {
+  population_.remove(id);
+  journeys_.leave(id);
+  queues_.remove(id);
+  exits_.forget(id);
+  std::erase(added_, id);
+}
+
+void Crowd::set_goal(std::span<const uint32_t> ids, const Goal& goal) {
+  std::vector<size_t> groups;
+  for (const uint32_t id : ids) groups.push_back(map_.group_of(journeys_.route(id)));
+  std::vector<uint8_t> is_used = journeys_.routes_in_use();
+  std::vector<size_t> routes(map_.groups(), 0);  // of the goal, by group; 0: none yet
+  for (const size_t group : groups) {
+    if (routes[group] != 0) continue;
+    routes[group] = map_.set_goal(group, goal, is_used);
+    is_used.resize(map_.routes(), 1);
+    is_used[routes[group]] = 1;
+  }
+  for (size_t i = 0; i < ids.size(); ++i) {
+    queues_.remove(ids[i]);
+    exits_.forget(ids[i]);
+    journeys_.take_route(ids[i], routes[groups[i]], state_.positions_m[ids[i]]);
+  }
+}
+
+void Crowd::set_desired_speed(uint32_t id, double mps) {
+  state_.desired_speeds_mps[id] = mps;
+  state_.max_desired_speed_mps = std::max(state_.max_desired_speed_mps, mps);
+  if (const uint32_t slot = state_.slot_of[id]; slot != SteeringState::kNowhere)
+    state_.agents[slot].desired_speed_mps = mps;
+  exits_.set_desired_speed(id, mps);
+}
+
+/// Agents without a slot walk straight on.
+void Crowd::move_added() {
+  for (const uint32_t id : added_) {
+    const Eigen::Vector2d from = state_.positions_m[id];
+    state_.positions_m[id] = map_.walkable().slide(
+        from, from + state_.step_s * state_.velocities_mps[id], tuning::kWallGap_m);
+    state_.displacements_m[id] = (state_.positions_m[id] - from).norm();
+  }
+}
+
+void Crowd::archive_added(Archive& a) {
+  a.resized(added_, size());
+  for (const uint32_t id : added_)
+    if (id >= size()) a.reject("the id of an agent", "another number");
+  // Negated to reject NaN as well.
+  for (const float mps : enters_mps_)
+    if (!(mps >= -1 && mps <= static_cast<float>(kMaxEntrySpeed_mps)))
+      a.reject("the speed of an agent", "another value");
+  for (size_t id = 0; id < size() && a.is_reading(); ++id) {
+    const double mps = state_.desired_speeds_mps[id];
+    if (!(mps >= 0 && mps <= state_.max_desired_speed_mps))
+      a.reject("the desired speed of an agent", "another value");
+    exits_.set_desired_speed(static_cast<uint32_t>(id), mps);
+  }
 }
 
 void Crowd::set_present(uint32_t id, bool is_there) {

@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -52,6 +53,16 @@ struct CrowdOptions {
   SimdTarget simd = SimdTarget::kBest;
 };
 
+/// Place and motion of an agent that Crowd::add() adds.
+struct AgentEntry {
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  /// Not a number: along its path.
+  double heading_rad = std::numeric_limits<double>::quiet_NaN();
+  double speed_mps = 0;  ///< along the heading
+
+  void archive(Archive& a) { a(position_m, heading_rad, speed_mps); }
+};
+
 class Crowd {
  public:
   /// Keeps references to `map`, whose doors it opens and closes, and to `workers`.
@@ -69,6 +80,24 @@ class Crowd {
   /// react from their next decision on.
   void set_present(uint32_t id, bool is_there);
 
+  /// Number of agents that add() can still add to a group, and the id of the first.
+  uint32_t spares(size_t group) const { return population_.spares(group); }
+  uint32_t first_spare(size_t group) const { return population_.first_spare(group); }
+  /// Adds the next spare agents of a group, one per entry. They stand or walk straight on until
+  /// their first decision, within a period. Returns the first id; the others follow.
+  uint32_t add(size_t group, std::span<const AgentEntry> entries);
+  /// Returns whether an agent is in the scene and can be changed by the following functions; agents
+  /// of another source cannot.
+  bool can_change(uint32_t id) const {
+    return id < size() && is_own_[id] != 0 && journeys_.is_present(id);
+  }
+  /// Removes an agent. Others react from their next decision on.
+  void remove(uint32_t id);
+  /// Sends agents to a goal without a queue, at once; it is the only one from now on. The calling
+  /// thread computes its flow field. Throws InputError without effect if there are too many goals.
+  void set_goal(std::span<const uint32_t> ids, const Goal& goal);
+  void set_desired_speed(uint32_t id, double mps);
+
   /// Saves or restores all state that the next step depends on and the constructor does not set.
   void archive(Archive& a);
 
@@ -77,6 +106,13 @@ class Crowd {
 
   /// Maximum number of agents; population() counts those that are in the scene now.
   size_t size() const { return state_.size(); }
+  size_t group_of(uint32_t id) const { return map_.group_of(journeys_.route(id)); }
+  /// Distance of a point to the nearest wall (m), at most Walkable::kReach_m; not positive in one.
+  double clearance_m(const Eigen::Vector2d& point) const {
+    return map_.walkable().clearance_m(point);
+  }
+  /// Minimum distance of an agent that enters to walls (m).
+  double min_clearance_m(uint32_t id) const { return population_.min_clearance_m(id); }
   const Journeys& journeys() const { return journeys_; }
   const Population& population() const { return population_; }
   const Queues& queues() const { return queues_; }
@@ -95,6 +131,9 @@ class Crowd {
   using Slots = SteeringState::Slots;
 
   void begin_period();
+  Eigen::Vector2d heading_of(uint32_t id, const AgentEntry& entry) const;
+  void move_added();
+  void archive_added(Archive& a);
   void update_population();
   void rebuild_slots();
   void assign_slots();
@@ -112,8 +151,11 @@ class Crowd {
   SteeringState state_;
 
   // Constant properties, by id.
-  std::vector<float> enters_mps_;     ///< below 0: as agents ahead allow
   std::vector<float> radius_scales_;  ///< initial values, see crowd_fields.h
+  std::vector<uint8_t> is_own_;       ///< 0: agents of another source
+
+  std::vector<float> enters_mps_;  ///< by id; below 0: as agents ahead allow
+  std::vector<uint32_t> added_;    ///< by add() since the period began
 
   Detours detours_;
   Journeys journeys_;

@@ -35,7 +35,7 @@ struct SteeringCounters {
   }
 };
 
-/// entered = present + left; all agents = entered + waiting_to_enter + scheduled.
+/// entered = present + left; all agents = entered + waiting_to_enter + scheduled + spare ones.
 struct PopulationCounters {
   uint64_t entered = 0;  ///< includes agents of the start
   uint64_t present = 0;
@@ -49,10 +49,12 @@ struct PopulationCounters {
 /// Agents of one group that cannot reach one of their goals.
 struct Stranding {
   uint32_t group = 0;
-  uint32_t stop = 0;  ///< index into the route
+  uint32_t stop = 0;  ///< index into the route of the group, or kSetGoal
   int people = 0;
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< position of one of them
   Eigen::Vector2d end_m = Eigen::Vector2d::Zero();    ///< nearest point that this one could reach
+
+  static constexpr uint32_t kSetGoal = UINT32_MAX;  ///< a goal set during the run
 };
 
 }  // namespace throng

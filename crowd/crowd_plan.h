@@ -34,6 +34,10 @@ inline constexpr double kMaxGround_m2 = 1e7;
 /// the widest disc detects them half a metre before contact.
 inline constexpr double kMinRadius_m = 0.05;
 inline constexpr double kMaxRadius_m = 2.0;
+inline constexpr double kMinDesiredSpeed_mps = 0.1;
+inline constexpr double kMaxDesiredSpeed_mps = 4.0;
+/// Maximum speed of agents when they enter.
+inline constexpr double kMaxEntrySpeed_mps = 4.0;
 /// Heights in scenes. People: the range of the gait's curves; robots: from a toy to a crane.
 inline constexpr double kMinPerson_m = 0.5;
 inline constexpr double kMaxPerson_m = 2.5;
@@ -113,6 +117,7 @@ struct Group {
   std::filesystem::path model;  ///< absolute path of a URDF; "adult" in the file is the bundled one
   std::shared_ptr<const Model> body;  ///< body model loaded from `model`; load_scene() sets it
   int count = 0;                      ///< number at the start
+  int spare = 0;                      ///< number that the run may add, see Simulation::add()
   OnArrival on_arrival = OnArrival::kLoop;  ///< after the last goal
   /// Density on the free ground of the spawn area at the start (per m2), places bodies instead of
   /// discs. It determines `count`, see count_by_density(). 0: random placement of discs.
@@ -130,8 +135,10 @@ struct Group {
   double radius_m = 0;                     ///< steering disc; 0: from the height
   std::optional<Eigen::Vector2d>
       look_at_m;  ///< point that standing agents look at; none: along their path
-  /// LCM channel with the pose_command_t messages that move the group; empty: steering and gait do.
-  /// Such a group has one goal, its spawn area, and no sources.
+  /// Moved by Simulation::set_pose() instead of steering and gait. Such a group has one goal, its
+  /// spawn area, and no sources.
+  bool is_external = false;
+  /// LCM channel with the pose_command_t messages that move an external group; empty: none.
   std::string control_channel;
 
   int64_t recorded = 0;           ///< number of agents from the scene's recording
@@ -140,7 +147,7 @@ struct Group {
 
   /// Maximum number of agents.
   int64_t total() const {
-    int64_t sum = count + recorded;
+    int64_t sum = count + recorded + spare;
     for (const Source& source : sources) sum += source.count;
     return sum;
   }

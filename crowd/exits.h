@@ -72,6 +72,14 @@ class Exits {
               std::span<const uint32_t> order, std::span<const uint8_t> queuing, Journeys& journeys,
               Workers& workers);
 
+  /// Forgets the exit of an agent that is removed or gets another goal: it does not pass it.
+  void forget(uint32_t id) {
+    if (has_any()) last_exits_[id] = Journeys::kNoExit;
+  }
+  void set_desired_speed(uint32_t id, double mps) {
+    if (has_any()) desired_speeds_mps_[id] = static_cast<float>(mps);
+  }
+
   /// Returns the estimated flow through an exit (agents per second).
   double flow_per_s(uint32_t exit) const { return states_[exit].flow_per_s; }
 

@@ -33,7 +33,8 @@ Journeys::Journeys(const NavigationMap& map, const Detours& detours,
                    std::span<const AgentSpec> people, uint64_t seed)
     : map_(map), detours_(detours), seed_(seed) {
   for (const AgentSpec& person : people) {
-    journeys_.push_back({.group = static_cast<uint32_t>(person.group)});
+    journeys_.push_back({.route = person.group});
+    if (person.entrance == AgentSpec::kSpare) journeys_.back().state = JourneyState::kGone;
     delays_s_.push_back(person.premovement_s);
     radii_m_.push_back(person.radius_m);
     const auto id = static_cast<uint32_t>(first_members_.size());
@@ -60,6 +61,8 @@ Journeys::Journeys(const NavigationMap& map, const Detours& detours,
 }
 
 void Journeys::archive(Archive& a) {
+  std::vector<size_t> groups;
+  for (const Journey& journey : journeys_) groups.push_back(map_.group_of(journey.route));
   a(journeys_, until_s_, visits_, targets_m_, areas_, guides_, departures_s_);
   if (!a.is_reading()) return;
   for (const double time_s : departures_s_)
@@ -67,8 +70,10 @@ void Journeys::archive(Archive& a) {
   for (uint32_t id = 0; id < journeys_.size(); ++id) {
     if (journeys_[id].state > JourneyState::kGone || journeys_[id].next > JourneyState::kGone)
       a.reject("a state of a journey", "another value");
-    // Externally controlled agents have no route.
-    if (journeys_[id].stop >= std::max<size_t>(1, map_.route(journeys_[id].group).size()))
+    if (journeys_[id].route >= map_.routes() || map_.group_of(journeys_[id].route) != groups[id])
+      a.reject("a route of the agent's group", "another route");
+    // Recorded agents have no route.
+    if (journeys_[id].stop >= std::max<size_t>(1, map_.route(journeys_[id].route).size()))
       a.reject("an index of a stop of the route", "another value");
     if (journeys_[id].exit != kNoExit &&
         (journeys_[id].state != JourneyState::kWalking || stop(id).exits == 0))
@@ -91,9 +96,29 @@ void Journeys::archive(Archive& a) {
   }
 }
 
+void Journeys::leave(uint32_t id) {
+  journeys_[id].state = JourneyState::kGone;
+  journeys_[id].exit = kNoExit;
+  if (!areas_.empty()) areas_[id] = kNoArea;
+}
+
+std::vector<uint8_t> Journeys::routes_in_use() const {
+  std::vector<uint8_t> is_used(map_.routes(), 0);
+  for (const Journey& journey : journeys_)
+    if (journey.state != JourneyState::kGone) is_used[journey.route] = 1;
+  return is_used;
+}
+
+void Journeys::take_route(uint32_t id, size_t route, const Eigen::Vector2d& position_m) {
+  journeys_[id].route = static_cast<uint32_t>(route);
+  journeys_[id].stop = 0;
+  if (!areas_.empty()) areas_[id] = kNoArea;
+  set_out(id, position_m);
+}
+
 void Journeys::enter(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
   set_out(id, position_m);
-  const double from_s = std::max(now_s, departures_s_[journeys_[id].group]);
+  const double from_s = std::max(now_s, departure_s(id));
   if (journeys_[id].state != JourneyState::kWalking || (delays_s_[id] == 0 && from_s == now_s))
     return;
   journeys_[id].state = JourneyState::kWaiting;
@@ -149,7 +174,7 @@ bool Journeys::is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) co
 
 bool Journeys::walks_to_stay(uint32_t id) const {
   return journeys_[id].state == JourneyState::kWalking && is_last_stop(id) && !stop(id).queue &&
-         map_.on_arrival(journeys_[id].group) == OnArrival::kStay;
+         map_.on_arrival(journeys_[id].route) == OnArrival::kStay;
 }
 
 const FlowField& Journeys::queue_field(uint32_t id) const {
@@ -185,7 +210,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
                       StallCause stall_cause) {
   // Agents of a group that may not depart yet wait without an end time.
   if (journeys_[id].state == JourneyState::kWaiting && until_s_[id] == kNever)
-    until_s_[id] = std::max(now_s, departures_s_[journeys_[id].group]) + delays_s_[id];
+    until_s_[id] = std::max(now_s, departure_s(id)) + delays_s_[id];
   if (journeys_[id].state == JourneyState::kWaiting && now_s >= until_s_[id]) {
     journeys_[id].state = journeys_[id].next;
     until_s_[id] = kNever;
@@ -199,7 +224,7 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
   const bool gets_no_nearer = stall_cause == StallCause::kStuck && is_beside_goal(id, position_m);
   if (!is_at && !gets_no_nearer && !is_round_small_goal(id, position_m)) return;
   const bool is_last = is_last_stop(id);
-  const OnArrival after = map_.on_arrival(journeys_[id].group);
+  const OnArrival after = map_.on_arrival(journeys_[id].route);
   const bool leaves = is_last && after == OnArrival::kLeave;
   if (until_s_[id] == kNever) {
     // First time inside: with several areas, the target lies in the one that was reached.
@@ -215,16 +240,16 @@ void Journeys::follow(uint32_t id, const Eigen::Vector2d& position_m, double now
 }
 
 void Journeys::arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s) {
-  const size_t stops = map_.route(journeys_[id].group).size();
+  const size_t stops = map_.route(journeys_[id].route).size();
   const bool is_last = journeys_[id].stop + 1 == stops;
   const double wait_s = draw_wait_s(id);
   ++visits_[id];
   journeys_[id].exit = kNoExit;
   if (!areas_.empty()) areas_[id] = kNoArea;
   JourneyState next = JourneyState::kWalking;
-  if (is_last && map_.on_arrival(journeys_[id].group) == OnArrival::kStay)
+  if (is_last && map_.on_arrival(journeys_[id].route) == OnArrival::kStay)
     next = JourneyState::kStaying;
-  if (is_last && map_.on_arrival(journeys_[id].group) == OnArrival::kLeave)
+  if (is_last && map_.on_arrival(journeys_[id].route) == OnArrival::kLeave)
     next = JourneyState::kLeaving;
   if (next == JourneyState::kWalking)
     journeys_[id].stop = static_cast<uint32_t>((journeys_[id].stop + 1) % stops);
@@ -294,7 +319,8 @@ std::optional<size_t> Journeys::detour_number(uint32_t id) const {
   if (to.queue) return std::nullopt;
   const uint32_t exit = journeys_[id].exit;
   const size_t number = exit < kOpen ? map_.exits()[exit].field_number : to.field_number;
-  return detours_.is_detoured(number) ? std::optional(number) : std::nullopt;
+  return number != Stop::kNoNumber && detours_.is_detoured(number) ? std::optional(number)
+                                                                   : std::nullopt;
 }
 
 /// Direction around slow crowds, weighted by the agent's own delay weight.
@@ -330,15 +356,18 @@ std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> pos
   std::vector<Stranding> all;
   for (uint32_t id = 0; id < journeys_.size(); ++id) {
     if (journeys_[id].state != JourneyState::kStranded) continue;
+    const size_t route = journeys_[id].route;
+    const auto group = static_cast<uint32_t>(map_.group_of(route));
+    const uint32_t goal = map_.is_set_goal(route) ? Stranding::kSetGoal : journeys_[id].stop;
     auto known = all.begin();
     while (known != all.end() &&
-           (known->group != journeys_[id].group || known->stop != journeys_[id].stop))
+           (known->group != group || known->stop != goal))
       ++known;
     if (known == all.end()) {
       const Path path = map_.nav_mesh().path(positions_m[id], stop(id).goal.areas);
       const Eigen::Vector2d end = path.corners_m.empty() ? positions_m[id] : path.corners_m.back();
       known =
-          all.insert(all.end(), {journeys_[id].group, journeys_[id].stop, 0, positions_m[id], end});
+          all.insert(all.end(), {group, goal, 0, positions_m[id], end});
     }
     ++known->people;
   }
@@ -358,11 +387,13 @@ std::string describe(const Stranding& stranding, const CrowdPlan& plan) {
     obstacle = fmt::format(" at '{}'", each.obstacle->name);
   }
   return fmt::format(
-      "group '{}': {} cannot reach goal {} from ({:.1f}, {:.1f}) m; the path ends at ({:.1f}, "
+      "group '{}': {} cannot reach {} from ({:.1f}, {:.1f}) m; the path ends at ({:.1f}, "
       "{:.1f}) m{}",
       plan.groups[stranding.group].name,
       stranding.people == 1 ? "1 person" : fmt::format("{} people", stranding.people),
-      stranding.stop + 1, stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(),
+      stranding.stop == Stranding::kSetGoal ? "the goal that was set"
+                                            : fmt::format("goal {}", stranding.stop + 1),
+      stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(),
       stranding.end_m.y(), obstacle);
 }
 

@@ -47,7 +47,7 @@ enum class JourneyState : uint8_t {
   kStaying,   ///< stays at the last goal for good
   kStranded,  ///< no path leads from here to the goal
   kLeaving,   ///< reached its last goal; will be removed
-  kGone,
+  kGone,      ///< has left, was removed, or is a spare agent
 };
 
 enum class StallCause : uint8_t {
@@ -82,15 +82,23 @@ class Journeys {
   void set_present(uint32_t id, bool is_there) {
     journeys_[id].state = is_there ? JourneyState::kStaying : JourneyState::kOutside;
   }
-  /// Removes an agent that is leaving.
-  void leave(uint32_t id) { journeys_[id].state = JourneyState::kGone; }
+  /// Removes an agent.
+  void leave(uint32_t id);
+  /// Sends a present agent at `position_m` to the goals of another route (NavigationMap::route()),
+  /// at once.
+  void take_route(uint32_t id, size_t route, const Eigen::Vector2d& position_m);
+  size_t route(uint32_t id) const { return journeys_[id].route; }
+  /// Per route, 1: an agent follows it or may still do so.
+  std::vector<uint8_t> routes_in_use() const;
 
   /// Lets the members of a group set out from `time_s` on. Those of a group with a trigger
   /// (NavigationMap::after()) stand until this call.
   void allow_departure(size_t group, double time_s) { departures_s_[group] = time_s; }
-  /// Returns whether an agent has visited this many goals, or is stranded.
+  /// Returns whether an agent has visited this many goals, is stranded, or is not in the scene and
+  /// will not enter by itself.
   bool has_visited(uint32_t id, uint32_t goals) const {
-    return visits_[id] >= goals || journeys_[id].state == JourneyState::kStranded;
+    return visits_[id] >= goals || journeys_[id].state == JourneyState::kStranded ||
+           journeys_[id].state == JourneyState::kGone;
   }
 
   /// Updates one agent once per period: arrives, waits, continues. Thread-safe for different ids.
@@ -132,7 +140,7 @@ class Journeys {
   }
   /// The goal that the agent walks to or stands at.
   const Stop& stop(uint32_t id) const {
-    return map_.route(journeys_[id].group)[journeys_[id].stop];
+    return map_.route(journeys_[id].route)[journeys_[id].stop];
   }
 
   /// Index into NavigationMap::exits() for agents that walk to a goal with several exits, kOpen
@@ -173,13 +181,14 @@ class Journeys {
   std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
 
  private:
+  double departure_s(uint32_t id) const { return departures_s_[map_.group_of(journeys_[id].route)]; }
   void set_out(uint32_t id, const Eigen::Vector2d& position_m);
   void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
   std::span<const Area> areas_of_goal(uint32_t id) const;
   bool is_round_small_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
   bool is_beside_goal(uint32_t id, const Eigen::Vector2d& position_m) const;
   bool is_last_stop(uint32_t id) const {
-    return journeys_[id].stop + 1 == map_.route(journeys_[id].group).size();
+    return journeys_[id].stop + 1 == map_.route(journeys_[id].route).size();
   }
   double draw_wait_s(uint32_t id) const;
   const FlowField& queue_field(uint32_t id) const;
@@ -193,12 +202,12 @@ class Journeys {
   uint64_t seed_;
   /// Data that directions need: a quarter of a cache line.
   struct Journey {
-    uint32_t group = 0;       ///< constant
+    uint32_t route = 0;       ///< index into NavigationMap::route(): the group, or a goal set later
     uint32_t stop = 0;        ///< index into the route
     uint32_t exit = kNoExit;  ///< see exit()
     JourneyState state = JourneyState::kOutside;
     JourneyState next = JourneyState::kWalking;  ///< after waiting
-    void archive(Archive& a) { a(stop, exit, state, next); }
+    void archive(Archive& a) { a(route, stop, exit, state, next); }
   };
   // By id.
   std::vector<Journey> journeys_;

@@ -31,6 +31,7 @@ bool has_path(const Stop& stop, const Area& area) {
 Population::Population(const NavigationMap& map, std::span<const AgentSpec> people, uint64_t seed)
     : map_(map), seed_(seed) {
   for (const Area& area : map.entrances()) entrances_.push_back({area, false, 0, 0});
+  spares_.assign(map.groups(), {UINT32_MAX, 0});
   uint64_t outside = 0, external = 0;
   for (uint32_t id = 0; id < people.size(); ++id) {
     const AgentSpec& person = people[id];
@@ -47,6 +48,11 @@ Population::Population(const NavigationMap& map, std::span<const AgentSpec> peop
     if (person.is_external) ++external;
     if (is_in || person.is_external) continue;
     ++outside;
+    if (person.entrance == AgentSpec::kSpare) {
+      spares_[person.group].end = id + 1;
+      spares_[person.group].next = std::min(spares_[person.group].next, id);
+      continue;
+    }
     Entrance& entrance = entrances_[person.entrance];
     if (entrance.end == 0) {
       entrance.next = id;
@@ -54,15 +60,42 @@ Population::Population(const NavigationMap& map, std::span<const AgentSpec> peop
     }
     entrance.end = id + 1;
   }
-  // Any step may find all agents near an entrance, or admit all that are outside.
-  nearby_.reserve(is_open_ ? people.size() : 0);
-  entered_.reserve(outside);
+  for (Spares& spares : spares_)
+    if (spares.end == 0) spares.next = 0;
+  if (is_open_) open();
+  entered_.reserve(outside);  // any step may admit all that are outside
   counters_.entered = counters_.present = people.size() - outside - external;
   count(0);
 }
 
+void Population::add_spares(size_t group, uint32_t count) {
+  std::fill_n(present_.begin() + spares_[group].next, count, uint8_t{1});
+  spares_[group].next += count;
+  counters_.entered += count;
+  counters_.present += count;
+}
+
+void Population::remove(uint32_t id) {
+  present_[id] = 0;
+  --counters_.present;
+  ++counters_.left;
+  open();
+}
+
+void Population::open() {
+  is_open_ = true;
+  nearby_.reserve(present_.size());  // any step may find all agents near an entrance
+}
+
 void Population::archive(Archive& a) {
-  a(present_, decisions_, counters_);
+  a(is_open_, present_, decisions_, counters_);
+  if (a.is_reading() && is_open_) open();
+  for (Spares& spares : spares_) {
+    const uint32_t first = spares.next;  // set by the constructor when reading
+    a(spares.next);
+    if (spares.next < first || spares.next > spares.end)
+      a.reject("a spare agent of the group", "another agent");
+  }
   for (Entrance& entrance : entrances_) {
     const uint32_t first = entrance.next;  // set by the constructor when reading
     a(entrance.next);

@@ -1,4 +1,4 @@
-// Population admits and removes agents during a run.
+// Population admits and removes agents during a run: those of sources, and by the run's program.
 // Invariant: each agent is outside, present or gone. No agent is placed on another; an agent
 // without room waits outside and is counted.
 #pragma once
@@ -21,7 +21,7 @@ class Population {
   /// Keeps a reference to `map`.
   Population(const NavigationMap& map, std::span<const AgentSpec> people, uint64_t seed);
 
-  /// Returns false if no agent ever enters or leaves: no other call is then needed.
+  /// Returns false as long as no agent can enter or leave: only remove() may then be called.
   bool is_open() const { return is_open_; }
   /// One per agent: 1 in the scene, 0 outside or gone.
   std::span<const uint8_t> present() const { return present_; }
@@ -30,6 +30,15 @@ class Population {
   void archive(Archive& a);
 
   void set_present(uint32_t id, bool is_there) { present_[id] = is_there ? 1 : 0; }
+  /// Number of agents that a group can still add, and the id of the first; ids are consecutive.
+  uint32_t spares(size_t group) const { return spares_[group].end - spares_[group].next; }
+  uint32_t first_spare(size_t group) const { return spares_[group].next; }
+  /// Admits the next spare agents of a group.
+  void add_spares(size_t group, uint32_t count);
+  /// Minimum distance of an agent that enters to walls (m).
+  double min_clearance_m(uint32_t id) const { return wall_gaps_m_[id]; }
+  /// Removes a present agent.
+  void remove(uint32_t id);
   /// Removes agents that are leaving.
   void release(Journeys& journeys);
 
@@ -48,6 +57,13 @@ class Population {
     uint32_t end = 0;
   };
 
+  /// Spare agents of one group, which have consecutive ids.
+  struct Spares {
+    uint32_t next = 0;
+    uint32_t end = 0;
+  };
+
+  void open();
   bool has_due(double now_s) const;
   void list_nearby(const Entrance& entrance, std::span<const Eigen::Vector2d> positions_m);
   bool find_place(const Entrance& entrance, std::span<Eigen::Vector2d> positions_m,
@@ -58,6 +74,7 @@ class Population {
   uint64_t seed_;
   bool is_open_ = false;
   std::vector<Entrance> entrances_;
+  std::vector<Spares> spares_;             ///< per group
   std::vector<uint32_t> groups_;           ///< per id
   std::vector<uint8_t> follows_previous_;  ///< 1: enters with the previous id
   std::vector<double> radii_m_;

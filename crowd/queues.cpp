@@ -130,6 +130,22 @@ void Queues::follow(std::span<const uint8_t> present, std::span<const Eigen::Vec
                      });
 }
 
+void Queues::remove(uint32_t id) {
+  if (!any()) return;
+  for (Queue& queue : queues_) {
+    if (std::erase(queue.waiting, id) > 0 && overflow_[id] != kNoOverflow)
+      queue.is_taken[overflow_[id]] = 0;
+    std::erase_if(queue.served, [&](const ServedAgent& agent) {
+      if (agent.id != id) return false;
+      --queue.served_counts[agent.area];
+      return true;
+    });
+  }
+  overflow_[id] = kNoOverflow;
+  steps_[id] = kStands;
+  facings_[id].setZero();
+}
+
 /// Releases agents that have been served and have cleared the area for the next.
 void Queues::release_served(uint32_t queue, std::span<const uint8_t> present,
                             std::span<const Eigen::Vector2d> positions_m,

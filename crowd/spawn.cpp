@@ -345,7 +345,7 @@ AgentSpec make_agent(const CrowdPlan& plan, size_t group_index, uint64_t id) {
   person.look_at_m = group.look_at_m;
   person.radius_m = disc_of(group, person.height_m);
   person.phase = random_uniform({plan.seed, id, 0, Purpose::kGaitPhase});
-  if (group.control_channel.empty())
+  if (!group.is_external || group.gait_styles)
     person.style = draw_style(group.gait_styles.value_or(age.styles), plan.seed, id);
   return person;
 }
@@ -387,6 +387,11 @@ SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
     for (const Source& source : group.sources) {
       add_source(plan, map, g, source, entrance++, id, out.people);
       id += static_cast<uint64_t>(source.count);
+    }
+    for (int i = 0; i < group.spare; ++i) {
+      AgentSpec& person = out.people.emplace_back(make_agent(plan, g, id++));
+      person.entrance = AgentSpec::kSpare;
+      person.position_m = group.spawn.middle_m();
     }
     out.unplaced.push_back(group.count - placed);
     if (placed < group.count)

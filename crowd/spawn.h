@@ -41,7 +41,7 @@ struct AgentSpec {  // NOLINT(clang-analyzer-optin.performance.Padding): by mean
   std::optional<Eigen::Vector2d> look_at_m;
   double premovement_s = 0;  ///< stands for this time after entering
   /// Index into NavigationMap::entrances() for an agent that enters later, at enters_s or once
-  /// there is room. Its position is then the middle of that area.
+  /// there is room, or kSpare. Its position is then the middle of that area, or of the start area.
   uint32_t entrance = kFromTheStart;
   double enters_s = 0;
   /// Speed on entry; none: its desired speed, or what agents ahead allow.
@@ -50,6 +50,8 @@ struct AgentSpec {  // NOLINT(clang-analyzer-optin.performance.Padding): by mean
   uint32_t social_group = kAlone;
 
   static constexpr uint32_t kFromTheStart = UINT32_MAX;
+  /// Entrance of an agent that is outside until Crowd::add().
+  static constexpr uint32_t kSpare = UINT32_MAX - 1;
   static constexpr uint32_t kAlone = UINT32_MAX;
 };
 
@@ -62,7 +64,7 @@ struct SpawnResult {
 /// Places agents at random until each has a free place or the attempts are used up. Gaps between
 /// discs shrink from 0.3 m to zero. Groups with a density use crowd/dense_placement.h. Agents that
 /// enter later are listed without being placed. Each group has its agents of the start first, then
-/// those of its sources in order of entry.
+/// those of its sources in order of entry, then its spare ones.
 SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
                   std::span<const AgentSpec> external = {});
 

@@ -11,6 +11,7 @@
 #include "python/interrupts.h"
 #include "python/recorder.h"
 #include "python/stepped_run.h"
+#include "scenes/run/crowd_change.h"
 #include "scenes/run/sink.h"
 
 namespace py = pybind11;
@@ -168,42 +169,149 @@ void require_finite(const char* name, const DoubleArray& values) {
 }
 
 /// Not normalised if float can hold it, so that a pose of a frame can be set again bit for bit.
-Eigen::Quaternionf rotation_of(const DoubleArray& xyzw) {
-  Eigen::Quaterniond q(Eigen::Map<const Eigen::Vector4d>(xyzw.data()));
+Eigen::Quaternionf rotation_of(const double* xyzw) {
+  Eigen::Quaterniond q(Eigen::Map<const Eigen::Vector4d>{xyzw});
   const double max_component = q.coeffs().cwiseAbs().maxCoeff();
   if (max_component < 1e-6)
-    throw InputError("rotation_xyzw", "a quaternion that is not zero",
+    throw InputError("rotations_xyzw", "a quaternion that is not zero",
                      fmt::format("({:g}, {:g}, {:g}, {:g})", q.x(), q.y(), q.z(), q.w()));
   constexpr double kFitsFloat = 1e30;
   if (max_component > kFitsFloat) q.coeffs() /= max_component;
   return q.cast<float>();
 }
 
-int set_pose(SteppedRun& run, uint32_t avatar, const DoubleArray& position_m,
-             const DoubleArray& rotation_xyzw, const DoubleArray& joint_positions,
-             const DoubleArray& velocity_mps) {
-  if (position_m.size() != 3 || rotation_xyzw.size() != 4 || velocity_mps.size() != 2)
-    throw InputError(
-        "set_pose", "a position of 3, a rotation of 4 and a velocity of 2 numbers",
-        fmt::format("{}, {} and {}", position_m.size(), rotation_xyzw.size(), velocity_mps.size()));
-  if (!run.is_external(avatar))
-    throw InputError("avatar", "an externally controlled avatar", fmt::format("avatar {}", avatar));
-  const Model& model = *run.info().models[run.info().model_of_avatar[avatar]];
-  if (joint_positions.size() != 0 && joint_positions.size() != model.kinematics.column_count())
-    throw InputError(
-        "joint_positions",
-        fmt::format("none, or {} of '{}'", model.kinematics.column_count(), model.name),
-        fmt::format("{}", joint_positions.size()));
-  require_finite("position_m", position_m);
-  require_finite("rotation_xyzw", rotation_xyzw);
-  require_finite("joint_positions", joint_positions);
-  require_finite("velocity_mps", velocity_mps);
-  ExternalPose pose;
-  pose.root.position_m = Eigen::Map<const Eigen::Vector3d>(position_m.data());
-  pose.root.world_from_root = rotation_of(rotation_xyzw);
-  pose.velocity_mps = Eigen::Map<const Eigen::Vector2d>(velocity_mps.data());
-  pose.joints = {joint_positions.data(), static_cast<size_t>(joint_positions.size())};
-  return run.set_pose(avatar, pose);
+/// Rows of set_pose(); an array without elements means that the values are not given.
+struct PoseArrays {
+  Numbers ids;
+  DoubleArray positions_m;      ///< N x 2 or N x 3
+  DoubleArray rotations_xyzw;   ///< N x 4
+  DoubleArray joint_positions;  ///< one avatar after another
+  DoubleArray velocities_mps;   ///< N x 2
+
+  size_t count() const { return static_cast<size_t>(ids.size()); }
+  bool has_height() const { return static_cast<size_t>(positions_m.size()) == 3 * count(); }
+};
+
+Eigen::Vector2d row_of(const DoubleArray& values, size_t row, size_t width) {
+  return {values.data()[row * width], values.data()[row * width + 1]};
+}
+
+const Model& model_of(const SteppedRun& run, uint32_t avatar) {
+  return *run.info().models[run.info().model_of_avatar[avatar]];
+}
+
+/// Ids of externally controlled avatars. Throws InputError for others.
+std::vector<uint32_t> external_ids(const SteppedRun& run, const Numbers& ids) {
+  std::vector<uint32_t> out;
+  for (py::ssize_t i = 0; i < ids.size(); ++i) {
+    const int64_t id = ids.data()[i];
+    if (id < 0 || id > UINT32_MAX || !run.is_external(static_cast<uint32_t>(id)))
+      throw InputError(fmt::format("ids[{}]", i), "an externally controlled avatar",
+                       fmt::format("avatar {}", id));
+    out.push_back(static_cast<uint32_t>(id));
+  }
+  return out;
+}
+
+void check_poses(const SteppedRun& run, const PoseArrays& poses, std::span<const uint32_t> ids,
+                 bool gait) {
+  size_t joints = 0;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    joints += static_cast<size_t>(model_of(run, ids[i]).kinematics.column_count());
+    if (!poses.has_height() && !(gait && run.can_walk(ids[i])))
+      throw InputError(fmt::format("positions_m[{}]", i),
+                       "3 numbers x, y, z for an avatar that does not walk by its gait", "2");
+  }
+  if (poses.joint_positions.size() != 0 &&
+      static_cast<size_t>(poses.joint_positions.size()) != joints)
+    throw InputError("joint_positions", fmt::format("none, or {} in all", joints),
+                     fmt::format("{}", poses.joint_positions.size()));
+  require_finite("positions_m", poses.positions_m);
+  require_finite("rotations_xyzw", poses.rotations_xyzw);
+  require_finite("joint_positions", poses.joint_positions);
+  require_finite("velocities_mps", poses.velocities_mps);
+}
+
+int set_pose(SteppedRun& run, const Numbers& ids_in, const DoubleArray& positions_m,
+             const DoubleArray& rotations_xyzw, const DoubleArray& joint_positions,
+             const DoubleArray& velocities_mps, bool gait) {
+  const PoseArrays poses{ids_in, positions_m, rotations_xyzw, joint_positions, velocities_mps};
+  const std::vector<uint32_t> ids = external_ids(run, ids_in);
+  gait = gait && joint_positions.size() == 0;
+  check_poses(run, poses, ids, gait);
+  std::vector<Eigen::Quaternionf> rotations;
+  for (size_t i = 0; i < ids.size() && rotations_xyzw.size() > 0; ++i)
+    rotations.push_back(rotation_of(rotations_xyzw.data() + 4 * i));
+  int clamped = 0;
+  const double* joints = joint_positions.data();
+  const size_t width = poses.has_height() ? 3 : 2;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const Eigen::Vector2d place_m = row_of(positions_m, i, width);
+    std::optional<Eigen::Vector2d> velocity_mps, heading;
+    if (velocities_mps.size() > 0) velocity_mps = row_of(velocities_mps, i, 2);
+    if (gait && run.can_walk(ids[i])) {
+      if (!rotations.empty())
+        heading = (rotations[i] * Eigen::Vector3f::UnitX()).head<2>().cast<double>().normalized();
+      clamped += run.walk_to(ids[i], place_m, heading, velocity_mps);
+      continue;
+    }
+    ExternalPose pose;
+    pose.root.position_m << place_m, positions_m.data()[i * width + 2];
+    pose.root.world_from_root = rotations.empty() ? Eigen::Quaternionf::Identity() : rotations[i];
+    pose.velocity_mps = velocity_mps.value_or(Eigen::Vector2d::Zero());
+    if (joint_positions.size() > 0) {
+      const auto columns = static_cast<size_t>(model_of(run, ids[i]).kinematics.column_count());
+      pose.joints = {joints, columns};
+      joints += columns;
+    }
+    clamped += run.set_pose(ids[i], pose);
+  }
+  return clamped;
+}
+
+std::vector<uint32_t> agent_ids(const Numbers& ids) {
+  std::vector<uint32_t> out;
+  for (py::ssize_t i = 0; i < ids.size(); ++i) {
+    const int64_t id = ids.data()[i];
+    if (id < 0 || id > UINT32_MAX)
+      throw InputError(fmt::format("ids[{}]", i), "the id of an agent", fmt::format("{}", id));
+    out.push_back(static_cast<uint32_t>(id));
+  }
+  return out;
+}
+
+/// `headings_rad` has no elements if they are not given.
+py::array add(SteppedRun& run, const std::string& group, const DoubleArray& positions_m,
+              const DoubleArray& headings_rad, const DoubleArray& speeds_mps) {
+  std::vector<AgentEntry> entries(static_cast<size_t>(positions_m.size()) / 2);
+  require_finite("headings_rad", headings_rad);
+  for (size_t i = 0; i < entries.size(); ++i) {
+    entries[i].position_m = row_of(positions_m, i, 2);
+    entries[i].speed_mps = speeds_mps.data()[i];
+    if (headings_rad.size() > 0) entries[i].heading_rad = headings_rad.data()[i];
+  }
+  CrowdChange change{.kind = CrowdChange::Kind::kAdd,
+                     .group = group,
+                     .entries = std::move(entries)};
+  run.change(change);
+  return array_of(std::vector<int64_t>(change.ids.begin(), change.ids.end()));
+}
+
+void remove(SteppedRun& run, const Numbers& ids) {
+  CrowdChange change{.kind = CrowdChange::Kind::kRemove, .ids = agent_ids(ids)};
+  run.change(change);
+}
+
+void set_goal(SteppedRun& run, const Numbers& ids, const std::string& goal) {
+  CrowdChange change{.kind = CrowdChange::Kind::kSetGoal, .ids = agent_ids(ids), .goal = goal};
+  run.change(change);
+}
+
+void set_desired_speed(SteppedRun& run, const Numbers& ids, const DoubleArray& mps) {
+  CrowdChange change{.kind = CrowdChange::Kind::kSetDesiredSpeed,
+                     .ids = agent_ids(ids),
+                     .desired_mps = {mps.data(), mps.data() + mps.size()}};
+  run.change(change);
 }
 
 }  // namespace
@@ -250,6 +358,10 @@ void bind_simulation(py::module_& module) {
              run.resume({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
            })
       .def("set_pose", set_pose)
+      .def("add", add)
+      .def("remove", remove)
+      .def("set_goal", set_goal)
+      .def("set_desired_speed", set_desired_speed)
       .def_property_readonly("facts",
                              [](const SteppedRun& run) { return dict_of(facts_of(run.info())); })
       .def_property_readonly("frames", &SteppedRun::frames)

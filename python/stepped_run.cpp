@@ -83,6 +83,19 @@ int SteppedRun::set_pose(uint32_t avatar, const ExternalPose& pose) {
   return simulation_->set_pose(avatar, pose);
 }
 
+int SteppedRun::walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
+                        const std::optional<Eigen::Vector2d>& heading,
+                        const std::optional<Eigen::Vector2d>& velocity_mps) {
+  expect_idle();
+  return simulation_->walk_to(avatar, position_m, heading, velocity_mps);
+}
+
+void SteppedRun::change(CrowdChange& change) {
+  expect_idle();
+  if (end_) throw std::runtime_error("this simulation is finished; its people cannot be changed");
+  simulation_->change(change);
+}
+
 std::vector<uint8_t> SteppedRun::saved() {
   expect_idle();
   if (end_) throw std::runtime_error("this simulation is already finished");

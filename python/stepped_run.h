@@ -51,6 +51,11 @@ class SteppedRun {
   static int64_t step(const std::shared_ptr<SteppedRun>& run);
   void finish();
   int set_pose(uint32_t avatar, const ExternalPose& pose);
+  int walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
+              const std::optional<Eigen::Vector2d>& heading,
+              const std::optional<Eigen::Vector2d>& velocity_mps);
+  bool can_walk(uint32_t avatar) const { return simulation_->can_walk(avatar); }
+  void change(CrowdChange& change);
   bool is_external(uint32_t avatar) const { return simulation_->external_pose(avatar) != nullptr; }
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scenes/file/scene.h"
+#include "scenes/run/crowd_change.h"
 #include "scenes/run/runner.h"
 #include "scenes/run/simulation.h"
 #include "scenes/run/sink.h"

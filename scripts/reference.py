@@ -464,6 +464,7 @@ def lcm():
         (code(each.channel), f"[{each.name}](#{each.name})", each.contents()) for each in messages if each.channel])
     text += "\n" + prose("A scene or an option names these channels:") + "\n" + table(("channel", "type", "meaning"), [
         ("`CHANNEL`", "[pose_command_t](#pose_command_t)", "commands to a group with `control_channel: CHANNEL`"),
+        ("`CHANNEL`", "[crowd_change_t](#crowd_change_t)", "changes of the crowd of a scene with `change_channel: CHANNEL`"),
         ("`CHANNEL_REQUEST`", "[step_request_t](#step_request_t)", "`--lockstep`: Throng asks for the next poses"),
         ("`CHANNEL_REPLY`", "[step_reply_t](#step_reply_t)", "`--lockstep`: the controller answers"),
         ("`CHANNEL_EVENTS`", "[events_t](#events_t)", "`--publish-for WHO:CHANNEL`: events of these bodies"),

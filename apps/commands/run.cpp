@@ -374,6 +374,8 @@ int run_scene(const RunCommand& options) {
   RunReport report =
       report_of(options, simulated, simulation.scene(), summary, listeners, log.path);
   if (listeners.filtered != nullptr) report.filtered_channels = listeners.filtered->totals();
+  if (external_control.changes() != nullptr)
+    report.crowd_changes = external_control.changes()->counts();
   if (external_control.receiver() != nullptr)
     report.external_control = external_control.receiver()->counts();
   if (const Lockstep* lockstep = external_control.lockstep(); lockstep != nullptr)

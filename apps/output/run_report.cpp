@@ -251,6 +251,12 @@ Json to_json(const RunReport& report) {
   json["threads"] = report.threads;
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
+  if (const auto& changes = report.crowd_changes)
+    json["crowd_changes"] = {{"channel", changes->channel},
+                             {"messages", changes->messages},
+                             {"missing", changes->missing},
+                             {"rejected", changes->rejected},
+                             {"rejection", changes->rejection}};
   for (const PoseCommandReceiver::Counts& group : report.external_control)
     json["external_control"].push_back({{"group", group.group},
                                         {"channel", group.channel},
@@ -348,6 +354,10 @@ std::string format_table(const RunReport& report) {
                                population.entered, population.left, population.present,
                                population.waiting_to_enter, population.scheduled));
   line("stranded", stranded_text(report));
+  if (const auto& changes = report.crowd_changes)
+    line("changes", fmt::format("by {}: {} messages, {} missing, {} rejected{}", changes->channel,
+                                changes->messages, changes->missing, changes->rejected,
+                                changes->rejection.empty() ? "" : " (" + changes->rejection + ")"));
   for (const PoseCommandReceiver::Counts& group : report.external_control)
     line("external",
          fmt::format("{} by {}: {} messages, {} missing, {} late, {} rejected{}; {} of {} "

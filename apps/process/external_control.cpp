@@ -31,6 +31,12 @@ void add_external_control_options(CommandOptions& app, ExternalControlOptions& o
 
 ExternalControl::ExternalControl(const ExternalControlOptions& options, const RunInfo& run,
                                  const std::string& lcm, bool is_paced) {
+  if (const std::string& channel = run.scene->change_channel; !channel.empty()) {
+    if (lcm == "off")
+      print_message("note: no changes of the crowd are received with --lcm off\n");
+    else
+      changes_ = std::make_unique<CrowdChangeReceiver>(run, lcm);
+  }
   if (options.lockstep) {
     if (lcm == "off")
       throw InputError("--lockstep", "LCM for the controllers' replies", "--lcm off");
@@ -65,6 +71,7 @@ bool ExternalControl::await(Simulation& simulation, const Frame& frame) {
 
 void ExternalControl::take(Simulation& simulation) {
   if (receiver_) receiver_->apply(simulation);
+  if (changes_) changes_->apply(simulation);
 }
 
 std::shared_ptr<lcm::LCM> ExternalControl::connection() const {

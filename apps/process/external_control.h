@@ -1,4 +1,5 @@
-// ExternalControl moves the externally controlled groups of a run, by messages or in lockstep.
+// ExternalControl moves the externally controlled groups of a run, by messages or in lockstep, and
+// changes its crowd by messages.
 // Invariant: a run whose results depend on message timing warns once before it begins.
 #pragma once
 
@@ -6,6 +7,7 @@
 #include <string>
 
 #include "apps/options/command_line.h"
+#include "lcm_io/wire/crowd_change_receiver.h"
 #include "lcm_io/wire/lockstep.h"
 #include "lcm_io/wire/pose_command_receiver.h"
 
@@ -29,17 +31,19 @@ class ExternalControl {
   void begin(Simulation& simulation);
   /// In lockstep, after a frame was sent. False if the run must end, see failure().
   bool await(Simulation& simulation, const Frame& frame);
-  /// Without lockstep, when the next frame is due: applies received messages.
+  /// When the next frame is due: applies received messages; in lockstep, changes of the crowd alone.
   void take(Simulation& simulation);
 
   /// In lockstep, the connection that the run must publish over; otherwise null.
   std::shared_ptr<lcm::LCM> connection() const;
   std::string failure() const { return lockstep_ ? lockstep_->failure() : ""; }
   const PoseCommandReceiver* receiver() const { return receiver_.get(); }
+  const CrowdChangeReceiver* changes() const { return changes_.get(); }
   const Lockstep* lockstep() const { return lockstep_.get(); }
 
  private:
   std::unique_ptr<PoseCommandReceiver> receiver_;
+  std::unique_ptr<CrowdChangeReceiver> changes_;
   std::unique_ptr<Lockstep> lockstep_;
 };
 

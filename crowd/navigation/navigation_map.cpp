@@ -1,8 +1,12 @@
 #include "crowd/navigation/navigation_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <utility>
+
+#include "base/errors.h"
 
 namespace throng {
 
@@ -57,21 +61,121 @@ NavigationMap::NavigationMap(const CrowdPlan& plan, Workers& workers)
   for (const Group& group : plan.groups) {
     std::vector<Stop>& route = routes_.emplace_back();
     for (const Goal& goal : group.goals) {
-      const uint32_t at = add_goal(goal);
-      Stop& stop = route.emplace_back();
-      stop = {goal,
-              fields_[at].get(),
-              at,
-              pieces_of(*nav_mesh_, goal),
-              first_exits_[at],
-              first_exits_[at + 1] - first_exits_[at],
-              {}};
+      Stop& stop = route.emplace_back(stop_at(goal, add_goal(goal)));
       if (!goal.is_limited()) continue;
       stop.exits = 0;
       stop.queue = queue_of(goal);
     }
     on_arrival_.push_back(group.on_arrival);
     for (const Source& source : group.sources) entrances_.push_back(source.area);
+  }
+}
+
+/// Stop at a goal of the scene with this index.
+Stop NavigationMap::stop_at(const Goal& goal, uint32_t index) const {
+  return {goal,
+          fields_[index].get(),
+          index,
+          pieces_of(*nav_mesh_, goal),
+          first_exits_[index],
+          first_exits_[index + 1] - first_exits_[index],
+          {}};
+}
+
+size_t NavigationMap::set_goal(size_t group, const Goal& goal, std::span<const uint8_t> is_used) {
+  assert(!goal.is_limited());
+  const auto known = std::find_if(set_goals_.begin(), set_goals_.end(), [&](const SetGoal& each) {
+    return each.group == group && each.goal == goal;
+  });
+  auto index = static_cast<size_t>(known - set_goals_.begin());
+  if (known != set_goals_.end()) return groups() + index;
+  index = 0;
+  while (index < set_goals_.size() && is_used[groups() + index] != 0) ++index;
+  if (index == set_goals_.size()) {
+    const size_t max = max_set_goals();
+    if (index == max)
+      throw InputError("goal", fmt::format("at most {} different goals at a time", max), "more");
+    set_goals_.emplace_back();
+    routes_.emplace_back();
+  }
+  set_goals_[index].group = group;
+  set_goals_[index].goal = goal;
+  build_set_goal(index);
+  return groups() + index;
+}
+
+/// Ten thousand, or a gigabyte of fields.
+size_t NavigationMap::max_set_goals() const {
+  constexpr size_t kMax = 10'000, kMaxCells = 80'000'000;
+  return std::clamp<size_t>(kMaxCells / grid_.cell_count(), 1, kMax);
+}
+
+void NavigationMap::build_set_goal(size_t index) {
+  SetGoal& set = set_goals_[index];
+  const auto known = std::find(goals_.begin(), goals_.end(), set.goal.areas);
+  std::vector<Stop>& route = routes_[groups() + index];
+  if (known != goals_.end()) {
+    route = {stop_at(set.goal, static_cast<uint32_t>(known - goals_.begin()))};
+    return;
+  }
+  put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)), set.field);
+  route = {{set.goal, set.field.get(), Stop::kNoNumber, pieces_of(*nav_mesh_, set.goal), 0, 0, {}}};
+}
+
+namespace {
+
+void archive_ring(Archive& a, Polygon::Ring& ring) { a.resized(ring, kMaxVertices); }
+
+void archive_area(Archive& a, Area& area, const Rectangle& ground) {
+  std::vector<Polygon> polygons;
+  if (!a.is_reading()) polygons = area.polygons();
+  bool is_rectangle = area.is_rectangle();
+  Rectangle bounds = area.bounds();
+  auto count = static_cast<uint64_t>(polygons.size());
+  a(is_rectangle, bounds.min_m, bounds.max_m, count);
+  if (count > kMaxVertices) a.reject("the polygons of an area", "too many");
+  polygons.resize(static_cast<size_t>(count));
+  for (Polygon& polygon : polygons) {
+    archive_ring(a, polygon.outline);
+    auto holes = static_cast<uint64_t>(polygon.holes.size());
+    a(holes);
+    if (holes > kMaxVertices) a.reject("the holes of a polygon", "too many");
+    polygon.holes.resize(static_cast<size_t>(holes));
+    for (Polygon::Ring& hole : polygon.holes) archive_ring(a, hole);
+  }
+  if (!a.is_reading()) return;
+  const auto is_on_ground = [&](const Eigen::Vector2d& corner) { return ground.contains(corner); };
+  bool is_sound = is_on_ground(bounds.min_m) && is_on_ground(bounds.max_m) &&
+                  (bounds.max_m.array() >= bounds.min_m.array()).all() && !polygons.empty();
+  for (const Polygon& polygon : polygons)
+    is_sound = is_sound && std::all_of(polygon.outline.begin(), polygon.outline.end(), is_on_ground) &&
+               (is_rectangle || !fault_of(polygon));
+  if (!is_sound) a.reject("an area on the ground", "another one");
+  area = is_rectangle ? Area(bounds) : Area(std::move(polygons));
+}
+
+}  // namespace
+
+void NavigationMap::archive(Archive& a) {
+  auto count = static_cast<uint64_t>(set_goals_.size());
+  a(count);
+  if (count > max_set_goals()) a.reject("the number of goals that were set", "too many");
+  set_goals_.resize(static_cast<size_t>(count));
+  routes_.resize(groups() + set_goals_.size());
+  for (size_t i = 0; i < set_goals_.size(); ++i) {
+    SetGoal& set = set_goals_[i];
+    Distribution& wait_s = set.goal.wait_s;
+    auto group = static_cast<uint64_t>(set.group), areas = static_cast<uint64_t>(set.goal.areas.size());
+    a(group, areas, set.goal.waypoint, wait_s.mean, wait_s.std_dev, wait_s.min, wait_s.max);
+    // Negated to reject NaN as well.
+    if (group >= groups() || areas < 1 || areas > kMaxVertices ||
+        !(wait_s.min >= 0 && wait_s.mean >= wait_s.min && wait_s.max >= wait_s.mean &&
+          wait_s.std_dev >= 0))
+      a.reject("a goal of a group", "another value");
+    set.group = static_cast<size_t>(group);
+    set.goal.areas.resize(static_cast<size_t>(areas));
+    for (Area& area : set.goal.areas) archive_area(a, area, walkable_.ground());
+    if (a.is_reading()) build_set_goal(i);
   }
 }
 
@@ -162,6 +266,11 @@ void NavigationMap::build_fields(Workers& workers) {
     }
     const auto goal = static_cast<size_t>(block - 1);
     put(FlowField(grid_, goals_[goal], closed_, penalise_other_goals(goals_[goal])), fields_[goal]);
+  });
+  workers.for_blocks(static_cast<int>(set_goals_.size()), [&](int block, int) {
+    SetGoal& set = set_goals_[static_cast<size_t>(block)];
+    if (set.field != nullptr)
+      put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)), set.field);
   });
   if (!queues_.empty()) build_queues(workers);
   if (first_exits_.empty()) find_exits(workers);

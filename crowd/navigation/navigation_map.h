@@ -2,7 +2,8 @@
 // field per goal. A field gives all agents with that goal the direction from any place, in a few
 // nanoseconds. The mesh knows which pieces of ground are connected, and along which corners a
 // single path leads.
-// Invariant: shared by spawning and steering, and immutable except for doors.
+// Invariant: shared by spawning and steering, and immutable except for doors and for goals set
+// during the run.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "base/files/archive.h"
 #include "base/workers.h"
 #include "crowd/crowd_plan.h"
 #include "crowd/navigation/doorways.h"
@@ -36,13 +38,15 @@ struct Exit {
 struct Stop {
   Goal goal;
   const FlowField* field = nullptr;
-  size_t field_number = 0;  ///< for NavigationMap::field()
+  size_t field_number = 0;  ///< for NavigationMap::field(), or kNoNumber: its field has none
   std::vector<int> pieces;  ///< pieces of the navigation mesh under the goal
   /// Range in NavigationMap::exits(); empty or at least two.
   uint32_t first_exit = 0;
   uint32_t exits = 0;
   /// Index into NavigationMap::queues(); a goal with a queue has no exits.
   std::optional<uint32_t> queue;
+
+  static constexpr size_t kNoNumber = SIZE_MAX;
 
   bool contains(const Eigen::Vector2d& point) const { return goal.contains(point); }
   /// Returns whether an area of the goal holds no more than one row of agents.
@@ -88,9 +92,22 @@ class NavigationMap {
 
   const Walkable& walkable() const { return walkable_; }
   const FlowGrid& grid() const { return grid_; }
-  size_t groups() const { return routes_.size(); }
-  /// The goals of a group, in order; at least one.
-  const std::vector<Stop>& route(size_t group) const { return routes_[group]; }
+  size_t groups() const { return on_arrival_.size(); }
+  /// One per group, followed by those of set_goal().
+  size_t routes() const { return routes_.size(); }
+  /// The goals of a route, in order; at least one.
+  const std::vector<Stop>& route(size_t route) const { return routes_[route]; }
+  bool is_set_goal(size_t route) const { return route >= groups(); }
+  size_t group_of(size_t route) const {
+    return is_set_goal(route) ? set_goals_[route - groups()].group : route;
+  }
+  /// Returns a route of a group to one goal without a queue. It replaces one that is not in use
+  /// (`is_used`, per route). Paths to an area of the scene's goals choose between its doorways and
+  /// lead around crowds; to other areas they are the shortest. Throws InputError if there are too
+  /// many routes.
+  size_t set_goal(size_t group, const Goal& goal, std::span<const uint8_t> is_used);
+  /// Saves or restores the goals that were set.
+  void archive(Archive& a);
   /// Goal by goal.
   const std::vector<Exit>& exits() const { return exits_; }
   /// Number of fields of goals and exits. Their numbers are constant; fields of queues have none.
@@ -102,7 +119,7 @@ class NavigationMap {
   uint64_t revision() const { return revision_; }
   /// Limited goals, each once: groups often share them.
   const std::vector<QueueFields>& queues() const { return queues_; }
-  OnArrival on_arrival(size_t group) const { return on_arrival_[group]; }
+  OnArrival on_arrival(size_t route) const { return on_arrival_[group_of(route)]; }
   /// Only for a scene with groups; a scene with a box has none.
   const NavMesh& nav_mesh() const { return *nav_mesh_; }
   /// Returns whether a path leads to a stop, ignoring obstacles' margin at `point`. Thread-safe.
@@ -129,6 +146,9 @@ class NavigationMap {
   uint32_t add_trigger(const CrowdPlan& plan, const TriggerRule& rule);
   void build_fields(Workers& workers);
   uint32_t add_goal(const Goal& goal);
+  Stop stop_at(const Goal& goal, uint32_t index) const;
+  size_t max_set_goals() const;
+  void build_set_goal(size_t index);
   uint32_t queue_of(const Goal& goal) const;
   void add_queues(const CrowdPlan& plan);
   void build_queues(Workers& workers);
@@ -150,7 +170,13 @@ class NavigationMap {
   std::vector<size_t> goal_of_exit_;
   std::vector<std::vector<size_t>> doorways_;  ///< cells that paths cross; empty: an area
   std::vector<std::unique_ptr<FlowField>> exit_fields_;
-  std::vector<std::vector<Stop>> routes_;  ///< per group
+  struct SetGoal {
+    size_t group = 0;
+    Goal goal;
+    std::unique_ptr<FlowField> field;  ///< unused for areas of a goal of the scene
+  };
+  std::vector<std::vector<Stop>> routes_;  ///< per group, then per set goal
+  std::vector<SetGoal> set_goals_;
   std::vector<OnArrival> on_arrival_;      ///< per group
   std::vector<Area> entrances_;
   std::vector<Trigger> triggers_;

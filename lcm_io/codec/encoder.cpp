@@ -201,6 +201,7 @@ void RunEncoder::frame(const RunInfo& run, const Frame& frame) {
   }
   utime_us_ = frame.utime_us;
   frame_ = frame.number;
+  send_changes(frame.changes);
   send_events(frame.events);
   if (frame.utime_us / kSecond_us != last_second_) {
     last_second_ = frame.utime_us / kSecond_us;
@@ -274,6 +275,18 @@ void RunEncoder::send_contacts(std::span<const ContactPoint> points) {
   send_rows(Channel::kContactPoints, contacts_, points.size(), [&](size_t first, size_t count) {
     set_contacts(contacts_, points.subspan(first, count));
   });
+}
+
+void RunEncoder::send_changes(std::span<const CrowdChange> changes) {
+  int chunks = 0, chunk = 0;
+  for (const CrowdChange& change : changes)
+    chunks += chunks_of(change.ids.size(), kAgentsPerChange);
+  for (const CrowdChange& change : changes)
+    for (size_t first = 0; first < change.ids.size(); first += kAgentsPerChange) {
+      set_change(crowd_change_, change, first,
+                 std::min(kAgentsPerChange, change.ids.size() - first));
+      send(open_targets_, Channel::kChanges, crowd_change_, chunk++, chunks);
+    }
 }
 
 void RunEncoder::send_separation() {

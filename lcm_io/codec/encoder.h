@@ -79,6 +79,7 @@ class RunEncoder final : public Sink {
   void send_touching(std::span<const PairKey> pairs, std::span<const uint8_t> levels);
   void send_proximity(const RunInfo& run, const Frame& frame);
   void send_contacts(std::span<const ContactPoint> points);
+  void send_changes(std::span<const CrowdChange> changes);
   void send_separation();
   bool states_are_due(double state_every, int64_t frame) const;
   void send_states(const RunInfo& run, const Frame& frame);
@@ -116,6 +117,7 @@ class RunEncoder final : public Sink {
   proximity_t proximity_{};
   contact_points_t contacts_{};
   separation_t separation_{};
+  crowd_change_t crowd_change_{};
   std::optional<SeparationMonitor> monitor_;
   frame_stats_t frame_stats_{};
   part_poses_t parts_{};

@@ -140,4 +140,45 @@ ShortfallEvent shortfall_at(const separation_t& m, size_t i) {
   return event;
 }
 
+void set_change(crowd_change_t& m, const CrowdChange& change, size_t first, size_t count) {
+  constexpr size_t kRow = 4 + 2 * 8 + 2 * 4;
+  static_assert(kHeaderBytes + kMaxGoalBytes + kAgentsPerChange * kRow + 200 <= kMaxMessageBytes);
+  m.kind = static_cast<int32_t>(change.kind);
+  m.group = change.kind == CrowdChange::Kind::kAdd ? change.group : "";
+  m.goal = change.goal;
+  m.count = static_cast<int32_t>(count);
+  for (auto* numbers : {&m.x_m, &m.y_m}) numbers->assign(count, 0);
+  for (auto* numbers : {&m.heading_rad, &m.speed_mps}) numbers->assign(count, 0);
+  m.avatar.resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    m.avatar[i] = static_cast<int32_t>(change.ids[first + i]);
+    if (!change.entries.empty()) {
+      const AgentEntry& entry = change.entries[first + i];
+      m.x_m[i] = entry.position_m.x();
+      m.y_m[i] = entry.position_m.y();
+      m.heading_rad[i] = static_cast<float>(entry.heading_rad);
+      m.speed_mps[i] = static_cast<float>(entry.speed_mps);
+    }
+    if (!change.desired_mps.empty())
+      m.speed_mps[i] = static_cast<float>(change.desired_mps[first + i]);
+  }
+}
+
+CrowdChange change_of(const crowd_change_t& m) {
+  CrowdChange change;
+  change.kind = static_cast<CrowdChange::Kind>(m.kind);
+  change.group = m.group;
+  change.goal = m.goal;
+  for (size_t i = 0; i < m.avatar.size(); ++i) {
+    change.ids.push_back(static_cast<uint32_t>(m.avatar[i]));
+    if (change.kind == CrowdChange::Kind::kAdd)
+      change.entries.push_back({{m.x_m[i], m.y_m[i]},
+                                static_cast<double>(m.heading_rad[i]),
+                                static_cast<double>(m.speed_mps[i])});
+    if (change.kind == CrowdChange::Kind::kSetDesiredSpeed)
+      change.desired_mps.push_back(static_cast<double>(m.speed_mps[i]));
+  }
+  return change;
+}
+
 }  // namespace throng

@@ -9,6 +9,7 @@
 #include "culling/pair.h"
 #include "culling/proximity.h"
 #include "lcm_io/codec/channels.h"
+#include "scenes/run/crowd_change.h"
 #include "scenes/separation/separation_monitor.h"
 
 namespace throng {
@@ -55,6 +56,13 @@ ProximityPair proximity_at(const proximity_t& m, size_t i);
 /// Sets the contact points of a message; they must fit.
 void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows);
 ContactPoint contact_at(const contact_points_t& m, size_t i);
+
+/// Maximum number of agents in a crowd_change_t, beside a goal of maximum length.
+inline constexpr size_t kAgentsPerChange = 600;
+/// Sets a message to a change of `count` agents from number `first` on.
+void set_change(crowd_change_t& m, const CrowdChange& change, size_t first, size_t count);
+/// Returns the change of a message that passed validation.
+CrowdChange change_of(const crowd_change_t& m);
 
 /// A begin or end of a shortfall; the last frame of an end is that of its message.
 struct ShortfallEvent {

@@ -184,12 +184,23 @@ class Simulation:
     def resume(self, state: Union[bytes, bytearray, memoryview]) -> Simulation: ...
     def set_pose(
         self,
-        avatar: int,
-        position_m: npt.ArrayLike,
-        rotation_xyzw: npt.ArrayLike = (0, 0, 0, 1),
-        joint_positions: npt.ArrayLike = (),
-        velocity_mps: npt.ArrayLike = (0, 0),
+        ids: npt.ArrayLike,
+        positions_m: npt.ArrayLike,
+        rotations_xyzw: Optional[npt.ArrayLike] = None,
+        joint_positions: Optional[npt.ArrayLike] = None,
+        velocities_mps: Optional[npt.ArrayLike] = None,
+        gait: bool = True,
     ) -> int: ...
+    def add(
+        self,
+        group: str,
+        positions_m: npt.ArrayLike,
+        headings_rad: Optional[npt.ArrayLike] = None,
+        speeds_mps: npt.ArrayLike = 0.0,
+    ) -> Any: ...
+    def remove(self, ids: npt.ArrayLike) -> None: ...
+    def set_goal(self, ids: npt.ArrayLike, goal: Any) -> None: ...
+    def set_desired_speed(self, ids: npt.ArrayLike, mps: npt.ArrayLike) -> None: ...
     @property
     def frames(self) -> int: ...
     @property

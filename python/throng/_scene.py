@@ -76,6 +76,14 @@ def source_options(source):
     return {"source": _NAME, "scene_text": source.to_yaml()}
 
 
+def goal_text(goal):
+    """Return the text of a goal: of a Goal, an Area, a shape, several shapes, or a dictionary."""
+    value = _converted(goal, "goal")
+    if isinstance(value, list):
+        value = {"any_of": [_converted(item, "area") for item in value]}
+    return _scalar(_plain(value), "goal")
+
+
 class errors_of:
     """Context in which an InputError names the key of a scene built in code, not a line of its text."""
 

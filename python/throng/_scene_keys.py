@@ -46,9 +46,11 @@ class Scene(SceneText):
             hold their arms in several ways; requires planted_feet (docs/motion.md) [true].
         doors: doors that open and close [none].
         separation: required separation of robots from people, see docs/contacts.md [none].
+        change_channel: LCM channel with messages that add, remove and redirect agents, see docs/control.md
+            [none].
     """
 
-    _keys = {"name": "", "description": "", "seed": "", "step_s": "", "duration_s": "", "kind": "", "culling": "culling", "planted_feet": "", "steering": "steering", "ground": "ground", "groups": "group", "box": "box", "obstacles": "obstacle", "recording": "recording", "group_filter": "", "part_filter": "", "proximity_m": "", "closest_parts_m": "", "contact_points": "", "body_avoidance": "", "doors": "door", "separation": "separation"}
+    _keys = {"name": "", "description": "", "seed": "", "step_s": "", "duration_s": "", "kind": "", "culling": "culling", "planted_feet": "", "steering": "steering", "ground": "ground", "groups": "group", "box": "box", "obstacles": "obstacle", "recording": "recording", "group_filter": "", "part_filter": "", "proximity_m": "", "closest_parts_m": "", "contact_points": "", "body_avoidance": "", "doors": "door", "separation": "separation", "change_channel": ""}
     name: Optional[str]
     description: Optional[str]
     seed: Optional[int]
@@ -71,6 +73,7 @@ class Scene(SceneText):
     body_avoidance: Optional[bool]
     doors: Optional[Sequence[Union["Door", Mapping[str, Any]]]]
     separation: Optional[Union["Separation", Mapping[str, Any]]]
+    change_channel: Optional[str]
 
     def __init__(
         self,
@@ -97,8 +100,9 @@ class Scene(SceneText):
         body_avoidance: Optional[bool] = None,
         doors: Optional[Sequence[Union["Door", Mapping[str, Any]]]] = None,
         separation: Optional[Union["Separation", Mapping[str, Any]]] = None,
+        change_channel: Optional[str] = None,
     ) -> None:
-        super().__init__(name=name, description=description, seed=seed, step_s=step_s, duration_s=duration_s, kind=kind, culling=culling, planted_feet=planted_feet, steering=steering, ground=ground, groups=groups, box=box, obstacles=obstacles, recording=recording, group_filter=group_filter, part_filter=part_filter, proximity_m=proximity_m, closest_parts_m=closest_parts_m, contact_points=contact_points, body_avoidance=body_avoidance, doors=doors, separation=separation)
+        super().__init__(name=name, description=description, seed=seed, step_s=step_s, duration_s=duration_s, kind=kind, culling=culling, planted_feet=planted_feet, steering=steering, ground=ground, groups=groups, box=box, obstacles=obstacles, recording=recording, group_filter=group_filter, part_filter=part_filter, proximity_m=proximity_m, closest_parts_m=closest_parts_m, contact_points=contact_points, body_avoidance=body_avoidance, doors=doors, separation=separation, change_channel=change_channel)
 
 
 class Culling(SceneMap):
@@ -149,11 +153,11 @@ class Group(SceneMap):
 
     Args:
         name: unique in the scene [group 1, group 2, ...].
-        count: number of agents at the start [required, unless there are sources or a density].
+        count: number of agents at the start [required, unless there are sources, spare agents or a density].
         model: adult, or a URDF file relative to the scene file; its meshes may be .tri, .stl, .obj, .dae and
             many others, see docs/reliability.md [adult].
         spawn: rectangle in which agents start [required, if there is a count].
-        goals: goals of the route, in order [required, unless control_channel].
+        goals: goals of the route, in order [required, unless externally controlled].
         on_arrival: action after the last goal: loop (start again), stay there, or leave the scene [loop].
         sources: areas where agents enter during the run [none].
         premovement_s: time before an agent sets out, in seconds: {mean, std_dev, min, max}, or one number
@@ -174,9 +178,12 @@ class Group(SceneMap):
             by body outline instead of disc [count].
         after: trigger that lets the group start; premovement_s begins with it [the start, or entering].
         social_groups: agents that walk together, see docs/scenes.md#social-groups [all agents walk alone].
+        spare: number of agents that the run can add later, see docs/control.md [0].
+        externally_controlled: whether the program that steps the run moves the group, see docs/control.md;
+            control_channel implies it [false].
     """
 
-    _keys = {"name": "", "count": "", "model": "", "spawn": "area", "goals": "goal", "on_arrival": "", "sources": "source", "premovement_s": "distribution", "desired_speed_mps": "distribution", "height_m": "distribution", "ages": "ages", "gait_styles": "gait_styles", "radius_m": "", "control_channel": "", "look_at": "", "density_per_m2": "", "after": "trigger", "social_groups": "social_groups"}
+    _keys = {"name": "", "count": "", "model": "", "spawn": "area", "goals": "goal", "on_arrival": "", "sources": "source", "premovement_s": "distribution", "desired_speed_mps": "distribution", "height_m": "distribution", "ages": "ages", "gait_styles": "gait_styles", "radius_m": "", "control_channel": "", "look_at": "", "density_per_m2": "", "after": "trigger", "social_groups": "social_groups", "spare": "", "externally_controlled": ""}
     name: Optional[str]
     count: Optional[int]
     model: Optional[str]
@@ -195,6 +202,8 @@ class Group(SceneMap):
     density_per_m2: Optional[float]
     after: Optional[Union["Trigger", float, Mapping[str, Any]]]
     social_groups: Optional[Union["SocialGroups", float, Mapping[str, Any]]]
+    spare: Optional[int]
+    externally_controlled: Optional[bool]
 
     def __init__(
         self,
@@ -217,8 +226,10 @@ class Group(SceneMap):
         density_per_m2: Optional[float] = None,
         after: Optional[Union["Trigger", float, Mapping[str, Any]]] = None,
         social_groups: Optional[Union["SocialGroups", float, Mapping[str, Any]]] = None,
+        spare: Optional[int] = None,
+        externally_controlled: Optional[bool] = None,
     ) -> None:
-        super().__init__(name=name, count=count, model=model, spawn=spawn, goals=goals, on_arrival=on_arrival, sources=sources, premovement_s=premovement_s, desired_speed_mps=desired_speed_mps, height_m=height_m, ages=ages, gait_styles=gait_styles, radius_m=radius_m, control_channel=control_channel, look_at=look_at, density_per_m2=density_per_m2, after=after, social_groups=social_groups)
+        super().__init__(name=name, count=count, model=model, spawn=spawn, goals=goals, on_arrival=on_arrival, sources=sources, premovement_s=premovement_s, desired_speed_mps=desired_speed_mps, height_m=height_m, ages=ages, gait_styles=gait_styles, radius_m=radius_m, control_channel=control_channel, look_at=look_at, density_per_m2=density_per_m2, after=after, social_groups=social_groups, spare=spare, externally_controlled=externally_controlled)
 
 
 class Ages(SceneMap):

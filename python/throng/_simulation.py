@@ -2,15 +2,35 @@
 
 import inspect
 
+import numpy
+
 from . import _core
-from ._validation import abbreviated, input_error, integer, integers, numbers
+from ._validation import abbreviated, input_error, integers, numbers
 from ._run import Names, options_of, run
-from ._scene import errors_of
+from ._scene import errors_of, goal_text
 from ._table import Table
 
 # Options of run() that write files.
 _OF_RUNS = ("log", "states_hz", "publish_part_poses", "html", "trajectory", "trajectory_fps", "contacts", "separation",
             "trace_hash")
+
+
+def _ids(value):
+    """Return one id or several as an array."""
+    return integers("ids", [value] if hasattr(value, "__index__") and not hasattr(value, "__len__") else value)
+
+
+def _rows(where, value, count, width):
+    """Return `count` rows of numbers as one row; a single one for all, none for None."""
+    if value is None:
+        return numbers(where, ())
+    array = numbers(where, value)
+    if array.size == width and array.ndim == (width > 1):
+        array = numpy.tile(array.reshape(-1), count)
+    if array.size != count * width:
+        expected = f"{count} numbers" if width == 1 else f"{count} rows of {width} numbers"
+        raise input_error(where, expected, f"an array {array.shape}")
+    return array.reshape(-1)
 
 
 class Frame:
@@ -143,26 +163,97 @@ class Simulation:
             raise StopIteration
         return self.step()
 
-    def set_pose(self, avatar, position_m, rotation_xyzw=(0, 0, 0, 1), joint_positions=(), velocity_mps=(0, 0)):
-        """Set the pose of an externally controlled avatar from the next step on.
+    def set_pose(
+        self, ids, positions_m, rotations_xyzw=None, joint_positions=None, velocities_mps=None, gait=True
+    ):
+        """Set the poses of externally controlled avatars in the next frame.
 
-        Positions outside the ground and joint positions outside their limits are clamped. Returns the number of
-        clamped values. Raises InputError for an avatar whose group has no `control_channel`.
+        With gait=True, people without joint positions walk to their places: their feet stay planted, and their trunks
+        turn away from others. They stand in frames without a call. The path is known up to the present only, so that
+        they turn and stop without anticipation. Other avatars take the pose as given and keep it until the next call.
+        Values outside the ground or the limits of joints are clamped; returns their number. Raises InputError without
+        effect for an avatar whose group is not externally controlled.
 
         Args:
-            avatar: id of the avatar.
-            position_m: x, y, z of its root in the world frame.
-            rotation_xyzw: world_from_root, a quaternion of any length above 0.
-            joint_positions: one value per joint, rad or m, in the order of Model.joint_names; empty: unchanged.
-            velocity_mps: x, y of its velocity in the world frame, which agents use to avoid it.
+            ids: id of an avatar, or K ids.
+            positions_m: x, y, z of the roots in the world frame, 3 or K x 3; x, y suffice for people who walk.
+            rotations_xyzw: world_from_root, quaternions of any length above 0, 4 or K x 4. None: people who walk face
+                where they go, others along x.
+            joint_positions: all joints of the avatars, one avatar after another, rad or m, in the order of
+                Model.joint_names. None: unchanged.
+            velocities_mps: x, y of the velocities that others see, 2 or K x 2. None: those of the path for people who
+                walk, otherwise 0.
+            gait: False: people take the pose as given, too.
         """
+        ids = _ids(ids)
+        count = len(ids)
+        positions = numbers("positions_m", positions_m, "numbers x, y, z")
+        if positions.size not in (2 * count, 3 * count) or positions.ndim > 2:
+            raise input_error("positions_m", f"x, y, z of {count} avatars", f"an array {positions.shape}")
+        joints = numbers("joint_positions", () if joint_positions is None else joint_positions, "joint positions")
         return self._run.set_pose(
-            integer("avatar", avatar, 0, len(self.people) - 1),
-            numbers("position_m", position_m, "3 numbers x, y, z", (3,)),
-            numbers("rotation_xyzw", rotation_xyzw, "a quaternion of 4 numbers x, y, z, w", (4,)),
-            numbers("joint_positions", joint_positions, "the joint positions in one row", (None,)),
-            numbers("velocity_mps", velocity_mps, "2 numbers x, y", (2,)),
+            ids,
+            positions.reshape(-1),
+            _rows("rotations_xyzw", rotations_xyzw, count, 4),
+            joints.reshape(-1),
+            _rows("velocities_mps", velocities_mps, count, 2),
+            bool(gait),
         )
+
+    def add(self, group, positions_m, headings_rad=None, speeds_mps=0.0):
+        """Add people or robots to a group for the next frame, and return their ids.
+
+        They are spare agents, which the scene key `spare` of the group reserves. Ids are never reused.
+
+        Args:
+            group: name of the group.
+            positions_m: x, y of one agent, or K x 2.
+            headings_rad: headings, counter-clockwise from the x axis, one or K. None: along their paths.
+            speeds_mps: speeds along the heading at first, one or K.
+
+        Returns:
+            The id for one position, otherwise an array of K ids (int64).
+
+        Raises InputError without effect if too few spare agents are left, for a position in a wall or off the ground,
+        or an unknown group.
+        """
+        positions = numbers("positions_m", positions_m, "numbers x, y")
+        if positions.shape[-1:] != (2,) or positions.ndim > 2:
+            raise input_error("positions_m", "x, y of one agent, or one row per agent", f"an array {positions.shape}")
+        count = positions.size // 2
+        ids = self._run.add(
+            str(group),
+            positions.reshape(-1),
+            _rows("headings_rad", headings_rad, count, 1),
+            _rows("speeds_mps", speeds_mps, count, 1),
+        )
+        return int(ids[0]) if positions.ndim == 1 else ids
+
+    def remove(self, ids):
+        """Remove agents, one id or several: their contacts end in the next frame.
+
+        Raises InputError without effect for an agent that is not in the scene.
+        """
+        self._run.remove(_ids(ids))
+
+    def set_goal(self, ids, goal):
+        """Send agents to a goal, at once: from now on it is the only goal of their route.
+
+        There they do as the `on_arrival` of their group says. People choose between the doorways of goals of the scene
+        and walk around crowds on the way to them; to other places they take the shortest path.
+
+        Args:
+            ids: one id or several.
+            goal: Goal, Area, a shapely polygon, an array of corners, or a dictionary as in a scene file.
+
+        Raises InputError without effect for an agent that is not in the scene, or a goal that is not on the ground.
+        """
+        self._run.set_goal(_ids(ids), goal_text(goal))
+
+    def set_desired_speed(self, ids, mps):
+        """Set the speeds at which agents walk when nothing hinders them, 0.1 to 4 m/s; one for all or one each."""
+        ids = _ids(ids)
+        self._run.set_desired_speed(ids, _rows("mps", mps, len(ids), 1))
 
     frames = property(lambda self: self._run.frames)
     next_frame = property(lambda self: self._run.next_frame)

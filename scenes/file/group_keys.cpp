@@ -79,7 +79,9 @@ void read_group_name(ReadContext& context, Fields& fields, Group& group) {
   require_new(fields, group.name, context.group_names);
 }
 
-bool may_be_empty(const Fields& fields) { return fields.find("sources") != nullptr; }
+bool may_be_empty(const Fields& fields) {
+  return fields.find("sources") != nullptr || fields.find("spare") != nullptr;
+}
 bool has_density(const Fields& fields) { return fields.find("density_per_m2") != nullptr; }
 
 void read_count(ReadContext&, Fields& fields, Group& group) {
@@ -111,32 +113,23 @@ void read_group_model(ReadContext& context, Fields& fields, Group& group) {
         fmt::format("'{}' with height {} m", body->name, static_cast<double>(body->height_m)));
 }
 
+bool is_external(const Fields& fields) {
+  return fields.find("control_channel") != nullptr || fields.boolean_or("externally_controlled", false);
+}
+
 void read_goals(ReadContext& context, Fields& fields, Group& group) {
-  if (fields.find("control_channel") != nullptr) return;
+  if (is_external(fields)) return;
   read_items(goal_keys(), "goals", true, context, fields, group.goals);
 }
 
-void read_control_channel(ReadContext&, Fields& fields, Group& group) {
-  const YamlNode* node = fields.find("control_channel");
-  if (node == nullptr) return;
-  group.control_channel = fields.text("control_channel");
-  const auto is_fine = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
-  };
-  // liblcm rejects channel names of more than 63 characters.
-  if (group.control_channel.empty() || group.control_channel.size() > 63 ||
-      group.control_channel.starts_with("THRONG_") ||
-      !std::all_of(group.control_channel.begin(), group.control_channel.end(), is_fine))
-    throw InputError(
-        fields.where(*node),
-        "an LCM channel name for 'control_channel': 1 to 63 letters, digits or '_', not "
-        "beginning with THRONG_",
-        fmt::format("'{}'", group.control_channel));
+void read_external(ReadContext&, Fields& fields, Group& group) {
+  group.is_external = is_external(fields);
+  if (!group.is_external) return;
   for (const char* key : {"goals", "on_arrival", "sources", "premovement_s", "look_at", "after",
                           "density_per_m2", "social_groups"})
     if (const YamlNode* other = fields.find(key))
       throw InputError(fields.where(*other),
-                       "no goals and no sources for a group with 'control_channel'",
+                       "no goals and no sources for an externally controlled group",
                        fmt::format("'{}'", key));
   group.goals.emplace_back().areas.push_back(group.spawn);
 }
@@ -247,7 +240,7 @@ std::vector<Key<Group>> rows_of_groups() {
           .with_reader(read_group_name)
           .with_hash(&Group::name),
       whole("count", "number of agents at the start", &Group::count, 0, kMaxBodies)
-          .with_fallback("required, unless there are sources or a density")
+          .with_fallback("required, unless there are sources, spare agents or a density")
           .with_reader(read_count),
       custom_key<Group>(
           "model",
@@ -263,7 +256,7 @@ std::vector<Key<Group>> rows_of_groups() {
           .with_reader(read_spawn)
           .with_hash(&Group::spawn),
       custom_key<Group>("goals", "goals of the route, in order",
-                        "required, unless `control_channel`", list_rule("goal", 1))
+                        "required, unless externally controlled", list_rule("goal", 1))
           .with_reader(read_goals)
           .with_hash(
               [](Hasher& hash, const Group& group) { add_items(goal_keys(), hash, group.goals); }),
@@ -320,8 +313,11 @@ std::vector<Key<Group>> rows_of_groups() {
           "control_channel",
           "LCM channel of an externally controlled group, see docs/control.md; the group then has "
           "neither goals nor sources, and the model's own height",
-          "none", {.pattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$"})
-          .with_reader(read_control_channel)
+          "none", {.pattern = kChannelPattern})
+          .with_reader([](ReadContext&, Fields& fields, Group& group) {
+            if (fields.find("control_channel") != nullptr)
+              group.control_channel = read_channel(fields, "control_channel");
+          })
           .with_hash([](Hasher& hash, const Group& group) {
             if (!group.control_channel.empty())
               hash.add("control_channel").add(group.control_channel);
@@ -362,13 +358,25 @@ std::vector<Key<Group>> later_rows_of_groups() {
             add_keys(social_group_keys(), hash, *group.social_groups);
           });
   social_groups.is_default = [](const Group& group) { return !group.social_groups; };
+  Key<Group> external =
+      flag("externally_controlled",
+           "whether the program that steps the run moves the group, see docs/control.md; "
+           "`control_channel` implies it",
+           &Group::is_external)
+          .with_reader(read_external);
+  external.is_default = [](const Group& group) {
+    return !group.is_external || !group.control_channel.empty();
+  };
   return {look_at,
           number("density_per_m2",
                  "people per m2 of free ground in `spawn` at the start, at most 6; replaces "
                  "`count`; placed by body outline instead of disc",
                  &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
               .with_fallback("`count`"),
-          after, social_groups};
+          after, social_groups,
+          whole("spare", "number of agents that the run can add later, see docs/control.md",
+                &Group::spare, 0, kMaxBodies),
+          external};
 }
 
 }  // namespace
@@ -376,7 +384,7 @@ std::vector<Key<Group>> later_rows_of_groups() {
 const KeyTable<Group>& group_keys() {
   static const KeyTable<Group> table = {.text = {.name = "group",
                                                  .meaning = "Agents with one body model",
-                                                 .choices = {{"goals"}, {"control_channel"}}},
+                                                 .choices = {{"goals"}, {"control_channel"}, {"externally_controlled"}}},
                                         .title = "a group",
                                         .keys = rows_of_groups(),
                                         .later = later_rows_of_groups(),

@@ -277,6 +277,10 @@ Key<T> custom_key(std::string name, std::string meaning, std::string fallback, R
   return key;
 }
 
+inline constexpr const char* kChannelPattern = "^(?!THRONG_)[A-Za-z0-9_]{1,63}$";
+/// Reads the name of an LCM channel that is not one of Throng's. Throws InputError.
+std::string read_channel(const Fields& fields, const std::string& key);
+
 inline Rule map_rule(std::string map) { return {.kind = Rule::Kind::kMap, .map = std::move(map)}; }
 inline Rule list_rule(std::string map, int64_t min = 0, int64_t max = 0) {
   return {.kind = Rule::Kind::kList, .min = min, .max = max, .map = std::move(map)};

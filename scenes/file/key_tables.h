@@ -9,7 +9,7 @@ namespace throng {
 
 /// Range of times, in seconds: waiting, premovement, start of sources and triggers.
 inline constexpr Range kTimeRange{0, 1e7};
-inline constexpr Range kDesiredSpeedRange{0.1, 4.0};
+inline constexpr Range kDesiredSpeedRange{kMinDesiredSpeed_mps, kMaxDesiredSpeed_mps};
 /// 1000 agents per second fill any entrance; higher rates are mistaken units.
 inline constexpr Range kRateRange{0, 1000, true};
 inline constexpr Range kProximityRange{0, static_cast<double>(kMaxProximity_m)};

@@ -117,7 +117,7 @@ void require_lines(const ReadContext& context) {
 
 namespace {
 
-constexpr Range kEntersRange{0, 4};
+constexpr Range kEntersRange{0, kMaxEntrySpeed_mps};
 
 void read_areas(ReadContext& context, Fields& fields, Goal& goal) {
   for (const YamlNode* item : fields.items("any_of", false))

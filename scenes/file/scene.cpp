@@ -47,6 +47,20 @@ Scene read_scene_text(const std::string& text, const std::string& name) {
   return read_scene(name, parse_yaml(text, name));
 }
 
+Goal read_goal_text(const std::string& text, const std::string& name, const Scene& scene) {
+  ReadContext context;
+  context.scene.name = scene.name;
+  context.scene.ground = scene.ground;
+  context.scene.floor = scene.floor;
+  const YamlNode root = parse_yaml(text, name);
+  Fields fields(name, root, goal_keys().title);
+  Goal goal;
+  read_keys(goal_keys(), context, fields, goal);
+  if (goal.is_limited())
+    throw InputError(name, "a goal without a queue or capacity", "one with them");
+  return goal;
+}
+
 std::vector<SceneEntry> bundled_scenes() {
   std::vector<SceneEntry> entries;
   for (const auto& item : fs::directory_iterator(bundled_folder())) {

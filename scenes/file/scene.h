@@ -58,6 +58,8 @@ struct Scene : CrowdPlan {
   bool contact_points = false;  ///< report point, normal and depth of each contact; requires exact
   PairRules group_filter, part_filter;  ///< selected pairs of groups and of parts; empty: all
   std::optional<SeparationRule> separation;
+  /// LCM channel with crowd_change_t messages that change the crowd during the run; empty: none.
+  std::string change_channel;
   bool planted_feet = true;  ///< feet stay planted on curves and while turning
   /// Postures adapt to neighbours and walls; standing people breathe and sway.
   bool body_avoidance = true;
@@ -76,6 +78,11 @@ Scene load_scene(const std::string& path_or_name);
 /// Reads a scene from the text of a scene file, with the same checks. Errors name `name`:line, and
 /// a scene without the key `name` is called so. Files are looked up in the working directory.
 Scene read_scene_text(const std::string& text, const std::string& name);
+
+/// Reads a goal from text as in a scene file, for example `{min_m: [0, 0], max_m: [2, 2]}`, with the
+/// same checks against the ground of a scene. Throws InputError naming `name`, also for a goal with
+/// a queue or capacity.
+Goal read_goal_text(const std::string& text, const std::string& name, const Scene& scene);
 
 /// Name and one-line description of a bundled scene; the list is sorted by name.
 struct SceneEntry {

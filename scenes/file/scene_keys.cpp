@@ -356,6 +356,17 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
     key.is_default = [rules](const Scene& scene) { return (scene.*rules).empty(); };
     return key;
   };
+  Key<Scene> changes =
+      custom_key<Scene>("change_channel",
+                        "LCM channel with messages that add, remove and redirect agents, see "
+                        "docs/control.md",
+                        "none", {.pattern = kChannelPattern})
+          .with_reader([](ReadContext&, Fields& fields, Scene& scene) {
+            if (fields.find("change_channel") != nullptr)
+              scene.change_channel = read_channel(fields, "change_channel");
+          })
+          .with_hash([](Hasher& hash, const Scene& scene) { hash.add(scene.change_channel); });
+  changes.is_default = [](const Scene& scene) { return scene.change_channel.empty(); };
   return {
       recording,
       pairs(
@@ -385,7 +396,8 @@ std::vector<Key<Scene>> later_rows_of_scenes() {
            "hold their arms in several ways; requires `planted_feet` (docs/motion.md)",
            &Scene::body_avoidance),
       doors,
-      separation};
+      separation,
+      changes};
 }
 
 }  // namespace

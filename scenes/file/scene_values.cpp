@@ -1,6 +1,7 @@
 #include "scenes/file/scene_values.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "base/errors.h"
 #include "base/limits.h"
@@ -181,6 +182,22 @@ MapText styles_text() {
   for (const std::string& name : style_names())
     text.keys.push_back(share(name, "share of agents with this style"));
   return text;
+}
+
+std::string read_channel(const Fields& fields, const std::string& key) {
+  const std::string channel = fields.text(key);
+  const auto is_fine = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+  };
+  // liblcm rejects channel names of more than 63 characters.
+  if (channel.empty() || channel.size() > 63 || channel.starts_with("THRONG_") ||
+      !std::all_of(channel.begin(), channel.end(), is_fine))
+    throw InputError(fields.where(*fields.find(key)),
+                     fmt::format("an LCM channel name for '{}': 1 to 63 letters, digits or '_', "
+                                 "not beginning with THRONG_",
+                                 key),
+                     fmt::format("'{}'", channel));
+  return channel;
 }
 
 }  // namespace throng

@@ -95,6 +95,9 @@ WalkInput CrowdMotion::move_root(uint32_t id, BodyStates& bodies, float& speed_m
   if (!bodies.avoidance.empty())
     root.world_from_root = root.world_from_root * rotation_by(bodies.avoidance[id].hips_rad);
   if (is_present) speed_mps = static_cast<float>(velocity.norm());
+  // After a jump feet are planted anew, as on entry.
+  if (crowd_.displacements_m()[id] > kMaxExternalSpeed_mps * scene_.step_s)
+    bodies.gait_mps[id] = kNotEntered;
   return walk;
 }
 

@@ -35,8 +35,7 @@ class CrowdMotion final : public MotionSource {
   void add_external(ExternalAvatars& external) const override;
   void apply_external(const ExternalAvatars& external) override;
 
-  /// The crowd, to move the agents of another source.
-  Crowd& crowd() { return crowd_; }
+  Crowd* crowd() override { return &crowd_; }
 
   const std::vector<std::string>& notes() const override { return spawned_.notes; }
   int unplaced() const override;
@@ -48,7 +47,7 @@ class CrowdMotion final : public MotionSource {
 
  private:
   bool is_external(const AgentSpec& person) const {
-    return !scene_.groups[person.group].control_channel.empty();
+    return scene_.groups[person.group].is_external;
   }
   void note_external();
   WalkInput move_root(uint32_t id, BodyStates& bodies, float& speed_mps) const;

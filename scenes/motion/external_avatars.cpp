@@ -82,7 +82,7 @@ void ExternalAvatars::add(uint32_t avatar, const FlatModel& kinematics, const Ro
 void ExternalAvatars::archive(Archive& a) {
   for (ExternalAvatar& one : all_) {
     RootPose& root = one.pose.root;
-    a(root.position_m, root.world_from_root, one.pose.velocity_mps, one.row);
+    a(root.position_m, root.world_from_root, one.pose.velocity_mps, one.pose.walks, one.row);
     // Negated comparison: also rejects NaN.
     bool is_possible = root.position_m.allFinite() &&
                        std::abs(root.world_from_root.norm() - 1) < 1e-3F &&
@@ -134,12 +134,19 @@ void ExternalAvatars::apply_external(Crowd& crowd) const {
   }
 }
 
+void ExternalAvatars::stop_walking() {
+  for (ExternalAvatar& one : all_)
+    if (one.pose.walks) one.pose.velocity_mps.setZero();
+}
+
 void ExternalAvatars::place(std::span<RootPose> roots) const {
-  for (const ExternalAvatar& one : all_) roots[one.avatar] = one.pose.root;
+  for (const ExternalAvatar& one : all_)
+    if (!one.pose.walks) roots[one.avatar] = one.pose.root;
 }
 
 void ExternalAvatars::bind_rows(std::span<const float*> rows) const {
-  for (const ExternalAvatar& one : all_) rows[one.avatar] = one.row.data();
+  for (const ExternalAvatar& one : all_)
+    rows[one.avatar] = one.pose.walks ? nullptr : one.row.data();
 }
 
 }  // namespace throng

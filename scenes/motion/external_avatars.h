@@ -21,6 +21,8 @@ class Crowd;
 struct ExternalPose {
   RootPose root;
   Eigen::Vector2d velocity_mps = Eigen::Vector2d::Zero();
+  /// Walks by its gait: height, tilt and joints are those of the gait.
+  bool walks = false;
   /// A posture row (rad or m, by column of the model); empty: joints stay as they are.
   std::span<const double> joints;
 };
@@ -54,9 +56,13 @@ class ExternalAvatars {
 
   /// Sets the agents of the crowd to these poses, after steering.
   void apply_external(Crowd& crowd) const;
+  /// Lets avatars that walk stand from the next step on, unless they get another pose.
+  void stop_walking();
+  /// Sets the roots of avatars that do not walk.
   void place(std::span<RootPose> roots) const;
   void archive(Archive& a);
-  /// Sets the posture row of each avatar; pointers are valid as long as this object.
+  /// Sets the posture row of each avatar, null for one that walks. Pointers are valid as long as
+  /// this object.
   void bind_rows(std::span<const float*> rows) const;
 
  private:

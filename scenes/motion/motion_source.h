@@ -23,6 +23,7 @@ namespace throng {
 
 struct BodyStates;  // scenes/run/postures.h
 struct RunInfo;     // scenes/run/sink.h
+class Crowd;
 class ExternalAvatars;
 class Posing;
 
@@ -57,6 +58,9 @@ class MotionSource {
 
   /// As present(), but also 1 for avatars about to enter, which others already avoid.
   virtual std::span<const uint8_t> expected() const { return present(); }
+
+  /// Crowd whose agents can be added, removed and redirected during the run; null: none.
+  virtual Crowd* crowd() { return nullptr; }
 
   virtual void add_external(ExternalAvatars&) const {}
   /// Sets external poses, after step() and overriding its result.

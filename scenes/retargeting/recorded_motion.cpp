@@ -193,7 +193,7 @@ void RecordedMotion::update(const Posing& posing, BodyStates& bodies, std::span<
 }
 
 void RecordedMotion::move_recorded(const BodyStates& bodies, std::span<const float> speeds_mps) {
-  Crowd& crowd = others_->crowd();
+  Crowd& crowd = *others_->crowd();
   for (uint32_t id = 0; id < people_.size(); ++id) {
     crowd.set_present(id, present_[id] != 0);
     if (present_[id] == 0) continue;

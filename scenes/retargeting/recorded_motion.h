@@ -36,6 +36,7 @@ class RecordedMotion : public MotionSource {
   const std::vector<std::string>& notes() const override { return notes_; }
 
   // The following are those of the scene's other groups.
+  Crowd* crowd() override { return others_ ? others_->crowd() : nullptr; }
   void add_external(ExternalAvatars& external) const override;
   void apply_external(const ExternalAvatars& external) override;
   int unplaced() const override { return others_ ? others_->unplaced() : 0; }

@@ -22,7 +22,7 @@ struct Checkpoint {
 };
 
 /// Incremented with every change of the saved state; other versions are rejected.
-inline constexpr uint32_t kCheckpointVersion = 21;
+inline constexpr uint32_t kCheckpointVersion = 22;
 /// An avatar takes about 400 bytes; 8 GiB hold the 16.7 million avatars that ids allow.
 inline constexpr uint64_t kMaxCheckpointBytes = uint64_t{8} << 30;
 

@@ -8,23 +8,6 @@
 namespace throng {
 namespace {
 
-class ExternalPostures : public PostureProvider {
- public:
-  explicit ExternalPostures(const BodyStates& states) : states_(states) {}
-
-  void rows(std::span<const uint32_t> bodies, std::span<float> /*room*/,
-            std::span<const float*> rows) const override {
-    for (size_t i = 0; i < bodies.size(); ++i) rows[i] = states_.external_rows[bodies[i]];
-  }
-  /// No box: external joints are bounded by the sphere only.
-  void bounds(std::span<const uint32_t> /*bodies*/, std::span<RootBox> out) const override {
-    std::fill(out.begin(), out.end(), RootBox{});
-  }
-
- private:
-  const BodyStates& states_;
-};
-
 class WalkingPostures : public PostureProvider {
  public:
   WalkingPostures(const ModelGaits& gaits, const BodyStates& states)
@@ -139,6 +122,36 @@ class TablePostures final : public WalkingPostures {
   }
 };
 
+/// Rows set from outside; bodies without one walk.
+class ExternalPostures : public PostureProvider {
+ public:
+  ExternalPostures(std::unique_ptr<const PostureProvider> walking, size_t columns,
+                   const BodyStates& states)
+      : walking_(std::move(walking)), columns_(columns), states_(states) {}
+
+  void rows(std::span<const uint32_t> bodies, std::span<float> scratch,
+            std::span<const float*> rows) const override {
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      rows[i] = states_.external_rows[bodies[i]];
+      if (rows[i] == nullptr)
+        walking_->rows(bodies.subspan(i, 1), scratch.subspan(i * columns_, columns_),
+                       rows.subspan(i, 1));
+    }
+  }
+  /// External joints have no box: only the sphere bounds them.
+  void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override {
+    std::fill(out.begin(), out.end(), RootBox{});
+    for (size_t i = 0; i < bodies.size(); ++i)
+      if (states_.external_rows[bodies[i]] == nullptr)
+        walking_->bounds(bodies.subspan(i, 1), out.subspan(i, 1));
+  }
+
+ private:
+  std::unique_ptr<const PostureProvider> walking_;
+  size_t columns_;
+  const BodyStates& states_;
+};
+
 }  // namespace
 
 RootSphere ModelGaits::sphere() const {
@@ -162,7 +175,11 @@ void ModelGaits::share_bounds() {
 std::unique_ptr<const PostureProvider> make_posture_provider(PostureKind kind,
                                                              const ModelGaits& gaits,
                                                              const BodyStates& states) {
-  if (kind == PostureKind::kExternal) return std::make_unique<ExternalPostures>(states);
+  if (kind == PostureKind::kExternal)
+    return std::make_unique<ExternalPostures>(
+        make_posture_provider(states.postures.empty() ? PostureKind::kTable : PostureKind::kStepping,
+                              gaits, states),
+        static_cast<size_t>(gaits.plain().column_count()), states);
   if (kind == PostureKind::kStepping && gaits.plain().has_legs())
     return std::make_unique<SteppingPostures>(gaits, states);
   return std::make_unique<TablePostures>(gaits, states);

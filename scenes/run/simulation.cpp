@@ -13,6 +13,7 @@
 #include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
 #include "base/checksum.h"
+#include "base/errors.h"
 #include "base/portable_math.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
@@ -23,6 +24,7 @@
 #include "scenes/run/body_avoidance_stage.h"
 #include "scenes/run/body_kinds.h"
 #include "scenes/run/body_tables.h"
+#include "scenes/run/crowd_change.h"
 #include "scenes/run/named_bodies.h"
 #include "scenes/run/posing.h"
 #include "scenes/separation/separation_rule.h"
@@ -30,6 +32,9 @@
 namespace throng {
 
 namespace {
+
+/// Maximum number of changes of the crowd between two steps that a checkpoint holds.
+constexpr size_t kMaxChanges = 10'000'000;
 
 uint64_t random_instance() {
   std::random_device device;
@@ -202,6 +207,9 @@ struct Simulation::State {
   std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
+  std::vector<CrowdChange> new_changes;  ///< since the latest step
+  std::vector<CrowdChange> changes;      ///< of the latest step
+  std::vector<uint8_t> kept_present;     ///< presence in the latest frame, after a change
   std::optional<PartTally> part_tally;
   Frame frame;
   FrameTimes times;
@@ -275,6 +283,7 @@ void Simulation::State::archive(Archive& a) {
         a.reject("rates of feet and hips below 1000", std::to_string(number));
   for (const float phase : bodies.phases)
     if (!(phase >= 0 && phase <= 1)) a.reject("a gait phase from 0 to 1", "another");
+  a.resized(new_changes, kMaxChanges);
   motion->archive(a);
   external.archive(a);
   if (body_avoidance) body_avoidance->archive(a, bodies);
@@ -349,6 +358,7 @@ void Simulation::State::fill_frame() {
   frame.postures = postures;
   frame.posture_offsets = posture_offsets;
   frame.present = motion->present();
+  frame.changes = changes;
   static_cast<CullingResult&>(frame) = culler->frame();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
@@ -380,12 +390,19 @@ void Simulation::serve(std::span<Sink* const> sinks) {
 const Frame& Simulation::step() {
   State& s = *state_;
   const Stopwatch watch;
+  if (!s.changes.empty() || !s.new_changes.empty()) {
+    s.changes = std::move(s.new_changes);
+    s.new_changes.clear();
+    s.kept_present.clear();
+  }
   if (s.frames > 0) {
     s.motion->step();
     s.motion->apply_external(s.external);
+    s.external.stop_walking();
   }
   const double steering_ns = watch.ns();
   const Stopwatch gait_watch;
+  s.external.bind_rows(s.bodies.external_rows);
   s.bodies.now_s = static_cast<double>(s.frames) * s.scene.step_s;
   s.motion->update(s.posing, s.bodies, s.speeds_mps);
   s.external.place(s.bodies.roots);
@@ -407,8 +424,74 @@ const Frame& Simulation::step() {
   return s.frame;
 }
 
+uint32_t Simulation::add(const std::string& group, std::span<const AgentEntry> entries) {
+  CrowdChange added{.kind = CrowdChange::Kind::kAdd,
+                    .group = group,
+                    .entries = {entries.begin(), entries.end()}};
+  change(added);
+  return added.ids.empty() ? 0 : added.ids.front();
+}
+
+void Simulation::remove(std::span<const uint32_t> ids) {
+  CrowdChange removed{.kind = CrowdChange::Kind::kRemove, .ids = {ids.begin(), ids.end()}};
+  change(removed);
+}
+
+void Simulation::set_goal(std::span<const uint32_t> ids, const std::string& goal) {
+  CrowdChange redirected{
+      .kind = CrowdChange::Kind::kSetGoal, .ids = {ids.begin(), ids.end()}, .goal = goal};
+  change(redirected);
+}
+
+void Simulation::set_desired_speed(std::span<const uint32_t> ids,
+                                   std::span<const double> desired_mps) {
+  CrowdChange paced{.kind = CrowdChange::Kind::kSetDesiredSpeed,
+                    .ids = {ids.begin(), ids.end()},
+                    .desired_mps = {desired_mps.begin(), desired_mps.end()}};
+  change(paced);
+}
+
+void Simulation::change(CrowdChange& change) {
+  State& s = *state_;
+  Crowd* crowd = s.motion->crowd();
+  if (crowd == nullptr)
+    throw InputError(s.scene.name, "a scene with a crowd whose people can be changed",
+                     "one whose motion is recorded, or a box of parts");
+  if (s.kept_present.empty()) {  // the latest frame stays as it is
+    s.kept_present.assign(s.frame.present.begin(), s.frame.present.end());
+    s.frame.present = s.kept_present;
+  }
+  apply(change, s.scene, *crowd, s.external);
+  if (!change.ids.empty()) s.new_changes.push_back(change);
+}
+
 int Simulation::set_pose(uint32_t avatar, const ExternalPose& pose) {
   return state_->external.set_pose(avatar, pose, state_->scene.ground);
+}
+
+int Simulation::walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
+                        const std::optional<Eigen::Vector2d>& heading,
+                        const std::optional<Eigen::Vector2d>& velocity_mps) {
+  State& s = *state_;
+  if (!can_walk(avatar)) return -1;
+  ExternalPose pose = *s.external.pose(avatar);
+  pose.walks = true;
+  pose.root.position_m.head<2>() = position_m;
+  const Eigen::Vector2d from = s.motion->crowd()->positions_m()[avatar];
+  Eigen::Vector2d path_mps = (position_m - from) / s.scene.step_s;
+  if (path_mps.norm() > kMaxExternalSpeed_mps) path_mps.setZero();  // a jump
+  pose.velocity_mps = velocity_mps.value_or(path_mps);
+  Eigen::Vector2d facing = heading.value_or(pose.velocity_mps);
+  // Below this speed the direction of a path is noise.
+  constexpr double kMinTurning_mps = 0.1;
+  if (heading || facing.norm() > kMinTurning_mps)
+    pose.root.world_from_root = rotation_to(facing.normalized());
+  return s.external.set_pose(avatar, pose, s.scene.ground);
+}
+
+bool Simulation::can_walk(uint32_t avatar) const {
+  const State& s = *state_;
+  return s.external.pose(avatar) != nullptr && s.posing.gait_of(avatar).has_legs();
 }
 
 const ExternalPose* Simulation::external_pose(uint32_t avatar) const {

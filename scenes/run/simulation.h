@@ -17,8 +17,10 @@
 
 namespace throng {
 
-struct BodyStates;  // scenes/run/postures.h
-class BodyTables;   // scenes/run/body_tables.h
+struct AgentEntry;   // crowd/crowd.h
+struct BodyStates;   // scenes/run/postures.h
+class BodyTables;    // scenes/run/body_tables.h
+struct CrowdChange;  // scenes/run/crowd_change.h
 
 struct SimulationOptions {
   int threads = 1;
@@ -71,11 +73,34 @@ class Simulation {
   const Frame& step();
   RunEnd finish();
 
+  /// Adds people or robots of a group, one per entry, for the next frame. They are spare agents of
+  /// the scene (Group::spare). Returns the first id, 0 without entries; the others follow. Ids are never reused. Throws,
+  /// like the following functions, InputError without effect; see CrowdChange.
+  uint32_t add(const std::string& group, std::span<const AgentEntry> entries);
+  /// Removes agents: the next frame ends their contacts.
+  void remove(std::span<const uint32_t> ids);
+  /// Sends agents to a goal at once, written as in a scene file, without a queue. Afterwards they do
+  /// as `on_arrival` of their group says.
+  void set_goal(std::span<const uint32_t> ids, const std::string& goal);
+  /// Sets the speed at which each agent walks without hindrance (m/s, 0.1 to 4).
+  void set_desired_speed(std::span<const uint32_t> ids, std::span<const double> desired_mps);
+  /// One of the changes above. Sets the ids of added agents.
+  void change(CrowdChange& change);
+
   /// Sets the pose of an externally controlled avatar from the next step on; it holds until the
   /// next call. Values outside the ground or joint limits are clamped. Returns the number of
   /// clamped values. Returns -1 without effect if the avatar is not externally controlled or the
   /// number of joints is wrong. Empty joints keep their positions.
   int set_pose(uint32_t avatar, const ExternalPose& pose);
+  /// Lets an externally controlled person walk to a position (m, on the ground) in the next step, by
+  /// its gait: feet stay planted, the trunk turns away from others. Without a heading (unit vector)
+  /// it faces where it goes; without a velocity it has that of the path since the latest frame.
+  /// It stands in steps without a call. Returns as set_pose(), -1 also unless can_walk().
+  int walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
+              const std::optional<Eigen::Vector2d>& heading = {},
+              const std::optional<Eigen::Vector2d>& velocity_mps = {});
+  /// Returns whether walk_to() can move an avatar: it is externally controlled and has human legs.
+  bool can_walk(uint32_t avatar) const;
   /// Pose from the next step on, without joints; null if the avatar is not externally controlled.
   const ExternalPose* external_pose(uint32_t avatar) const;
 

@@ -29,6 +29,8 @@ struct Resumed {
   uint64_t hash = 0;            ///< hash of the events up to that frame
 };
 
+struct CrowdChange;  // scenes/run/crowd_change.h
+
 struct RunInfo {
   const Scene* scene = nullptr;
   uint64_t run_id = 0;    ///< hash of scene content, seed and options that change results
@@ -62,6 +64,8 @@ struct Frame : CullingResult {
   /// Per avatar, 0: not in the scene; empty: all are. An absent avatar has no pairs and keeps its
   /// last root.
   std::span<const uint8_t> present;
+  /// Changes of the crowd since the previous frame, in order.
+  std::span<const CrowdChange> changes;
   const FrameTimes* times = nullptr;  ///< times so far; kPublish is that of the previous frame
 };
 

@@ -58,6 +58,23 @@ class Examples(Case):
         shown(code, names)
         self.assertGreater(len(names["run"].contacts), 50)
 
+    def test_people_are_added_and_removed_in_few_lines(self):
+        code = (SOURCES / "examples/changing_crowd.py").read_text()
+        self.assertLessEqual(len(self.lines(code.split('"""')[2])), 17)
+        names = {}
+        shown(code, names)
+        present = names["frame"].present
+        self.assertEqual(len(present), 1000)
+        self.assertGreater(names["ids"].max(), 950)
+        self.assertLess(present.sum(), 250)
+
+    def test_people_walk_by_another_steering_model_in_few_lines(self):
+        code = (SOURCES / "examples/own_model.py").read_text()
+        self.assertLessEqual(len(self.lines(code.split('"""')[2])), 20)
+        names = {}
+        shown(code, names)
+        self.assertGreater(names["frame"].speeds_mps.mean(), 0.2)
+
     def test_contacts_by_part_notebook_gives_a_plot_in_ten_lines(self):
         self.needs("pandas", "matplotlib")
         (code,) = code_of(SOURCES / "examples/contacts_by_part.ipynb")

@@ -87,7 +87,7 @@ class Steps(Case):
         joints = throng.Model(SOURCES / "examples/picker.urdf").joint_count
         simulation.step()
         for x in (1.0, 1.5, 2.0):
-            clamped = simulation.set_pose(0, (x, 0.5, 0), joint_positions=[0.3] * joints, velocity_mps=(1, 0))
+            clamped = simulation.set_pose(0, (x, 0.5, 0), joint_positions=[0.3] * joints, velocities_mps=(1, 0))
             self.assertEqual(clamped, 0)
             frame = simulation.step()
             numpy.testing.assert_allclose(frame.positions_m[0], (x, 0.5, 0), atol=1e-6)
@@ -109,32 +109,145 @@ class Steps(Case):
         nan, inf = float("nan"), float("inf")
         joints = throng.Model(SOURCES / "examples/picker.urdf").joint_count
         for where, given in [
-            ("position_m", {"position_m": (nan, 0, 0)}),
-            ("position_m", {"position_m": (0, inf, 0)}),
-            ("position_m", {"position_m": (0, 0)}),
-            ("position_m", {"position_m": "abc"}),
-            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 0, 0)}),
-            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 1e-9, 0)}),
-            ("rotation_xyzw", {"rotation_xyzw": (0, 0, nan, 1)}),
-            ("rotation_xyzw", {"rotation_xyzw": (0, 0, -inf, 1)}),
-            ("rotation_xyzw", {"rotation_xyzw": (0, 0, 1)}),
+            ("positions_m", {"positions_m": (nan, 0, 0)}),
+            ("positions_m", {"positions_m": (0, inf, 0)}),
+            ("positions_m", {"positions_m": (0, 0)}),
+            ("positions_m", {"positions_m": "abc"}),
+            ("rotations_xyzw", {"rotations_xyzw": (0, 0, 0, 0)}),
+            ("rotations_xyzw", {"rotations_xyzw": (0, 0, 1e-9, 0)}),
+            ("rotations_xyzw", {"rotations_xyzw": (0, 0, nan, 1)}),
+            ("rotations_xyzw", {"rotations_xyzw": (0, 0, -inf, 1)}),
+            ("rotations_xyzw", {"rotations_xyzw": (0, 0, 1)}),
             ("joint_positions", {"joint_positions": [nan] * joints}),
             ("joint_positions", {"joint_positions": [0.1] * (joints + 1)}),
             ("joint_positions", {"joint_positions": ["a"] * joints}),
-            ("velocity_mps", {"velocity_mps": (nan, 0)}),
-            ("velocity_mps", {"velocity_mps": (0, 0, 0)}),
-            ("velocity_mps", {"velocity_mps": (1j, 0)}),
-            ("avatar", {"avatar": -1}),
-            ("avatar", {"avatar": 1}),
-            ("avatar", {"avatar": 0.5}),
-            ("avatar", {"avatar": "robot"}),
+            ("velocities_mps", {"velocities_mps": (nan, 0)}),
+            ("velocities_mps", {"velocities_mps": (0, 0, 0)}),
+            ("velocities_mps", {"velocities_mps": (1j, 0)}),
+            ("ids", {"ids": -1}),
+            ("ids", {"ids": 1}),
+            ("ids", {"ids": 0.5}),
+            ("ids", {"ids": "robot"}),
         ]:
-            with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
-                simulation.set_pose(**{"avatar": 0, "position_m": (0, 0, 0), **given})
+            with self.subTest(given=given), self.assertRaisesRegex(throng.InputError, f"^{where}(\\[0\\])?: expected .*found "):
+                simulation.set_pose(**{"ids": 0, "positions_m": (0, 0, 0), **given})
         numpy.testing.assert_array_equal(simulation.step().positions_m, before)
         self.assertEqual(simulation.set_pose(0, (1, 0, 0), (0, 0, 1e300, 1e300)), 0)
         rotation = simulation.step().rotations_xyzw[0]
         numpy.testing.assert_allclose(rotation, (0, 0, 0.5**0.5, 0.5**0.5), atol=1e-6)
+
+    def crowd(self, **options):
+        """A room with people to add, and five who are moved from outside."""
+        room = throng.Area(min_m=[-10, -10], max_m=[10, 10])
+        people = throng.Group(name="people", count=20, spare=30, spawn=room, goals=[room])
+        guided = throng.Group(name="guided", count=5, spawn=room, externally_controlled=True)
+        pillar = throng.Obstacle(name="pillar", kind="box", position_m=[0, 0], size_m=[1, 1, 2])
+        scene = throng.Scene(name="room", ground=room, groups=[people, guided], obstacles=[pillar])
+        return throng.Simulation(scene, **options)
+
+    def test_add_redirect_and_remove_people(self):
+        simulation = self.crowd(exact=True)
+        self.assertEqual(simulation.step().present.sum(), 25)
+        alone = simulation.add("people", (3, 4))
+        self.assertIsInstance(alone, int)
+        ids = simulation.add("people", [[5, 5], [6, 5]], headings_rad=[0, 1], speeds_mps=1)
+        numpy.testing.assert_array_equal(ids, [alone + 1, alone + 2])
+        frame = simulation.step()
+        self.assertTrue(frame.present[[alone, *ids]].all())
+        numpy.testing.assert_allclose(frame.positions_m[ids[0]], (5 + simulation.step_s, 5, 0), atol=1e-9)
+        numpy.testing.assert_allclose(frame.headings_rad[ids], (0, 1), atol=1e-6)
+        corner = throng.Area(min_m=[-9, -9], max_m=[-8, -8])
+        simulation.set_goal(ids, corner)
+        simulation.set_desired_speed(ids, [2, 2])
+        before = numpy.linalg.norm(frame.positions_m[ids] - (-8.5, -8.5, 0), axis=1)
+        for _ in range(240):
+            frame = simulation.step()
+        after = numpy.linalg.norm(frame.positions_m[ids] - (-8.5, -8.5, 0), axis=1)
+        self.assertTrue((before - after > 4).all())
+        simulation.remove(ids)
+        self.assertTrue(frame.present[ids].all(), "the latest frame stays as it is")
+        self.assertFalse(simulation.step().present[ids].any())
+        self.assertEqual(simulation.add("people", (3, 4)), ids[-1] + 1, "ids are never reused")
+
+    def test_people_in_contact_that_are_removed_end_their_contacts(self):
+        simulation = self.crowd(exact=True)
+        a, b = simulation.add("people", [[5, 5], [5.1, 5]])
+        contacts = simulation.step().pairs
+        self.assertGreater(((contacts["body_a"] == a) & (contacts["body_b"] == b)).sum(), 0)
+        simulation.remove(a)
+        events = simulation.step().events
+        ended = (events["body_a"] == a) & (events["kind"] == 1)
+        self.assertEqual(ended.sum(), ((contacts["body_a"] == a) | (contacts["body_b"] == a)).sum())
+
+    def test_reject_changes_without_effect(self):
+        simulation = self.crowd()
+        frame = simulation.step()
+        there = frame.present.copy()
+        guided = len(simulation.people) - 1
+        for where, change in [
+            ("positions_m\\[1\\]", lambda: simulation.add("people", [[5, 5], [0, 0]])),
+            ("positions_m\\[0\\]", lambda: simulation.add("people", (11, 0))),
+            ("positions_m\\[0\\]", lambda: simulation.add("people", (float("nan"), 0))),
+            ("positions_m", lambda: simulation.add("people", (1, 2, 3))),
+            ("headings_rad", lambda: simulation.add("people", [[5, 5], [4, 4]], headings_rad=[1, 2, 3])),
+            ("speeds_mps\\[0\\]", lambda: simulation.add("people", (5, 5), speeds_mps=-1)),
+            ("group", lambda: simulation.add("peopel", (5, 5))),
+            ("group 'people'", lambda: simulation.add("people", numpy.full((31, 2), 5.0))),
+            ("ids\\[1\\]", lambda: simulation.remove([0, 25])),
+            ("ids\\[0\\]", lambda: simulation.remove(-1)),
+            ("ids", lambda: simulation.remove([3, 3])),
+            ("ids\\[0\\]", lambda: simulation.set_goal(guided, throng.Area(min_m=[1, 1], max_m=[2, 2]))),
+            ("goal:1", lambda: simulation.set_goal(0, throng.Area(min_m=[20, 1], max_m=[22, 2]))),
+            ("goal", lambda: simulation.set_goal(0, throng.Goal(min_m=[1, 1], max_m=[2, 2], capacity=1))),
+            ("desired_speeds_mps\\[0\\]", lambda: simulation.set_desired_speed(0, 9)),
+            ("mps", lambda: simulation.set_desired_speed([0, 1], [1, 1, 1])),
+        ]:
+            with self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
+                change()
+        numpy.testing.assert_array_equal(simulation.step().present, there)
+        with self.assertRaisesRegex(throng.InputError, "a scene with a crowd"):
+            throng.Simulation("paper_350").remove(0)
+
+    def test_same_changes_give_the_same_hash_and_a_saved_run_goes_on(self):
+        def change(simulation):
+            if simulation.next_frame == 10:
+                simulation.add("people", [[4, 4], [4.2, 4.1]])
+            if simulation.next_frame == 30:
+                simulation.set_goal(range(10), throng.Area(min_m=[3, 3], max_m=[5, 5]))
+            if simulation.next_frame == 60:
+                simulation.remove([1, 3])
+
+        hashes, state = [], None
+        for threads in (1, 3):
+            simulation = self.crowd(threads=threads, exact=True)
+            for number in range(120):
+                change(simulation)
+                if number == 60:
+                    state = simulation.save()
+                frame = simulation.step()
+            hashes.append(frame.hash)
+        rest = self.crowd(exact=True).resume(state)
+        while rest.next_frame < 120:
+            frame = rest.step()
+        self.assertEqual({*hashes, frame.hash}, {hashes[0]})
+
+    def test_guided_people_walk_on_the_given_path(self):
+        simulation = self.crowd()
+        frame = simulation.step()
+        ids = numpy.arange(len(simulation.people) - 5, len(simulation.people))
+        at = numpy.column_stack([numpy.linspace(-8, -4, 5), numpy.linspace(3, 8, 5)])
+        joints = []
+        for _ in range(90):
+            at[:, 0] += 1.2 * simulation.step_s
+            self.assertEqual(simulation.set_pose(ids, at), 0)
+            frame = simulation.step()
+            joints.append(frame.joint_positions[simulation.joint_offsets[ids[0]] : simulation.joint_offsets[ids[0] + 1]])
+        numpy.testing.assert_allclose(frame.positions_m[ids, :2], at, atol=1e-9)
+        numpy.testing.assert_allclose(frame.speeds_mps[ids], 1.2, atol=1e-3)
+        self.assertGreater(numpy.ptp(joints, axis=0).max(), 0.5, "legs swing")
+        self.assertEqual(simulation.step().speeds_mps[ids].max(), 0, "they stand without a call")
+        simulation.set_pose(ids, numpy.column_stack([at, numpy.zeros(5)]), gait=False)
+        numpy.testing.assert_allclose(simulation.step().positions_m[ids, :2], at, atol=1e-9)
 
     def test_reject_the_state_of_another_run(self):
         options = dict(avatars=60, seed=3, steering="collision_free_speed", part_volume="ordop18", exact=False)

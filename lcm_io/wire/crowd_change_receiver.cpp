@@ -1,0 +1,78 @@
+#include "lcm_io/wire/crowd_change_receiver.h"
+
+#include <fmt/format.h>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "base/errors.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/codec/rows.h"
+#include "lcm_io/wire/lcm_url.h"
+
+namespace throng {
+namespace {
+
+/// Queued messages until a step; each may change hundreds of agents.
+constexpr int kQueuedChanges = 1000;
+
+}  // namespace
+
+CrowdChangeReceiver::CrowdChangeReceiver(const RunInfo& run, const std::string& url)
+    : run_(run), lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
+  if (!lcm_ || !lcm_->good())
+    throw EnvironmentError(
+        fmt::format("LCM cannot listen on {} for changes of the crowd; {}", url, remedy(url)));
+  subscribe();
+}
+
+CrowdChangeReceiver::CrowdChangeReceiver(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm)
+    : run_(run), lcm_(std::move(lcm)) {
+  subscribe();
+}
+
+CrowdChangeReceiver::~CrowdChangeReceiver() = default;
+
+void CrowdChangeReceiver::subscribe() {
+  static constexpr auto on_message = [](const lcm::ReceiveBuffer* buffer, const std::string&,
+                                        CrowdChangeReceiver* self) {
+    self->take({static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+  };
+  counts_.channel = run_.scene->change_channel;
+  lcm_->subscribeFunction(counts_.channel, +on_message, this)->setQueueCapacity(kQueuedChanges);
+}
+
+void CrowdChangeReceiver::apply(Simulation& simulation) {
+  simulation_ = &simulation;
+  // At most one full queue, because a continuous sender must not delay the run.
+  for (int i = 0; i < kQueuedChanges && lcm_->handleTimeout(0) > 0; ++i) {
+  }
+  simulation_ = nullptr;
+}
+
+void CrowdChangeReceiver::take(std::span<const uint8_t> bytes) {
+  // No exception may pass through liblcm's C code.
+  try {
+    std::string defect = decode(bytes, message_);
+    const auto run_id = static_cast<uint64_t>(message_.run_id);
+    if (defect.empty() && run_id != 0 && run_id != run_.run_id)
+      defect = fmt::format("a change for run {:016x}, not {:016x}", run_id, run_.run_id);
+    if (defect.empty()) {
+      MessageHeader header;
+      header.seq = message_.seq;
+      tally_.count(header, bytes.size());
+      counts_.missing = tally_.missing;
+      CrowdChange change = change_of(message_);
+      simulation_->change(change);
+      ++counts_.messages;
+      return;
+    }
+    counts_.rejection = std::move(defect);
+  } catch (const InputError& error) {
+    counts_.rejection = error.what();
+  } catch (const std::exception&) {
+    counts_.rejection = "too large";
+  }
+  ++counts_.rejected;
+}
+
+}  // namespace throng
