@@ -16,7 +16,7 @@ double ground_area_m2(const CrowdPlan& plan) {
 bool has_people(const Group& group) { return group.body == nullptr || group.body->is_person; }
 
 void keep_own_size(Group& group) {
-  if (group.height_m || (!group.is_external && has_people(group))) return;
+  if (group.height_m || (!group.is_external() && has_people(group))) return;
   const auto height_m = static_cast<double>(group.body->height_m);
   group.height_m = Distribution{height_m, 0, height_m, height_m};
 }

@@ -137,14 +137,16 @@ struct Group {
       look_at_m;  ///< point that standing agents look at; none: along their path
   /// Moved by Simulation::set_pose() instead of steering and gait. Such a group has one goal, its
   /// spawn area, and no sources.
-  bool is_external = false;
-  /// LCM channel with the pose_command_t messages that move an external group; empty: none.
+  bool externally_controlled = false;
+  /// LCM channel with the pose_command_t messages that also move such a group; empty: none.
   std::string control_channel;
 
   int64_t recorded = 0;           ///< number of agents from the scene's recording
   int64_t recorded_heights = 0;   ///< how many of these have a recorded height
   double tallest_recorded_m = 0;  ///< largest of these heights
 
+  /// A channel implies external control.
+  bool is_external() const { return externally_controlled || !control_channel.empty(); }
   /// Maximum number of agents.
   int64_t total() const {
     int64_t sum = count + recorded + spare;

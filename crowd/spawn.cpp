@@ -345,7 +345,7 @@ AgentSpec make_agent(const CrowdPlan& plan, size_t group_index, uint64_t id) {
   person.look_at_m = group.look_at_m;
   person.radius_m = disc_of(group, person.height_m);
   person.phase = random_uniform({plan.seed, id, 0, Purpose::kGaitPhase});
-  if (!group.is_external || group.gait_styles)
+  if (!group.is_external() || group.gait_styles)
     person.style = draw_style(group.gait_styles.value_or(age.styles), plan.seed, id);
   return person;
 }

@@ -449,7 +449,7 @@ class PlanDrawing {
     const Group& group = scene_.groups[index];
     const std::string letter = letter_of(index), name = "group " + letter + " " + group.name;
     if (group.recorded > 0) return;
-    const bool is_external = group.is_external;
+    const bool is_external = group.is_external();
     if (group.count > 0) {
       draw_start(index, group.spawn, is_external ? "external" : "start",
                  is_external ? fmt::format("{}: {} at first, moved {}", name, group.count,
@@ -595,7 +595,7 @@ class PlanDrawing {
     };
     for (size_t i = 0; i < scene_.groups.size(); ++i) {
       const Group& group = scene_.groups[i];
-      if (group.goals.empty() || group.is_external || group.recorded > 0) continue;
+      if (group.goals.empty() || group.is_external() || group.recorded > 0) continue;
       std::vector<Point> starts;
       if (group.count > 0) starts.push_back(group.spawn.middle_m());
       for (const Source& source : group.sources) starts.push_back(source.area.middle_m());
@@ -627,7 +627,7 @@ class PlanDrawing {
   }
 
   void draw_queues(size_t index) {
-    if (scene_.groups[index].is_external) return;
+    if (scene_.groups[index].is_external()) return;
     for (const Goal& goal : scene_.groups[index].goals) {
       if (!goal.is_limited() || goal.queue.line_m.size() < 2) continue;
       has_queue_ = true;
@@ -725,7 +725,7 @@ class PlanDrawing {
 
   std::string route_of(size_t index) const {
     const Group& group = scene_.groups[index];
-    if (group.is_external) return ", moved " + controller_of(group);
+    if (group.is_external()) return ", moved " + controller_of(group);
     if (group.recorded > 0) return "";
     if (group.goals.empty()) return ", no goals";
     std::string text = ": ";

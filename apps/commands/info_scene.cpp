@@ -145,10 +145,10 @@ void add_group(std::string& text, const Group& group, const NavMesh& mesh) {
            source.rate_per_s, source.start_s, describe(source.area));
   if (!group.control_channel.empty())
     append(text, "    control  by messages on the LCM channel {} only\n", group.control_channel);
-  else if (group.is_external)
+  else if (group.is_external())
     append(text, "    control  by the program that steps the run only\n");
   if (group.spare > 0) append(text, "    spare    {}, until the run adds them\n", group.spare);
-  if (!group.is_external) add_path_lengths(text, group, mesh);
+  if (!group.is_external()) add_path_lengths(text, group, mesh);
   add_queues(text, group);
   append(text, "    size     {}\n", describe_size(group));
   add_people(text, group);

@@ -123,8 +123,8 @@ void read_goals(ReadContext& context, Fields& fields, Group& group) {
 }
 
 void read_external(ReadContext&, Fields& fields, Group& group) {
-  group.is_external = is_external(fields);
-  if (!group.is_external) return;
+  group.externally_controlled = fields.boolean_or("externally_controlled", false);
+  if (!is_external(fields)) return;
   for (const char* key : {"goals", "on_arrival", "sources", "premovement_s", "look_at", "after",
                           "density_per_m2", "social_groups"})
     if (const YamlNode* other = fields.find(key))
@@ -362,10 +362,10 @@ std::vector<Key<Group>> later_rows_of_groups() {
       flag("externally_controlled",
            "whether the program that steps the run moves the group, see docs/control.md; "
            "`control_channel` implies it",
-           &Group::is_external)
+           &Group::externally_controlled)
           .with_reader(read_external);
   external.is_default = [](const Group& group) {
-    return !group.is_external || !group.control_channel.empty();
+    return !group.externally_controlled || !group.control_channel.empty();
   };
   return {look_at,
           number("density_per_m2",

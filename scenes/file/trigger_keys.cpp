@@ -205,7 +205,7 @@ void require_triggers(const ReadContext& context) {
       throw InputError(where, "the name of a group of the scene",
                        fmt::format("'{}'", trigger.group) + did_you_mean(trigger.group, names));
     }
-    if (group->is_external || group->recorded > 0)
+    if (group->is_external() || group->recorded > 0)
       throw InputError(
           where, "a group that walks to goals",
           fmt::format("'{}', which follows a recording or a control channel", trigger.group));

@@ -47,7 +47,7 @@ class CrowdMotion final : public MotionSource {
 
  private:
   bool is_external(const AgentSpec& person) const {
-    return scene_.groups[person.group].is_external;
+    return scene_.groups[person.group].is_external();
   }
   void note_external();
   WalkInput move_root(uint32_t id, BodyStates& bodies, float& speed_mps) const;

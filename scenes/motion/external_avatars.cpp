@@ -71,6 +71,8 @@ void write_row(std::span<const double> joints, const FlatModel& kinematics, std:
 
 void ExternalAvatars::add(uint32_t avatar, const FlatModel& kinematics, const RootPose& root) {
   assert(all_.empty() || all_.back().avatar < avatar);
+  places_.resize(avatar, kNone);
+  places_.push_back(static_cast<uint32_t>(all_.size()));
   ExternalAvatar& one = all_.emplace_back();
   one.avatar = avatar;
   one.kinematics = &kinematics;
@@ -97,10 +99,8 @@ void ExternalAvatars::archive(Archive& a) {
 }
 
 const ExternalAvatars::ExternalAvatar* ExternalAvatars::find(uint32_t avatar) const {
-  const auto found =
-      std::lower_bound(all_.begin(), all_.end(), avatar,
-                       [](const ExternalAvatar& one, uint32_t id) { return one.avatar < id; });
-  return found == all_.end() || found->avatar != avatar ? nullptr : &*found;
+  if (avatar >= places_.size() || places_[avatar] == kNone) return nullptr;
+  return &all_[places_[avatar]];
 }
 
 const ExternalPose* ExternalAvatars::pose(uint32_t avatar) const {

@@ -74,7 +74,9 @@ class ExternalAvatars {
   };
   const ExternalAvatar* find(uint32_t avatar) const;
 
+  static constexpr uint32_t kNone = UINT32_MAX;
   std::vector<ExternalAvatar> all_;
+  std::vector<uint32_t> places_;  ///< in all_, by avatar; kNone: not externally controlled
 };
 
 }  // namespace throng

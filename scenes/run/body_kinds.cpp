@@ -32,7 +32,7 @@ Kinds kinds_of(const Scene& scene) {
                        fmt::format("a model of 1 to {} parts", BodyType::kMaxParts),
                        fmt::format("{}", group.body->part_count()));
     auto kind = walking.end();
-    if (!group.is_external)
+    if (!group.is_external())
       kind = std::find(walking.begin(), walking.end(), group.body.get());
     kinds.of_group.push_back(static_cast<uint16_t>(kind - walking.begin()));
     if (kind != walking.end()) continue;
@@ -41,7 +41,7 @@ Kinds kinds_of(const Scene& scene) {
           scene.file.string(),
           fmt::format("at most {} models, one per externally controlled group", kMaxModels),
           "more");
-    walking.push_back(group.is_external ? nullptr : group.body.get());
+    walking.push_back(group.is_external() ? nullptr : group.body.get());
     kinds.models.push_back(group.body);
   }
   return kinds;

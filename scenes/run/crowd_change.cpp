@@ -61,7 +61,7 @@ void add(CrowdChange& change, const Scene& scene, Crowd& crowd, ExternalAvatars&
   const uint32_t first = crowd.first_spare(index);
   for (size_t i = 0; i < change.entries.size(); ++i)
     check_entry(change.entries[i], i, scene, crowd, first + static_cast<uint32_t>(i),
-                group.is_external);
+                group.is_external());
   crowd.add(index, change.entries);
   change.ids.clear();
   for (size_t i = 0; i < change.entries.size(); ++i) {
@@ -94,7 +94,7 @@ void set_goal(const CrowdChange& change, const Scene& scene, Crowd& crowd) {
                      fmt::format("{}", change.goal.size()));
   const Goal goal = read_goal_text(change.goal, "goal", scene);
   for (size_t i = 0; i < change.ids.size(); ++i)
-    if (scene.groups[crowd.group_of(change.ids[i])].is_external)
+    if (scene.groups[crowd.group_of(change.ids[i])].is_external())
       throw InputError(fmt::format("ids[{}]", i), "an agent that steering moves",
                        fmt::format("agent {}, which is externally controlled", change.ids[i]));
   crowd.set_goal(change.ids, goal);

@@ -120,7 +120,25 @@ Bytes driving() {
   return packed(std::vector<std::pair<uint8_t, Bytes>>{{uint8_t{0}, bytes}});
 }
 
+/// People who are sent to a goal.
+Bytes redirection() {
+  crowd_change_t m{};
+  m.schema = kSchema;
+  m.chunk_count = 1;
+  m.kind = 2;
+  m.goal = "{min_m: [0, 0], max_m: [2, 2]}";
+  m.count = 2;
+  m.avatar = {0, 1};
+  m.x_m = m.y_m = {0, 0};
+  m.heading_rad = m.speed_mps = {0, 0};
+  Bytes bytes(static_cast<size_t>(m.getEncodedSize()));
+  m.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return packed(
+      std::vector<std::pair<uint8_t, Bytes>>{{static_cast<uint8_t>(Channel::kChanges), bytes}});
+}
+
 void add_messages(std::vector<Bytes>& out) {
+  out.push_back(redirection());
   out.push_back(driving<pose_command_t>());
   out.push_back(driving<step_reply_t>());
   std::vector<std::pair<uint8_t, Bytes>> all;

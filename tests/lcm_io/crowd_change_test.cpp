@@ -10,9 +10,15 @@
 #include <numbers>
 #include <set>
 
+#include <lcm/lcm-cpp.hpp>
+
 #include "base/errors.h"
 #include "base/random.h"
 #include "base/simd.h"
+#include "lcm_io/codec/message_validation.h"
+#include "lcm_io/codec/rows.h"
+#include "lcm_io/log/log_reader.h"
+#include "lcm_io/wire/crowd_change_receiver.h"
 #include "scenes/run/crowd_change.h"
 #include "scenes/run/postures.h"
 #include "tests/lcm_io/culled_again.h"
@@ -317,6 +323,123 @@ TEST(CrowdChanges, MissNoContactAndGiveOneResult) {
               static_cast<unsigned long long>(rejected), static_cast<unsigned long long>(touching));
   EXPECT_GT(touching, seeds);
   EXPECT_GT(rejected, 0u);
+}
+
+/// A run that takes changes over LCM within one process.
+struct ChangedRun {
+  ChangedRun()
+      : lcm(std::make_shared<lcm::LCM>("memq://")),
+        simulation(with_channel(scene_of(4)), {}),
+        receiver(simulation.info(), lcm) {}
+
+  static Scene with_channel(Scene scene) {
+    scene.change_channel = "CHANGES";
+    return scene;
+  }
+  static crowd_change_t message(const CrowdChange& change) {
+    crowd_change_t m{};
+    m.chunk_count = 1;
+    m.schema = kSchema;
+    set_change(m, change, 0, change.kind == CrowdChange::Kind::kAdd ? change.entries.size()
+                                                                     : change.ids.size());
+    return m;
+  }
+  const Frame& step_after(const crowd_change_t& m) {
+    lcm->publish("CHANGES", &m);
+    receiver.apply(simulation);
+    return simulation.step();
+  }
+
+  std::shared_ptr<lcm::LCM> lcm;
+  Simulation simulation;
+  CrowdChangeReceiver receiver;
+};
+
+CrowdChange addition(const std::string& group, const Eigen::Vector2d& position_m) {
+  CrowdChange change{.kind = CrowdChange::Kind::kAdd, .group = group};
+  change.ids = {0};
+  change.entries.resize(1);
+  change.entries[0].position_m = position_m;
+  return change;
+}
+
+TEST(CrowdChangeReceiver, AppliesMessagesBeforeTheNextFrame) {
+  ChangedRun run;
+  const auto first = static_cast<uint32_t>(14);
+  EXPECT_EQ(run.step_after(ChangedRun::message(addition("crowd", {3, 4}))).present[first], 1);
+  CrowdChange removal{.kind = CrowdChange::Kind::kRemove, .ids = {first}};
+  EXPECT_EQ(run.step_after(ChangedRun::message(removal)).present[first], 0);
+  EXPECT_EQ(run.receiver.counts().messages, 2);
+  EXPECT_EQ(run.receiver.counts().rejected, 0);
+}
+
+TEST(CrowdChangeReceiver, CountsWhatTheRunCannotDoAndGoesOn) {
+  ChangedRun run;
+  const auto reason_after = [&](const crowd_change_t& m) {
+    run.step_after(m);
+    return run.receiver.counts().rejection;
+  };
+  EXPECT_EQ(reason_after(ChangedRun::message(addition("crowd", {0, 0}))).substr(0, 15),
+            "positions_m[0]:");
+  EXPECT_NE(reason_after(ChangedRun::message(addition("crwd", {3, 4}))).find("did you mean 'crowd'"),
+            std::string::npos);
+  crowd_change_t other = ChangedRun::message(addition("crowd", {3, 4}));
+  other.run_id = 7;
+  EXPECT_NE(reason_after(other).find("a change for run 0000000000000007"), std::string::npos);
+  CrowdChange removal{.kind = CrowdChange::Kind::kRemove, .ids = {9999}};
+  EXPECT_EQ(reason_after(ChangedRun::message(removal)).substr(0, 7), "ids[0]:");
+  crowd_change_t damaged = ChangedRun::message(addition("crowd", {3, 4}));
+  damaged.kind = 9;
+  EXPECT_NE(reason_after(damaged), "");
+  EXPECT_EQ(run.receiver.counts().rejected, 5);
+  EXPECT_EQ(run.receiver.counts().messages, 0);
+}
+
+TEST(CrowdChangeReceiver, SurvivesDamagedMessages) {
+  ChangedRun run;
+  const crowd_change_t sound = ChangedRun::message(addition("crowd", {3, 4}));
+  std::vector<uint8_t> bytes(static_cast<size_t>(sound.getEncodedSize()));
+  sound.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  for (size_t i = 0; i < 400; ++i) {
+    std::vector<uint8_t> wrong = bytes;
+    wrong[(37 * i) % wrong.size()] ^= static_cast<uint8_t>(1 + i % 255);
+    if (i % 3 == 0) wrong.resize(i % wrong.size());
+    run.lcm->publish("CHANGES", wrong.data(), static_cast<unsigned>(wrong.size()));
+  }
+  run.receiver.apply(run.simulation);
+  run.simulation.step();
+  EXPECT_GT(run.receiver.counts().rejected, 200);
+}
+
+TEST(CrowdChanges, AreInTheLog) {
+  const ScratchFile log;
+  Simulation run(scene_of(4), {});
+  LogSink sink(log.path(), {});
+  sink.begin(run.info());
+  sink.frame(run.info(), run.step());
+  std::vector<AgentEntry> entries(3);
+  for (size_t i = 0; i < entries.size(); ++i)
+    entries[i] = {{3, 2 + static_cast<double>(i)}, 0.5, 1};
+  const uint32_t first = run.add("crowd", entries);
+  const uint32_t ids[] = {first, first + 1};
+  run.set_goal(ids, "{min_m: [-5, -5], max_m: [-4, -4]}");
+  sink.frame(run.info(), run.step());
+  sink.end(run.info(), run.finish());
+  std::vector<CrowdChange> changes;
+  LogReader reader(log.path());
+  for (LogEvent event; reader.next(event) == LogReader::Status::kEvent;) {
+    crowd_change_t m;
+    if (event.channel != name_of(Channel::kChanges)) continue;
+    ASSERT_EQ(decode(event.data, m), "");
+    EXPECT_EQ(m.frame, 1);
+    changes.push_back(change_of(m));
+  }
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0].group, "crowd");
+  EXPECT_EQ(changes[0].entries.size(), 3u);
+  EXPECT_EQ(changes[0].entries[2].position_m, Eigen::Vector2d(3, 4));
+  EXPECT_EQ(changes[1].ids, (std::vector<uint32_t>{first, first + 1}));
+  EXPECT_EQ(changes[1].goal, "{min_m: [-5, -5], max_m: [-4, -4]}");
 }
 
 }  // namespace

@@ -158,6 +158,15 @@ std::map<std::string, Bytes> samples() {
   out["pose_command_t"] = encoded(drive);
   out["step_reply_t"] = encoded(answer);
   out["step_request_t"] = encoded(of_avatars<step_request_t>());
+  crowd_change_t change{};
+  change.schema = kSchema;
+  change.chunk_count = 1;
+  change.group = "people";
+  change.count = 2;
+  change.avatar = {3, 4};
+  change.x_m = change.y_m = {1, 2};
+  change.heading_rad = change.speed_mps = {0.5f, 1};
+  out["crowd_change_t"] = encoded(change);
   stamp_t stamp{};
   stamp.schema = kSchema;
   out["stamp_t"] = encoded(stamp);

@@ -37,6 +37,7 @@ TEST(Messages, HaveTheKnownFingerprints) {
       {"separation_t", {separation_t::getHash(), 0x6cc58951e48f1d18}},
       {"contact_points_t", {contact_points_t::getHash(), 0x8e016add1273ecf8}},
       {"step_request_t", {step_request_t::getHash(), 0x5d42ef3a2e13dfcc}},
+      {"crowd_change_t", {crowd_change_t::getHash(), 0x6b0c3c312a94a0c4}},
       {"stamp_t", {stamp_t::getHash(), 0x3778b8925480d7b6}},
       {"step_reply_t", {step_reply_t::getHash(), 0xaab0b1f72bfd7db9}},
   };
@@ -61,7 +62,7 @@ TEST_P(OptionalMessages, AreNeitherSentNorNamedWithoutRequest) {
 
 INSTANTIATE_TEST_SUITE_P(Channels, OptionalMessages,
                          testing::Values(Channel::kProximity, Channel::kSeparation,
-                                         Channel::kContactPoints),
+                                         Channel::kContactPoints, Channel::kChanges),
                          [](const auto& channel) { return std::string(name_of(channel.param)); });
 
 struct Crowd {
