@@ -3,6 +3,7 @@
 // Invariant: code outside of culling includes only these headers and event_hash.h.
 #pragma once
 
+#include "base/errors.h"
 #include "culling/bodies.h"
 #include "culling/body_type.h"
 #include "culling/counters.h"
