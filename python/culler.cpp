@@ -292,6 +292,7 @@ CullerPtr new_culler(std::vector<ShapePtr> shapes, py::dict options_dict) {
                        request.options.contact_points};
   options.part_volume = volumes.fallback;
   options.exact = request.options.exact;
+  options.check_spheres = false;  // PosedCuller sets the spheres to the reach of the poses
   const int threads = request.simulation.threads;
   return result_from_thread<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
     return std::make_shared<PosedCuller>(shapes, volumes, options, threads);

@@ -104,6 +104,7 @@ SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
   require_valid_separation(scene);
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
+  options.culler.check_spheres = false;  // posing and spheres have the same source
   options.culler.proximity = {static_cast<float>(scene.proximity_m),
                               static_cast<float>(scene.closest_parts_m), scene.step_s,
                               scene.contact_points};
