@@ -10,4 +10,5 @@
 #include "culling/culler.h"
 #include "culling/pair.h"
 #include "culling/pair_filter.h"
+#include "culling/part_distance.h"
 #include "culling/proximity.h"

@@ -13,6 +13,7 @@
 #include "avatars/model/describe.h"
 #include "avatars/stepping/standing.h"
 #include "base/checksum.h"
+#include "base/errors.h"
 #include "base/portable_math.h"
 #include "base/stopwatch.h"
 #include "crowd/navigation/footprints.h"
@@ -183,6 +184,10 @@ struct Simulation::State {
   void update_postures();
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
+  void require_in_frame(uint32_t body, const char* where) const;
+  std::vector<std::string> part_names(uint32_t body) const;
+  BodyInPose posed(uint32_t body, std::span<const uint8_t> parts,
+                   std::vector<PartPose>& poses) const;
 
   Scene scene;
   SimulationOptions options;
@@ -200,6 +205,7 @@ struct Simulation::State {
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
   std::unique_ptr<BodyAvoidanceStage> body_avoidance;
+  std::vector<std::shared_ptr<const BodyType>> body_types;
   std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
@@ -235,7 +241,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                           options.culler.simd, workers);
   }
   options.culler.filter = filter_of(scene, info);
-  culler = make_culler(types(), options.strategy, options.culler, workers);
+  body_types = types();
+  culler = make_culler(body_types, options.strategy, options.culler, workers);
   options.tables.reset();  // frees tables that no other run shares
   gather_notes();
 }
@@ -355,6 +362,31 @@ void Simulation::State::fill_frame() {
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
 }
 
+void Simulation::State::require_in_frame(uint32_t body, const char* where) const {
+  if (frame.times == nullptr) throw InputError("distance", "a step before it", "none");
+  if (body >= bodies.types.size())
+    throw InputError(where, fmt::format("a body number from 0 to {}", bodies.types.size() - 1),
+                     fmt::format("{}", body));
+  if (body < frame.present.size() && frame.present[body] == 0)
+    throw InputError(where, fmt::format("a body in the scene in frame {}", frame.number),
+                     fmt::format("avatar {}, which is not", body));
+}
+
+std::vector<std::string> Simulation::State::part_names(uint32_t body) const {
+  if (body >= avatars) return {scene.obstacles[body - avatars].name};
+  std::vector<std::string> names;
+  for (const Part& part : models[bodies.types[body]]->parts) names.push_back(part.name);
+  return names;
+}
+
+BodyInPose Simulation::State::posed(uint32_t body, std::span<const uint8_t> parts,
+                                    std::vector<PartPose>& poses) const {
+  poses.resize(body_types[bodies.types[body]]->parts().size());
+  posing.pose_of(body, poses);
+  return {body, bodies.types[body], bodies.scales[body], bodies.roots[body].position_m, poses,
+          parts};
+}
+
 Simulation::Simulation(Scene scene, const SimulationOptions& options)
     : state_(std::make_unique<State>(std::move(scene), with_tables(options))) {}
 Simulation::~Simulation() = default;
@@ -433,6 +465,18 @@ RunEnd Simulation::finish() {
   end.by_part = s.part_tally ? &*s.part_tally : nullptr;
   end.proximity_hash = last.proximity_hash;
   return end;
+}
+
+PartDistance Simulation::distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                                  const PartChoice& part_b) const {
+  const State& s = *state_;
+  s.require_in_frame(a, "a");
+  s.require_in_frame(b, "b");
+  if (a == b) throw InputError("b", "another body than a", fmt::format("{}", b));
+  const std::vector<uint8_t> parts_a = chosen_parts(part_a, s.part_names(a), "part_a"),
+                             parts_b = chosen_parts(part_b, s.part_names(b), "part_b");
+  std::vector<PartPose> poses_a, poses_b;
+  return part_distance(s.body_types, s.posed(a, parts_a, poses_a), s.posed(b, parts_b, poses_b));
 }
 
 int64_t Simulation::next_frame() const { return state_->frames; }

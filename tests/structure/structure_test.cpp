@@ -129,6 +129,7 @@ TEST_F(Structure, CullingIsIncludedByItsInterface) {
                                            "culling/proximity.h",
                                            "culling/pair.h",
                                            "culling/pair_filter.h",
+                                           "culling/part_distance.h",
                                            "culling/part_tally.h",
                                            "culling/strategies/paper_culler.h",
                                            "culling/strategies/strategy.h",
