@@ -5,3 +5,4 @@
 #include "avatars/mesh/mesh.h"
 #include "avatars/mesh/tri.h"
 #include "avatars/model/model.h"
+#include "base/errors.h"

@@ -223,7 +223,9 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
   crowd.simd = options.simd;
   const auto type = crowd.body_type();
   Workers workers(options.threads);
-  Culler culler({type}, {.pair_search = options.pair_search, .simd = options.simd}, workers);
+  Culler culler({type},
+                {.pair_search = options.pair_search, .simd = options.simd, .check_spheres = false},
+                workers);
   CrowdBoxes crowd_boxes(crowd, type);
   std::vector<Contender> rivals = contenders(options, out.skipped);
   StageTable stages;
@@ -322,7 +324,8 @@ AgeingResult age(BenchOptions options, int walked_frames, const Progress& progre
   crowd.simd = options.simd;
   const auto type = crowd.body_type();
   Workers workers(options.threads);
-  const CullerOptions culling{.pair_search = options.pair_search, .simd = options.simd};
+  const CullerOptions culling{
+      .pair_search = options.pair_search, .simd = options.simd, .check_spheres = false};
   Culler aged({type}, culling, workers), fresh({type}, culling, workers);
   CrowdBoxes boxes(crowd, type);
   std::vector<Pair> rivals;

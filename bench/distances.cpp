@@ -156,6 +156,7 @@ int compare(int avatars, float margin_m, int frames) {
   Crowd crowd(load_model(adult_urdf()), {.avatars = avatars});
   CullerOptions options;
   options.exact = true;
+  options.check_spheres = false;
   CullerOptions with = options;
   with.proximity.margin_m = margin_m;
   Workers one(1);

@@ -9,6 +9,7 @@
 #include "culling/stages/budgeted_pass.h"
 #include "culling/stages/pass.h"
 #include "culling/stages/pipeline.h"
+#include "culling/stages/sphere_check.h"
 
 namespace throng {
 namespace {
@@ -73,6 +74,9 @@ struct Culler::State {
         run(make_pass(types, options, workers, proximity.get()), last_level(options)) {
     if (proximity && options.has_budget())
       budgeted_proximity = std::make_unique<BudgetedProximity>(types, options, workers, *proximity);
+    if (!options.check_spheres) return;
+    require_wide_spheres(types);
+    sphere_check.emplace(types, workers);
   }
 
   uint64_t proximity_times_grown() const {
@@ -85,6 +89,7 @@ struct Culler::State {
   PassRun run;
   std::unique_ptr<BudgetedProximity>
       budgeted_proximity;  // with a budget; otherwise the pass itself computes distances
+  std::optional<SphereCheck> sphere_check;
 };
 
 Culler::Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
@@ -95,6 +100,8 @@ Culler::~Culler() = default;
 
 void Culler::step(const BodiesView& bodies, const PoseSource& poses) {
   State& s = *state_;
+  require_scales(bodies.scales);
+  if (s.sphere_check) s.sphere_check->run(bodies, poses);
   const uint64_t grown_before = s.proximity_times_grown();
   s.run.step(bodies, poses);
   CullingCounters& counters = s.run.counters();

@@ -55,6 +55,9 @@ struct CullerOptions {
   ProximityOptions proximity{};
   /// Pairs to report, as events and as distances; all by default.
   PairFilter filter{};
+  /// Check that all parts lie within the RootSphere of their body, which otherwise loses pairs.
+  /// Each step then poses all bodies once more; disable it once the poses are known to fit.
+  bool check_spheres = true;
 
   bool has_budget() const { return budget_ms || budget_tests; }
 };
@@ -100,11 +103,14 @@ class Culler final : public AnyCuller {
   /// `types` are the kinds of bodies; BodiesView::types are indices into them. Keeps a reference to
   /// `workers`, which must outlive the culler. Throws InputError for margins outside 0 to
   /// kMaxProximity_m and for a filter that does not match `types`. Also throws for `exact` with a
-  /// type without triangles, `by_part` with a budget, and contact points without `exact`.
+  /// type without triangles, `by_part` with a budget, contact points without `exact`, and, with
+  /// `check_spheres`, a sphere that is smaller than a part.
   Culler(std::vector<std::shared_ptr<const BodyType>> types, const CullerOptions& options,
          Workers& workers);
   ~Culler() override;
 
+  /// See AnyCuller. With `check_spheres` it throws InputError for a part outside the sphere of its
+  /// body; the culler is then unchanged.
   void step(const BodiesView& bodies, const PoseSource& poses) override;
   void finish() override;
   void archive(Archive& a) override;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/pose.h"
+#include "culling/part_distance.h"
 
 namespace throng {
 
@@ -43,6 +44,16 @@ inline void put_matrix(const PartPose& pose, const Eigen::Vector3d& root_m, doub
   }
   out[12] = out[13] = out[14] = 0;
   out[15] = 1;
+}
+
+/// (lo_m, hi_m, point_a_m, point_b_m, normal, part_a, part_b, depth_m), see throng.Distance.
+inline pybind11::tuple tuple_of(const PartDistance& distance) {
+  const auto array = [](const auto& values) {
+    return array_of(std::vector(values.begin(), values.end()));
+  };
+  return pybind11::make_tuple(distance.lo_m, distance.hi_m, array(distance.point_a_m),
+                              array(distance.point_b_m), array(distance.normal), distance.part_a,
+                              distance.part_b, distance.depth_m);
 }
 
 /// An array of any number type, converted to doubles in row-major order.

@@ -13,12 +13,14 @@
 #include "avatars/model/model.h"
 #include "base/errors.h"
 #include "base/limits.h"
+#include "culling/part_distance.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/interrupts.h"
 #include "python/posed_parts.h"
 #include "python/recorder.h"
 #include "python/run_request.h"
+#include "scenes/file/part_words.h"
 
 namespace py = pybind11;
 
@@ -95,13 +97,23 @@ class PosedCuller {
         options_(options),
         workers_(threads),
         parts_(shapes_),
+        next_parts_(shapes_),
         reach_m_(shapes_.size(), 0) {
     make();  // reports invalid shapes at once
   }
 
-  void step(std::span<const double> matrices, size_t stride, std::span<const uint32_t> ids,
-            std::span<const uint16_t> types, std::span<const float> scales) {
-    parts_.set(matrices, stride, types, scales);
+  /// Bodies of a step: their ids, types and scales.
+  struct Bodies {
+    std::vector<uint32_t> ids;
+    std::vector<uint16_t> types;
+    std::vector<float> scales;
+  };
+
+  /// Without effect if it throws.
+  void step(std::span<const double> matrices, size_t stride, Bodies bodies) {
+    next_parts_.set(matrices, stride, bodies.types, bodies.scales);
+    std::swap(parts_, next_parts_);
+    bodies_ = std::move(bodies);  // the spans of parts_ remain valid
     if (grow()) {
       Archive state;
       culler_->archive(state);
@@ -109,13 +121,24 @@ class PosedCuller {
       Archive again(state.bytes(), "culler");
       culler_->archive(again);
     }
-    culler_->step({ids, types, scales, parts_.roots()}, parts_);
+    culler_->step({bodies_.ids, bodies_.types, bodies_.scales, parts_.roots()}, parts_);
     store_events();
     ++frame_;
   }
   void finish() {
     culler_->finish();
     store_events();
+  }
+
+  /// Distance of bodies of the latest step. Throws InputError.
+  PartDistance distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                        const PartChoice& part_b) const {
+    const uint32_t at_a = index_of(a, "a"), at_b = index_of(b, "b");
+    if (a == b) throw InputError("b", "another body than a", fmt::format("{}", b));
+    const std::vector<uint8_t> parts_a = chosen_parts(part_a, part_names(at_a), "part_a"),
+                               parts_b = chosen_parts(part_b, part_names(at_b), "part_b");
+    std::vector<PartPose> poses_a, poses_b;
+    return part_distance(types_, posed(at_a, parts_a, poses_a), posed(at_b, parts_b, poses_b));
   }
 
   const Culler& culler() const { return *culler_; }
@@ -135,6 +158,26 @@ class PosedCuller {
   }
 
  private:
+  uint32_t index_of(uint32_t id, const char* where) const {
+    const auto at = std::lower_bound(bodies_.ids.begin(), bodies_.ids.end(), id);
+    if (at == bodies_.ids.end() || *at != id)
+      throw InputError(where, "the id of a body of the last step", fmt::format("{}", id));
+    return static_cast<uint32_t>(at - bodies_.ids.begin());
+  }
+  const std::vector<std::string>& part_names(uint32_t body) const {
+    return shapes_[bodies_.types[body]]->part_names;
+  }
+  BodyInPose posed(uint32_t body, std::span<const uint8_t> parts,
+                   std::vector<PartPose>& poses) const {
+    poses.resize(part_names(body).size());
+    parts_.poses({&body, 1}, poses);
+    return {bodies_.ids[body],
+            bodies_.types[body],
+            bodies_.scales[body],
+            parts_.roots()[body].position_m,
+            poses,
+            parts};
+  }
   bool grow() {
     constexpr float kGrowth = 1.5F;
     bool grows = false;
@@ -156,6 +199,7 @@ class PosedCuller {
       types.push_back(
           std::make_shared<BodyType>(std::move(parts), sphere, shapes_[type]->is_static));
     }
+    types_ = types;
     culler_ = std::make_unique<Culler>(std::move(types), options_, workers_);
   }
   void store_events() {
@@ -167,8 +211,10 @@ class PosedCuller {
   PartVolumes volumes_;
   CullerOptions options_;
   Workers workers_;
-  PosedParts parts_;
+  PosedParts parts_, next_parts_;  // of the latest step, and of the next one while it is checked
+  Bodies bodies_;
   std::vector<float> reach_m_;
+  std::vector<std::shared_ptr<const BodyType>> types_;
   std::unique_ptr<Culler> culler_;
   std::vector<EventRow> events_;
   size_t latest_ = 0;
@@ -234,9 +280,7 @@ struct StepWork {
   BusyGuard guard;
   std::vector<double> matrices;
   size_t stride = 0;
-  std::vector<uint32_t> ids;
-  std::vector<uint16_t> types;
-  std::vector<float> scales;
+  PosedCuller::Bodies bodies;
 };
 
 py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbers<int64_t>& ids,
@@ -249,16 +293,16 @@ py::array step(const CullerPtr& culler, const DoubleArray& matrices, const Numbe
   auto work = std::make_shared<StepWork>(culler);
   work->matrices.assign(matrices.data(), matrices.data() + matrices.size());
   work->stride = static_cast<size_t>(rows) * 4;
-  work->ids.assign(ids.data(), ids.data() + ids.size());
-  work->types.assign(types.data(), types.data() + types.size());
-  work->scales.assign(scales.data(), scales.data() + scales.size());
+  work->bodies.ids.assign(ids.data(), ids.data() + ids.size());
+  work->bodies.types.assign(types.data(), types.data() + types.size());
+  work->bodies.scales.assign(scales.data(), scales.data() + scales.size());
   // Copied within the step, because the next one may begin directly after it.
   const auto events = std::make_shared<std::vector<EventRow>>();
-  const bool is_short = work->ids.size() <= kFewBodies && culler->step_s < kShort_s;
+  const bool is_short = work->bodies.ids.size() <= kFewBodies && culler->step_s < kShort_s;
   std::function<void(WorkState&)> stepping = [shared = std::move(work), events](WorkState&) {
     PosedCuller& posed = shared->guard.culler();
     const auto start = std::chrono::steady_clock::now();
-    posed.step(shared->matrices, shared->stride, shared->ids, shared->types, shared->scales);
+    posed.step(shared->matrices, shared->stride, std::move(shared->bodies));
     posed.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     *events = latest_events(posed);
   };
@@ -292,6 +336,7 @@ CullerPtr new_culler(std::vector<ShapePtr> shapes, py::dict options_dict) {
                        request.options.contact_points};
   options.part_volume = volumes.fallback;
   options.exact = request.options.exact;
+  options.check_spheres = false;  // PosedCuller sets the spheres to the reach of the poses
   const int threads = request.simulation.threads;
   return result_from_thread<CullerPtr>([shapes = std::move(shapes), volumes, options, threads] {
     return std::make_shared<PosedCuller>(shapes, volumes, options, threads);
@@ -328,6 +373,14 @@ void bind_culler(py::module_& module) {
       .def("closest_parts", idle([](const PosedCuller& culler) {
              return array_of(proximity_rows(culler.frame() - 1, culler.culler().closest_parts()));
            }))
+      .def(
+          "distance",
+          [](const PosedCuller& culler, uint32_t a, const PartChoice& part_a, uint32_t b,
+             const PartChoice& part_b) {
+            culler.expect_idle();
+            return tuple_of(culler.distance(a, part_a, b, part_b));
+          },
+          py::arg("a"), py::arg("part_a"), py::arg("b"), py::arg("part_b"))
       .def("step", step)
       .def("finish",
            [](const CullerPtr& culler) {

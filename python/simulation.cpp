@@ -108,6 +108,11 @@ struct FrameView {
     return array_of(proximity_rows(number, f.closest_parts));
   }
   py::array part_poses(const Numbers& people) const;
+  py::tuple distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                     const PartChoice& part_b) const {
+    frame();
+    return tuple_of(run->distance(a, part_a, b, part_b));
+  }
 
   /// Throws if a table was not requested; an empty one would mean that no pair was found.
   static void require(bool is_there, const char* what) {
@@ -334,7 +339,9 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("closest_parts", &FrameView::closest_parts)
       .def_property_readonly("contact_points", &FrameView::contact_points)
       .def_property_readonly("hash", [](const FrameView& f) { return hash_text(f.frame().hash); })
-      .def("part_poses", &FrameView::part_poses, py::arg("people"));
+      .def("part_poses", &FrameView::part_poses, py::arg("people"))
+      .def("distance", &FrameView::distance, py::arg("a"), py::arg("part_a"), py::arg("b"),
+           py::arg("part_b"));
   py::class_<SteppedRun, std::shared_ptr<SteppedRun>>(module, "Simulation")
       .def(py::init(&opened), py::arg("options"))
       .def("step",

@@ -60,6 +60,12 @@ class SteppedRun {
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);
 
+  /// See Simulation::distance().
+  PartDistance distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                        const PartChoice& part_b) const {
+    return simulation_->distance(a, part_a, b, part_b);
+  }
+
   /// Returns the frame with that number; throws if it is not the latest.
   const Frame& frame(int64_t number) const;
   bool is_over() const { return end_.has_value(); }

@@ -13,7 +13,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kSpacing_m = 12;     // between pairs of bodies: far beyond any body's reach
-constexpr double kPartReach_m = 0.3;  // maximum distance of a part's frame from its root
+constexpr double kPartReach_m = 0.3;  // maximum distance of a part's frame from its root, per axis
+constexpr double kMinScale = 0.8, kLargestScale = 1.25;
 constexpr double kMargin_m = 0.01;
 constexpr size_t kBrute = size_t{16} * 16;  // maximum of triangle pairs tested in double
 
@@ -78,8 +79,8 @@ BodyKind kind_of(std::vector<PartShape> shapes, std::vector<MixedPart> mixed = {
     kind.trees.emplace_back(shape.points, shape.triangles);
     reach = std::max(reach, reach_of(shape.points));
   }
-  // The maximum scale is 1.25; the rest covers rounding.
-  const double radius = 1.001 * (1.25 * reach + kPartReach_m * std::sqrt(3.0)) + 0.001;
+  // Scales apply to the sphere and the points, but not to the poses. The rest covers rounding.
+  const double radius = 1.001 * (reach + kPartReach_m * std::sqrt(3.0) / kMinScale) + 0.001;
   kind.type = std::make_shared<BodyType>(
       std::move(shapes), RootSphere{Vector3f::Zero(), static_cast<float>(radius)}, false);
   return kind;
@@ -217,7 +218,7 @@ void RandomPairs::add(Draw& draw, const Vector3d& where, int parity, bool is_lat
   ids_.push_back(static_cast<uint32_t>(ids_.size()));
   const int half = static_cast<int>(kinds_.size()) / 2;
   types_.push_back(static_cast<uint16_t>(2 * draw.integer(0, half - 1) + parity));
-  scales_.push_back(is_lattice ? 1.0f : static_cast<float>(draw.uniform(0.8, 1.25)));
+  scales_.push_back(is_lattice ? 1.0f : static_cast<float>(draw.uniform(kMinScale, kLargestScale)));
   roots_.push_back({where, draw.rotation().cast<float>()});
   first_.push_back(poses_.size());
   for (int part = 0; part < kinds_[types_.back()].type->part_count(); ++part) {

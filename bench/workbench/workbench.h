@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/errors.h"
 #include "bench/workbench/tested_volume.h"
 #include "bench/workbench/volume_trials.h"
 

@@ -11,19 +11,6 @@
 #include "base/stopwatch.h"
 
 namespace throng {
-namespace {
-
-/// Beyond this limit scaled coordinates leave the range of float, and pairs would be lost.
-void require_scales(std::span<const float> scales) {
-  constexpr auto kMaxScale = static_cast<float>(kMaxDescribed);
-  for (size_t i = 0; i < scales.size(); ++i)
-    if (!(scales[i] >= 1 / kMaxScale && scales[i] <= kMaxScale))
-      throw InputError(fmt::format("scales[{}]", i),
-                       fmt::format("a number from {:g} to {:g}", 1 / kMaxScale, kMaxScale),
-                       fmt::format("{:g}", scales[i]));
-}
-
-}  // namespace
 
 void PassRun::step(const BodiesView& bodies, const PoseSource& source) {
   assert(bodies.types.size() == bodies.ids.size() && bodies.scales.size() == bodies.ids.size() &&
@@ -80,6 +67,16 @@ CullingResult PassRun::frame() const {
   frame.counters = &counters_;
   frame.hash = hash();
   return frame;
+}
+
+void require_scales(std::span<const float> scales) {
+  // Beyond this limit scaled coordinates leave the range of float, and pairs would be lost.
+  constexpr auto kMax = static_cast<float>(kMaxDescribed);
+  for (size_t i = 0; i < scales.size(); ++i)
+    if (!(scales[i] >= 1 / kMax && scales[i] <= kMax))
+      throw InputError(fmt::format("scales[{}]", i),
+                       fmt::format("a number from {:g} to {:g}", 1 / kMax, kMax),
+                       fmt::format("{:g}", scales[i]));
 }
 
 void require_triangles(BodyTypes types) {

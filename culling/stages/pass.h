@@ -71,6 +71,8 @@ class PassRun {
   uint64_t frame_ = 0;
 };
 
+/// Throws InputError if a scale is outside the supported range.
+void require_scales(std::span<const float> scales);
 /// Throws InputError if a part has no triangles.
 void require_triangles(BodyTypes types);
 /// Throws InputError if a margin is negative or above kMaxProximity_m.

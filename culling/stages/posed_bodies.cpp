@@ -1,10 +1,12 @@
 #include "culling/stages/posed_bodies.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "base/counting_sort.h"
 #include "base/stopwatch.h"
 #include "culling/fitted.h"
+#include "culling/stages/sphere_check.h"
 
 namespace throng {
 
@@ -94,6 +96,9 @@ void PosedBodies::pose_batch(const Frame& frame, Batch& batch) {
   Stopwatch watch;
   frame.source.poses({bodies, count}, {rows, count * parts});
   const double pose_ns = watch.lap_ns();
+  for (size_t i = 0; i < count; ++i)
+    assert(!find_part_outside(type, frame.slots.bodies().roots[bodies[i]].world_from_root,
+                              scales[i], rows + i * parts));
   frame.kernels.part_boxes(type.volumes().tables().data(), parts, rows, scales, margins, count,
                            blocks);
   batch.counters = {count, count * parts, pose_ns, watch.lap_ns()};

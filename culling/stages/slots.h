@@ -34,6 +34,7 @@ class Slots {
                    std::span<const uint32_t> large);
 
   uint32_t body(size_t slot) const { return body_[slot]; }
+  const BodiesView& bodies() const { return bodies_; }
   uint32_t id(size_t slot) const { return bodies_.ids[body_[slot]]; }
   /// Prefetches for a later operator[] with the same slot, because ids are not in memory order.
   THRONG_PREFETCH void prefetch(size_t slot) const {

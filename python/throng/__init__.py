@@ -40,6 +40,7 @@ _PLACES = {
     "Run": "_run",
     "Simulation": "_simulation",
     "Frame": "_simulation",
+    "Distance": "_distance",
     "Model": "_model",
     "Body": "_culler",
     "Culler": "_culler",

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -136,6 +136,19 @@ class Frame:
     @property
     def contact_points(self) -> Table: ...
     def part_poses(self, people: Iterable[int]) -> npt.NDArray[np.float64]: ...
+    def distance(self, a: int, part_a: Union[None, int, str], b: int, part_b: Union[None, int, str]) -> Distance: ...
+
+class Distance(NamedTuple):
+    lo_m: float
+    hi_m: float
+    point_a_m: npt.NDArray[np.float64]
+    point_b_m: npt.NDArray[np.float64]
+    normal: npt.NDArray[np.float32]
+    part_a: int
+    part_b: int
+    part_a_name: str
+    part_b_name: str
+    depth_m: float
 
 class Simulation:
     names: _Names
@@ -288,6 +301,7 @@ class Culler:
         scales: Optional[npt.ArrayLike] = None,
     ) -> Table: ...
     def finish(self) -> Table: ...
+    def distance(self, a: int, part_a: Union[None, int, str], b: int, part_b: Union[None, int, str]) -> Distance: ...
     @property
     def pairs(self) -> Table: ...
     @property

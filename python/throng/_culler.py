@@ -7,9 +7,13 @@ import numpy
 
 from . import _core
 from ._errors import InputError
-from ._validation import abbreviated, input_error, integers, numbers, path_of
+from ._distance import Distance, part_choice
+from ._validation import abbreviated, input_error, integer, integers, numbers, path_of
 from ._model import Model
 from ._table import Table, has_columns
+
+
+_MAX_ID = 2**24 - 1
 
 
 class Body:
@@ -176,6 +180,21 @@ class Culler:
     def finish(self):
         """End all current contacts and return these end events as a Table (see Run.events)."""
         return Table(self._culler.finish(), self._names)
+
+    def distance(self, a, part_a, b, part_b):
+        """Return the Distance of two bodies of the last step, or of parts of them. It needs no margin.
+
+        Raises InputError for bodies that the last step did not have, and for unknown parts.
+
+        Args:
+            a, b: ids of two bodies.
+            part_a, part_b: a part number, a name, or words of names; "hand" stands for the nearest part with this
+                word. None or "": the nearest of all parts.
+        """
+        a, b = integer("a", a, 0, _MAX_ID), integer("b", b, 0, _MAX_ID)
+        *values, depth_m = self._culler.distance(a, part_choice("part_a", part_a), b, part_choice("part_b", part_b))
+        names = [self._names._name(body, part) for body, part in zip((a, b), values[-2:])]
+        return Distance(*values, *names, depth_m)
 
     pairs = property(lambda self: Table(self._culler.pairs(), self._names))
     proximity = property(lambda self: self._requested_table("proximity=M", self._culler.proximity))

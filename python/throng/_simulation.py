@@ -5,10 +5,13 @@ import inspect
 import numpy
 
 from . import _core
-from ._validation import abbreviated, input_error, integers, numbers
+from ._distance import Distance, part_choice
+from ._validation import abbreviated, input_error, integer, integers, numbers
 from ._run import Names, options_of, run
 from ._scene import errors_of, goal_text
 from ._table import Table
+
+_MAX_ID = 2**32 - 1
 
 # Options of run() that write files.
 _OF_RUNS = ("log", "states_hz", "publish_part_poses", "html", "trajectory", "trajectory_fps", "contacts", "separation",
@@ -92,6 +95,20 @@ class Frame:
         R (s p) + t in the world frame, for a matrix [R | t].
         """
         return self._frame.part_poses(integers("people", people if hasattr(people, "__array__") else list(people)))
+
+    def distance(self, a, part_a, b, part_b):
+        """Return the Distance of two bodies, or of parts of them, by triangles. It needs no margin and ignores filters.
+
+        Raises InputError for bodies that are unknown or not in the scene, and for unknown parts.
+
+        Args:
+            a, b: ids of two avatars or obstacles.
+            part_a, part_b: a part number, a name, or words of names; "hand" stands for the nearest part with this
+                word. None or "": the nearest of all parts. An obstacle is a single part.
+        """
+        a, b = integer("a", a, 0, _MAX_ID), integer("b", b, 0, _MAX_ID)
+        *values, depth_m = self._frame.distance(a, part_choice("part_a", part_a), b, part_choice("part_b", part_b))
+        return Distance(*values, *self._names.part([a, b], values[-2:]), depth_m)
 
     def __repr__(self):
         return f"<throng.Frame {self.number}>"

@@ -87,6 +87,13 @@ void Posing::poses(std::span<const uint32_t> bodies, std::span<PartPose> out) co
     pose_avatars(bodies, out);
 }
 
+void Posing::pose_of(uint32_t body, std::span<PartPose> out) const {
+  if (is_obstacle(body))
+    pose_obstacles({&body, 1}, out);
+  else
+    pose_avatars({&body, 1}, out);
+}
+
 void Posing::pose_obstacles(std::span<const uint32_t> bodies, std::span<PartPose> out) const {
   for (size_t i = 0; i < bodies.size(); ++i) {
     Eigen::Isometry3d world_from_part = Eigen::Isometry3d::Identity();

@@ -41,6 +41,8 @@ class Posing : public PoseSource {
 
   void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override;
   void bounds(std::span<const uint32_t> bodies, std::span<RootBox> out) const override;
+  /// Poses one body by its id, whichever use_bodies() set.
+  void pose_of(uint32_t body, std::span<PartPose> out) const;
 
   /// Writes posture rows of avatars of one model, at most kMaxBatch.
   void rows(std::span<const uint32_t> bodies, std::span<float> rows) const;

@@ -109,6 +109,7 @@ SimulationOptions with_scene(SimulationOptions options, const Scene& scene) {
   require_valid_separation(scene);
   options.culler.part_volume = scene.part_volume.fallback;
   options.culler.exact = scene.exact;
+  options.culler.check_spheres = false;  // posing and spheres have the same source
   options.culler.proximity = {static_cast<float>(scene.proximity_m),
                               static_cast<float>(scene.closest_parts_m), scene.step_s,
                               scene.contact_points};
@@ -187,6 +188,10 @@ struct Simulation::State {
   void update_postures();
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
+  void require_in_frame(uint32_t body, const char* where) const;
+  std::vector<std::string> part_names(uint32_t body) const;
+  BodyInPose posed(uint32_t body, std::span<const uint8_t> parts,
+                   std::vector<PartPose>& poses) const;
 
   Scene scene;
   SimulationOptions options;
@@ -204,6 +209,7 @@ struct Simulation::State {
   std::vector<float> postures;
   std::vector<size_t> posture_offsets;
   std::unique_ptr<BodyAvoidanceStage> body_avoidance;
+  std::vector<std::shared_ptr<const BodyType>> body_types;
   std::unique_ptr<AnyCuller> culler;
   RunInfo info;
   std::vector<std::string> notes;
@@ -242,7 +248,8 @@ Simulation::State::State(Scene scene_in, const SimulationOptions& options_in)
                                                           options.culler.simd, workers);
   }
   options.culler.filter = filter_of(scene, info);
-  culler = make_culler(types(), options.strategy, options.culler, workers);
+  body_types = types();
+  culler = make_culler(body_types, options.strategy, options.culler, workers);
   options.tables.reset();  // frees tables that no other run shares
   gather_notes();
 }
@@ -362,6 +369,31 @@ void Simulation::State::fill_frame() {
   static_cast<CullingResult&>(frame) = culler->frame();
   frame.times = &times;
   for (const PairEvent& event : frame.events) ++(event.kind == EventKind::kBegin ? begins : ends);
+}
+
+void Simulation::State::require_in_frame(uint32_t body, const char* where) const {
+  if (frame.times == nullptr) throw InputError("distance", "a step before it", "none");
+  if (body >= bodies.types.size())
+    throw InputError(where, fmt::format("a body number from 0 to {}", bodies.types.size() - 1),
+                     fmt::format("{}", body));
+  if (body < frame.present.size() && frame.present[body] == 0)
+    throw InputError(where, fmt::format("a body in the scene in frame {}", frame.number),
+                     fmt::format("avatar {}, which is not", body));
+}
+
+std::vector<std::string> Simulation::State::part_names(uint32_t body) const {
+  if (body >= avatars) return {scene.obstacles[body - avatars].name};
+  std::vector<std::string> names;
+  for (const Part& part : models[bodies.types[body]]->parts) names.push_back(part.name);
+  return names;
+}
+
+BodyInPose Simulation::State::posed(uint32_t body, std::span<const uint8_t> parts,
+                                    std::vector<PartPose>& poses) const {
+  poses.resize(body_types[bodies.types[body]]->parts().size());
+  posing.pose_of(body, poses);
+  return {body, bodies.types[body], bodies.scales[body], bodies.roots[body].position_m, poses,
+          parts};
 }
 
 Simulation::Simulation(Scene scene, const SimulationOptions& options)
@@ -515,6 +547,18 @@ RunEnd Simulation::finish() {
   end.by_part = s.part_tally ? &*s.part_tally : nullptr;
   end.proximity_hash = last.proximity_hash;
   return end;
+}
+
+PartDistance Simulation::distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                                  const PartChoice& part_b) const {
+  const State& s = *state_;
+  s.require_in_frame(a, "a");
+  s.require_in_frame(b, "b");
+  if (a == b) throw InputError("b", "another body than a", fmt::format("{}", b));
+  const std::vector<uint8_t> parts_a = chosen_parts(part_a, s.part_names(a), "part_a"),
+                             parts_b = chosen_parts(part_b, s.part_names(b), "part_b");
+  std::vector<PartPose> poses_a, poses_b;
+  return part_distance(s.body_types, s.posed(a, parts_a, poses_a), s.posed(b, parts_b, poses_b));
 }
 
 int64_t Simulation::next_frame() const { return state_->frames; }

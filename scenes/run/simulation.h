@@ -10,6 +10,8 @@
 
 #include "base/workers.h"
 #include "crowd/crowd_counters.h"
+#include "culling/part_distance.h"
+#include "scenes/file/part_words.h"
 #include "scenes/file/scene.h"
 #include "scenes/motion/external_avatars.h"
 #include "scenes/motion/motion_source.h"
@@ -103,6 +105,14 @@ class Simulation {
   bool can_walk(uint32_t avatar) const;
   /// Pose from the next step on, without joints; null if the avatar is not externally controlled.
   const ExternalPose* external_pose(uint32_t avatar) const;
+
+  /// Distance of two bodies in the latest frame, or of parts of them, by triangles: the nearest two
+  /// of the chosen parts. Bodies are avatars, then obstacles; obstacles have one part. Independent
+  /// of margins, filters and `exact`. Without SimulationOptions::postures, call it before the next
+  /// set_pose(). Throws InputError for bodies that are equal, unknown or not in the scene, for
+  /// unknown parts, and before the first step.
+  PartDistance distance(uint32_t a, const PartChoice& part_a, uint32_t b,
+                        const PartChoice& part_b) const;
 
   int64_t next_frame() const;
   /// State of the run as bytes, for resume(); see scenes/run/checkpoint.h for the file.

@@ -249,10 +249,13 @@ std::string error_of(const Function& function) {
 }
 
 TEST(Culler, RejectsScalesOutsideTheRangeOfFloats) {
-  RandomBodies world(3, 20, 2, {0, 0, 0});
+  const RandomBodies whole(3, 20, 2, {0, 0, 0});
   Workers workers(1);
   const auto step = [&](float scale) {
+    RandomBodies world = whole;
     world.scales[7] = scale;
+    for (size_t pose = world.first_pose[7]; pose < world.first_pose[8]; ++pose)
+      for (auto& row : world.all_poses[pose].rows) row[3] *= scale / whole.scales[7];
     Culler culler(world.types, {}, workers);
     return error_of([&] { culler.step(world.view(), world); });
   };
@@ -274,6 +277,104 @@ TEST(Culler, RejectsPartsOutsideTheRangeOfFloats) {
               }),
               fmt::format("parts[1]: expected coordinates of at most 1e+06 m, found {:g}", at_m));
   }
+}
+
+/// Two cubes of 0.4 m side that overlap; the second one's part is `lift_m` above its root.
+struct Cubes : PoseSource {
+  explicit Cubes(const RootSphere& sphere)
+      : types{std::make_shared<BodyType>(std::vector{cube()}, sphere, false)} {
+    roots[1].position_m.x() = 0.3;
+  }
+  static PartShape cube() {
+    PartShape shape;
+    for (int i = 0; i < 8; ++i)
+      shape.points.emplace_back(i & 1 ? 0.2f : -0.2f, i & 2 ? 0.2f : -0.2f, i & 4 ? 0.2f : -0.2f);
+    return shape;
+  }
+  void poses(std::span<const uint32_t> bodies, std::span<PartPose> out) const override {
+    for (size_t i = 0; i < bodies.size(); ++i)
+      out[i] =
+          to_part_pose(Eigen::Isometry3d(Eigen::Translation3d(0, 0, bodies[i] == 1 ? lift_m : 0)));
+  }
+  /// Number of pairs in contact.
+  size_t contacts(const CullerOptions& options, float scale = 1) const {
+    Workers workers(1);
+    Culler culler(types, options, workers);
+    const std::vector<float> scales{scale, scale};
+    culler.step({ids, type_of, scales, roots}, *this);
+    return culler.pairs().size();
+  }
+
+  double lift_m = 0;
+  std::vector<std::shared_ptr<const BodyType>> types;
+  std::vector<uint32_t> ids{4, 7};
+  std::vector<uint16_t> type_of{0, 0};
+  std::vector<RootPose> roots{2};
+};
+
+TEST(Culler, RejectsASphereSmallerThanAPart) {
+  EXPECT_EQ(Cubes({{0, 0, 0}, 0.35f}).contacts({}), 1u);
+  const Cubes small({{0, 0, 0}, 0.05f});
+  EXPECT_EQ(small.contacts({.check_spheres = false}), 0u) << "the pair is lost";
+  EXPECT_EQ(error_of([&] { small.contacts({}); }),
+            "types[0]: expected a root sphere of at least 0.3464 m, which part 0 needs in any "
+            "pose, found a radius of 0.05 m");
+}
+
+TEST(Culler, RejectsAPartOutsideTheSphereOfItsBody) {
+  Cubes cubes({{0, 0, 0}, 0.35f});
+  cubes.lift_m = 0.3;
+  EXPECT_EQ(error_of([&] { cubes.contacts({}); }),
+            "body 7: expected parts within 0.35 m of the centre of its sphere (RootSphere of type "
+            "0), found part 0 at 0.5745 m");
+  EXPECT_EQ(Cubes({{0.1f, 0, 0}, 0.4125f}).contacts({}, 2), 1u) << "spheres are scaled";
+  EXPECT_EQ(error_of([&] {
+              Cubes({{0.1f, 0, 0}, 0.4f}).contacts({});
+            }),
+            "body 4: expected parts within 0.4 m of the centre of its sphere (RootSphere of type "
+            "0), found part 0 at 0.4123 m");
+}
+
+TEST(Culler, RejectsAPartOutsideTheCylinderOfAnUprightBody) {
+  Cubes cubes({{0, 0, 0}, 1, 0.25f});
+  EXPECT_EQ(error_of([&] { cubes.contacts({}); }),
+            "body 4: expected parts within 0.25 m of the root's z axis (RootSphere of type 0), "
+            "found part 0 at 0.2828 m");
+  for (RootPose& root : cubes.roots)
+    root.world_from_root = Eigen::AngleAxisf(0.1f, Eigen::Vector3f::UnitX());
+  EXPECT_EQ(cubes.contacts({}), 1u) << "the cylinder is for upright bodies";
+}
+
+TEST(Culler, AcceptsSpheresThatFitExactly) {
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE(seed);
+    test::BodyDraw draw(seed);
+    PartShape shape;
+    float radius_m = 0;
+    for (int i = 0; i < 30; ++i) {
+      shape.points.push_back(draw.vector(0.3).cast<float>());
+      radius_m = std::max(radius_m, shape.points.back().norm());
+    }
+    Cubes cloud({{0, 0, 0}, radius_m, radius_m});
+    cloud.types = {
+        std::make_shared<BodyType>(std::vector{shape}, RootSphere{{0, 0, 0}, radius_m}, false)};
+    cloud.roots[1].position_m = 1e4 * draw.vector(1);
+    EXPECT_EQ(error_of([&] { cloud.contacts({}, static_cast<float>(draw.uniform(0.01, 100))); }),
+              "");
+  }
+}
+
+TEST(Culler, IsUnchangedByAStepWithAPartOutside) {
+  Cubes cubes({{0, 0, 0}, 0.35f});
+  Workers workers(1);
+  Culler culler(cubes.types, {}, workers);
+  const std::vector<float> scales{1, 1};
+  culler.step({cubes.ids, cubes.type_of, scales, cubes.roots}, cubes);
+  const uint64_t hash = culler.hash();
+  cubes.lift_m = 0.3;
+  EXPECT_THROW(culler.step({cubes.ids, cubes.type_of, scales, cubes.roots}, cubes), InputError);
+  EXPECT_EQ(culler.hash(), hash);
+  EXPECT_EQ(culler.pairs().size(), 1u);
 }
 
 TEST(Culler, HandlesAnEmptyFrameAndASingleBody) {

@@ -58,6 +58,64 @@ class CullerOfBoxes(Case):
         with self.assertRaises(throng.InputError):
             self.culler(contact_points=True)
 
+    def test_measures_distances_by_name_without_a_margin(self):
+        ROBOT = throng.Body([(BOX, BOX_TRIANGLES)] * 3, names=["base", "left_hand", "right_hand"])
+        poses = numpy.tile(numpy.eye(4), (2, 3, 1, 1))
+        poses[0, :, :3, 3] = (0, 0, 0), (0, 5, 0), (0, -5, 0)
+        poses[1, :, :3, 3] = (7, 0, 0), (9, 5, 0), (2.5, -5.2, 0.1)
+        culler = throng.Culler(ROBOT)
+        with self.assertRaisesRegex(throng.InputError, "^a: expected the id of a body of the last step, found 4"):
+            culler.distance(4, None, 9, None)
+        culler.step(poses, ids=[4, 9])
+        hands = culler.distance(4, "hand", 9, "hand")
+        self.assertEqual((hands.part_a_name, hands.part_b_name), ("right_hand", "right_hand"))
+        self.assertEqual((hands.part_a, hands.part_b, hands.depth_m), (2, 2, 0))
+        self.assertLessEqual(hands.lo_m, 1.5)
+        self.assertAlmostEqual(hands.hi_m, 1.5, delta=1e-3)
+        numpy.testing.assert_allclose(hands.normal, (1, 0, 0), atol=0.05)
+        self.assertAlmostEqual(hands.point_a_m[0], 0.5, delta=1e-6)
+        self.assertAlmostEqual(hands.point_b_m[0], 2, delta=1e-6)
+        self.assertAlmostEqual(culler.distance(4, "base", 9, 0).lo_m, 6, delta=1e-3)
+        back = culler.distance(9, "", 4, None)
+        self.assertEqual((back.hi_m, back.part_a, back.part_b), (hands.hi_m, 2, 2))
+        numpy.testing.assert_array_equal(back.point_a_m, hands.point_b_m)
+        lo_m, hi_m, *_ = culler.distance(4, "LeftHands", 9, numpy.int8(1))
+        self.assertLessEqual(lo_m, 8)
+        self.assertGreaterEqual(hi_m, 8)
+        with self.assertRaises(throng.InputError):
+            culler.step(poses * numpy.nan, ids=[4, 9])
+        self.assertEqual(culler.distance(4, "hand", 9, "hand").hi_m, hands.hi_m)  # of the last step
+        poses[1, 2, :3, 3] = (0.75, -5, 0)
+        culler.step(poses, ids=[5, 9])
+        touching = culler.distance(5, "hand", 9, "hand")
+        self.assertEqual((touching.lo_m, touching.hi_m), (0, 0))
+        self.assertAlmostEqual(touching.depth_m, 0.25, delta=1e-3)
+        numpy.testing.assert_array_equal(touching.point_a_m, touching.point_b_m)
+
+    def test_rejects_distances_of_unknown_bodies_and_parts(self):
+        culler = throng.Culler(throng.Body([(BOX, BOX_TRIANGLES)] * 2, names=["base", "gripper"]))
+        culler.step(numpy.tile(numpy.eye(4), (2, 2, 1, 1)))
+        for arguments, message in {
+            (0, None, 2, None): "b: expected the id of a body of the last step, found 2",
+            (1, None, 1, None): "b: expected another body than a, found 1",
+            (-1, None, 1, None): "a: expected a whole number from 0 to 16777215, found -1",
+            (0, "griper", 1, None): r"part_a: expected a part number up to 1, or words of a part: base, gripper, found "
+                                    r"'griper' \(did you mean 'gripper'\?\)",
+            (0, None, 1, 2): "part_b: expected a part number up to 1, or words of a part: base, gripper, found '2'",
+            (0, None, 1, -7): "part_b: .* found '-1'",
+            (0, None, 1, 1.5): "part_b: expected a part number, a name or None, found 1.5",
+        }.items():
+            with self.subTest(arguments=arguments), self.assertRaisesRegex(throng.InputError, f"^{message}"):
+                culler.distance(*arguments)
+
+    def test_measures_points_by_their_hulls(self):
+        culler = throng.Culler(throng.Body([BOX]))
+        culler.step(at((0, 0, 0), (2, 0, 0)))
+        found = culler.distance(0, None, 1, None)
+        self.assertLessEqual(found.lo_m, 1)
+        self.assertGreaterEqual(found.hi_m, 1)
+        self.assertTrue(numpy.isnan(found.point_a_m).all())
+
     def test_raises_without_a_requested_table(self):
         options = {"proximity": ("proximity=M", 1), "closest_parts": ("closest_parts=M", 1), "contact_points": ("contact_points=True", True)}
         for asked, (option, value) in options.items():

@@ -1,5 +1,7 @@
-"""The notebooks of examples/ and the code of docs/python.md run."""
+"""The notebooks and Python programs of examples/ and the code of docs/python.md run."""
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -74,6 +76,16 @@ class Examples(Case):
         names = {}
         shown(code, names)
         self.assertGreater(names["frame"].speeds_mps.mean(), 0.2)
+
+    def test_a_robot_asks_for_distances_in_ten_lines(self):
+        code = (SOURCES / "examples/robot_distances.py").read_text()
+        self.assertLessEqual(len(self.lines(code.split('"""')[2])), 12)
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            shown(code, {})
+        lines = printed.getvalue().splitlines()
+        self.assertEqual(len(lines), 10)
+        for line in lines:
+            self.assertRegex(line, r"^\d\.\d s: (left|Right)Hand of \d+ is \d+\.\d{3} m from \w+$")
 
     def test_contacts_by_part_notebook_gives_a_plot_in_ten_lines(self):
         self.needs("pandas", "matplotlib")

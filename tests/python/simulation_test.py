@@ -59,6 +59,52 @@ class Steps(Case):
         with self.assertRaises(throng.InputError):
             throng.Simulation("plaza", contact_points=True)
 
+    def test_measure_distances_as_their_tables(self):
+        simulation = throng.Simulation("robot_in_crowd", seconds=1, exact=True, proximity=0.3, closest_parts=0.6)
+        plain, rows = throng.Simulation("robot_in_crowd", seconds=1), 0
+        for frame in simulation:
+            other = plain.step()
+            for row in [*frame.proximity[:5], *frame.closest_parts[:5]] if frame.number % 10 == 0 else []:
+                a, part_a, b, part_b = (row[name] for name in ("body_a", "part_a", "body_b", "part_b"))
+                found = frame.distance(a, part_a, b, part_b)
+                self.assertAlmostEqual(found.lo_m, float(row["distance_lo_m"]), delta=1e-3)  # the row: of all parts
+                self.assertEqual(found.hi_m, row["distance_hi_m"])
+                numpy.testing.assert_array_equal(found.point_a_m, row["point_a_m"])
+                numpy.testing.assert_array_equal(found.normal, row["normal"])
+                self.assertEqual(found.hi_m, other.distance(a, part_a, b, part_b).hi_m)
+                rows += 1
+        self.assertGreater(rows, 30)
+
+    def test_measure_distances_by_name(self):
+        simulation = throng.Simulation("robot_in_crowd", seconds=1)
+        frame = simulation.step()
+        tree = len(simulation.people) + simulation.names.obstacles.index("tree 1")
+        hands = frame.distance(5, "hand", 6, "head")
+        sides = [frame.distance(5, name, 6, "head") for name in ("leftHand", "right_hand")]
+        self.assertEqual(hands.hi_m, min(side.hi_m for side in sides))
+        self.assertIn(hands.part_a_name, ("leftHand", "RightHand"))
+        self.assertEqual(hands.part_b_name, "head")
+        whole = frame.distance(5, None, tree, "")
+        self.assertEqual((whole.part_b, whole.part_b_name), (0, "tree 1"))
+        self.assertLess(0, whole.lo_m)
+        simulation.step()
+        with self.assertRaisesRegex(RuntimeError, "not the latest frame"):
+            frame.distance(5, None, 6, None)
+
+    def test_reject_distances_of_unknown_bodies_and_parts(self):
+        simulation = throng.Simulation("robot_in_crowd", seconds=1)
+        frame = simulation.step()
+        bodies = len(simulation.people) + len(simulation.names.obstacles)
+        for arguments, message in {
+            (0, None, bodies, None): f"b: expected a body number from 0 to {bodies - 1}, found {bodies}",
+            (-1, None, 1, None): "a: expected a whole number from 0",
+            (3, None, 3, None): "b: expected another body than a, found 3",
+            (0, "mats", 5, None): r"part_a: .*body, lid, mast.* found 'mats' \(did you mean 'mast'\?\)",
+            (0, None, 5, "hamd"): r"part_b: .*leftHand.* found 'hamd' \(did you mean 'hand'\?\)",
+        }.items():
+            with self.subTest(arguments=arguments), self.assertRaisesRegex(throng.InputError, message):
+                frame.distance(*arguments)
+
     def test_pose_parts_like_the_kinematics(self):
         simulation = throng.Simulation("corridor", avatars=40)
         model = throng.Model("adult")

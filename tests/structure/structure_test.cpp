@@ -129,6 +129,7 @@ TEST_F(Structure, CullingIsIncludedByItsInterface) {
                                            "culling/proximity.h",
                                            "culling/pair.h",
                                            "culling/pair_filter.h",
+                                           "culling/part_distance.h",
                                            "culling/part_tally.h",
                                            "culling/strategies/paper_culler.h",
                                            "culling/strategies/strategy.h",
@@ -149,6 +150,23 @@ TEST_F(Structure, CullingIsIncludedByItsInterface) {
     }
   }
   EXPECT_EQ(seen.size(), behind.size()) << "an exception is no longer needed";
+}
+
+// A program that includes only the header of a library can catch what its functions throw.
+TEST_F(Structure, PublicHeadersBringTheErrors) {
+  const std::set<std::string_view> doors = {"avatars/avatars.h", "bench/workbench/workbench.h",
+                                            "culling/culling.h", "kinematics/kinematics.h",
+                                            "lcm_io/lcm_io.h",   "scenes/scenes.h"};
+  size_t seen = 0;
+  for (const SourceFile& file : files()) {
+    if (!doors.contains(file.path)) continue;
+    ++seen;
+    bool brings_errors = false;
+    for (const Include& include : includes_of(file))
+      brings_errors |= include.path == "base/errors.h";
+    EXPECT_TRUE(brings_errors) << file.path;
+  }
+  EXPECT_EQ(seen, doors.size()) << "the test no longer finds the headers";
 }
 
 TEST_F(Structure, HeadersAreIncludedByFullPath) {
