@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -324,6 +324,53 @@ class Recording:
     def summary(self) -> Dict[str, Any]: ...
     def run(self, **options: Any) -> Run: ...
 
+class Study(Table):
+    @property
+    def times(self) -> Table: ...
+    @property
+    def notes(self) -> List[str]: ...
+    def save(self, file: Path) -> None: ...
+
+def study(
+    scenes: Union[RunSource, Sequence[RunSource]],
+    *,
+    seeds: Union[None, int, Iterable[int], Mapping[str, int]] = None,
+    parameters: Optional[Mapping[str, Any]] = None,
+    avatars: Optional[int] = None,
+    seconds: Optional[float] = None,
+    steering: Optional[str] = None,
+    part_volume: Union[None, str, Mapping[str, str]] = None,
+    exact: Optional[bool] = None,
+    budget_tests: Optional[int] = None,
+    strategy: Optional[str] = None,
+    simd: Optional[str] = None,
+    pair_search: Optional[str] = None,
+    threads: Optional[int] = None,
+    out: Optional[Path] = None,
+    progress: Progress = None,
+) -> Study: ...
+
+@overload
+def export(
+    log: Path,
+    channel: str,
+    *,
+    out: None = None,
+    mcap: None = None,
+    poses_hz: None = None,
+    progress: Progress = None,
+) -> Table: ...
+@overload
+def export(
+    log: Path,
+    channel: Optional[str] = None,
+    *,
+    out: Optional[Path] = None,
+    mcap: Optional[Path] = None,
+    poses_hz: Optional[float] = None,
+    progress: Progress = None,
+) -> None: ...
+
 class Comparison:
     a: Dict[str, Any]
     b: Dict[str, Any]
@@ -331,8 +378,8 @@ class Comparison:
     def figures(self, folder: Optional[Path] = None) -> Dict[str, Tuple[str, str]]: ...
 
 def compare(
-    a: RunSource,
-    b: RunSource,
+    a: Union[RunSource, Run],
+    b: Union[RunSource, Run],
     seconds: Optional[float] = None,
     line: Optional[Sequence[float]] = None,
     threads: Optional[int] = None,

@@ -292,6 +292,7 @@ class CtrlC(Case):
             ("for frame in throng.Simulation('plaza', seconds=36000): pass", 2.5 * SLOWNESS),
             ("throng.Simulation('city_square', avatars=100000)", 0.3),
             ("throng.compare('plaza', 'plaza', seconds=3600)", 2.5 * SLOWNESS),
+            ("throng.study('plaza', seconds=3600, seeds=range(9))", 2.5 * SLOWNESS),
             # Steps of many seconds, which end by themselves or with the process.
             (CROWDED + "; [culler.step(poses) for _ in range(1000)]", 2.5 * SLOWNESS),
             ("[_ for _ in throng.Simulation('plaza', seconds=36000, exact=True, proximity=2, threads=1)]", 2.5 * SLOWNESS),
