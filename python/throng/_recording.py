@@ -7,7 +7,7 @@ import numpy
 
 from . import _core
 from ._validation import numbers, path_of
-from ._run import options_of, progress_of, run
+from ._run import Run, options_of, progress_of, run
 from ._scene import errors_of
 from ._table import Table
 
@@ -99,8 +99,8 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     """Run two scenes, recordings or logs with exact=True and measure both, as `throng compare` does.
 
     Args:
-        a, b: sources, as in run().
-        seconds: simulated time of each in seconds [the scene's].
+        a, b: sources, as in run(), or Runs, which are repeated with their options.
+        seconds: simulated time of each in seconds [the scene's, or that of the Run].
         line: line across which the flow is measured, (x, y, x, y) in metres [the narrowest place].
         threads: number of threads [all cores].
         progress: as in run().
@@ -112,5 +112,11 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     if line is not None:
         line = numbers("line", line, "two points: x, y, x, y", (None,)).tolist()
     with errors_of(a, b):
-        found = _core.compare(options_of(a, given), options_of(b, given), line, progress_of(progress))
+        found = _core.compare(_request_of(a, given), _request_of(b, given), line, progress_of(progress))
     return Comparison(found)
+
+
+def _request_of(source, given):
+    if isinstance(source, Run):
+        return {**source._request, **{name: value for name, value in given.items() if value is not None}}
+    return options_of(source, given)
