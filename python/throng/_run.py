@@ -56,6 +56,7 @@ class Names:
         # for bodies that the run does not have.
         kinds = self.parts + [[name] for name in self.obstacles]
         self._part_counts = numpy.array([len(names) for names in kinds], dtype=numpy.int64)
+        self._is_person_of_kind = numpy.array(list(facts["is_person"]) + [False] * (len(self.obstacles) + 1))
         self._body_names = None
         self._table = numpy.full((len(kinds) + 1, 256), "", dtype=object)
         for row, names in enumerate(kinds):
@@ -83,6 +84,9 @@ class Names:
         kinds[is_person] = self._model_of_person[bodies[is_person]]
         return kinds
 
+    def _is_person(self, bodies):
+        return self._is_person_of_kind[self._kinds(bodies.astype(numpy.int64))]
+
     def _of_parts(self, bodies, parts):
         return self._table[self._kinds(bodies.astype(numpy.int64)), parts]
 
@@ -99,6 +103,7 @@ class Names:
         for side in "ab":
             if has_columns(table, f"body_{side}"):
                 out[f"body_{side}_name"] = self.bodies(table[f"body_{side}"])
+                out[f"body_{side}_is_person"] = self._is_person(table[f"body_{side}"])
             if has_columns(table, f"body_{side}", f"part_{side}"):
                 out[f"part_{side}_name"] = self._of_parts(table[f"body_{side}"], table[f"part_{side}"])
         if has_columns(table, "level"):
@@ -107,11 +112,14 @@ class Names:
 
     def of_people(self, table):
         names = {"group": self.groups, "model": self.models}
-        return {
+        out = {
             f"{name}_name": numpy.array([*known, ""], dtype=object)[numpy.minimum(table[name], len(known))]
             for name, known in names.items()
             if has_columns(table, name)
         }
+        if has_columns(table, "model"):
+            out["is_person"] = self._is_person_of_kind[numpy.minimum(table["model"], len(self.models))]
+        return out
 
 
 class Run:
