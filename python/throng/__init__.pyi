@@ -29,7 +29,7 @@ class InputError(Error, ValueError):
 class EnvironmentFault(Error, OSError):
     def __init__(self, message: str, where: str = "") -> None: ...
 
-class Table(np.ndarray):
+class Table(np.ndarray[Any, np.dtype[Any]]):
     def to_pandas(self) -> Any: ...
 
 class _Names:
@@ -313,7 +313,18 @@ class Page:
 def view(log: Union[Path, Run], limit_mb: float = 25, height: int = 540) -> Page: ...
 
 class Recording:
-    def __init__(self, file: Path, **options: Any) -> None: ...
+    def __init__(
+        self,
+        file: Path,
+        *,
+        fps: Optional[float] = None,
+        unit: Optional[str] = None,
+        heading_unit: Optional[str] = None,
+        columns: Optional[str] = None,
+        separator: Optional[str] = None,
+        tracked_point: Optional[str] = None,
+        strict: bool = False,
+    ) -> None: ...
     @property
     def people(self) -> Table: ...
     @property
@@ -322,7 +333,48 @@ class Recording:
     def facts(self) -> Dict[str, Any]: ...
     @property
     def summary(self) -> Dict[str, Any]: ...
-    def run(self, **options: Any) -> Run: ...
+    def run(
+        self,
+        *,
+        seconds: Optional[float] = None,
+        avatars: Optional[int] = None,
+        seed: Optional[int] = None,
+        steering: Optional[str] = None,
+        part_volume: Union[None, str, Mapping[str, str]] = None,
+        exact: bool = False,
+        proximity: Optional[float] = None,
+        closest_parts: Optional[float] = None,
+        contact_points: bool = False,
+        filter_groups: Optional[str] = None,
+        filter_parts: Optional[str] = None,
+        threads: Optional[int] = None,
+        budget_ms: Optional[float] = None,
+        budget_tests: Optional[int] = None,
+        strategy: Optional[str] = None,
+        simd: Optional[str] = None,
+        pair_search: Optional[str] = None,
+        fps: Optional[float] = None,
+        unit: Optional[str] = None,
+        heading_unit: Optional[str] = None,
+        columns: Optional[str] = None,
+        separator: Optional[str] = None,
+        tracked_point: Optional[str] = None,
+        strict: bool = False,
+        sampling: Optional[str] = None,
+        trajectories: bool = True,
+        trajectory_fps: Optional[float] = None,
+        log: Optional[Path] = None,
+        states_hz: Optional[float] = None,
+        publish_part_poses: bool = False,
+        html: Optional[Path] = None,
+        trajectory: Union[None, Path, Sequence[Path]] = None,
+        trajectory_area: Union[None, int, str] = None,
+        contacts: Optional[Path] = None,
+        separation: Optional[Path] = None,
+        trace_hash: Optional[Path] = None,
+        view: bool = False,
+        progress: Progress = None,
+    ) -> Run: ...
 
 class Study(Table):
     @property
@@ -363,10 +415,20 @@ def export(
 @overload
 def export(
     log: Path,
-    channel: Optional[str] = None,
+    channel: str,
     *,
-    out: Optional[Path] = None,
-    mcap: Optional[Path] = None,
+    out: Path,
+    mcap: None = None,
+    poses_hz: None = None,
+    progress: Progress = None,
+) -> None: ...
+@overload
+def export(
+    log: Path,
+    channel: None = None,
+    *,
+    out: None = None,
+    mcap: Path,
     poses_hz: Optional[float] = None,
     progress: Progress = None,
 ) -> None: ...
