@@ -74,6 +74,7 @@ _PLACES = {
     "PartsBox": "_scene_keys",
     "Separation": "_scene_keys",
     "RecordedPeople": "_scene_keys",
+    "Starts": "_scene_keys",
     "Area": "_scene_keys",
     "Ground": "_scene_keys",
     "Distribution": "_scene_keys",
