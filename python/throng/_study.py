@@ -147,15 +147,15 @@ def study(
     Other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt.
 
     Args:
-        scenes: a study file, without further arguments but threads, out and progress; or a scene, or a list of them,
-            each a Scene, a scene file or the name of a bundled scene.
+        scenes: a scene or a list of them, each a Scene, a scene file or the name of a bundled scene. A study file takes
+            no arguments but threads, out and progress.
         seeds: seed of a run, a list or range of them, or {"from": 1, "to": 200, "step": 1} [the scene's].
         parameters: dict of what varies; the study runs every combination. Keys are the options below, paths of scene
             keys as in "groups.walkers.desired_speed_mps.mean" ("*": all items of a list), and "latin_hypercube".
             Values are lists, arrays, or ranges {"from": 1.0, "to": 1.6, "step": 0.3}.
         avatars, seconds, steering, part_volume, exact, budget_tests, strategy, simd, pair_search: options of all runs,
             as in run().
-        threads: number of threads, 1 to 256 [all cores]; each executes one run at a time.
+        threads: number of threads, 1 to 256 [all cores]. Each executes one run at a time.
         out: table .csv or .sqlite to write, and its .times.csv [none]. Finished runs are stored next to it until it is
             complete: repeat the call to resume a stopped study.
         progress: True shows a bar on stderr; a function is called with (runs done, all runs).
@@ -204,8 +204,8 @@ def export(log, channel=None, *, out=None, mcap=None, poses_hz=None, progress=No
         channel: "events", "states", "touching", "proximity", "contact_points", "separation" or "frame_stats". Columns
             have the names of the messages; bodies and parts also have names.
         out: CSV file to write in place of a Table [none].
-        mcap: MCAP file to write, for Foxglove and other viewers; without a channel [none].
-        poses_hz: poses per simulated second in the MCAP file, above 0 [10].
+        mcap: MCAP file to write [none].
+        poses_hz: poses per simulated second in the MCAP file [10].
         progress: True shows a bar on stderr; a function is called with (per mille read, 1000).
 
     Returns:
