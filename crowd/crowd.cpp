@@ -95,7 +95,8 @@ double Crowd::entering_mps(size_t slot) {
 /// Agents that enter already walk, unless they stand too close together.
 void Crowd::start_walking(size_t slot) {
   const uint32_t id = state_.id(slot);
-  const bool walks = journeys_.state(id) == JourneyState::kWalking && radius_scales_[id] == 1;
+  const bool may_walk = radius_scales_[id] == 1 || enters_mps_[id] >= 0;
+  const bool walks = journeys_.state(id) == JourneyState::kWalking && may_walk;
   AgentState& w = state_.agents[slot];
   w.radius_m = state_.radii_m[id];
   w.desired_speed_mps = state_.desired_speeds_mps[id];

@@ -111,6 +111,15 @@ struct Source {
   std::optional<double> enters_mps{};
 };
 
+/// Explicit places at the start, one per agent.
+struct Starts {
+  std::vector<Eigen::Vector2d> positions_m;
+  std::vector<double> headings_rad;  ///< empty: towards the goal
+  std::vector<double> speeds_mps;    ///< along the heading; empty: as agents ahead allow
+  std::string file;                  ///< where the positions are written, for messages
+  std::vector<int> lines;            ///< line of each position in that file
+};
+
 /// Agents of one body model that start in one area, or enter from sources, and walk to goals.
 struct Group {
   std::string name;
@@ -123,6 +132,7 @@ struct Group {
   /// discs. It determines `count`, see count_by_density(). 0: random placement of discs.
   double density_per_m2 = 0;
   Area spawn;                              ///< start area
+  Starts starts;                           ///< without positions: random places in `spawn`
   std::vector<Source> sources;             ///< areas where agents enter later
   std::vector<Goal> goals;                 ///< visited in order
   Distribution premovement_s{0, 0, 0, 0};  ///< standing time before setting out

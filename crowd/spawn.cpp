@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/errors.h"
 #include "base/portable_math.h"
 #include "base/random.h"
 #include "crowd/crowd_plan.h"
@@ -48,6 +49,19 @@ class PlacedDiscs {
           if ((people[id].position_m - point).squaredNorm() < apart * apart) return false;
         }
     return true;
+  }
+
+  /// Index of an agent nearer than `share` of the sum of both radii, if there is one.
+  std::optional<size_t> find_nearer(const AgentSpec& person, double share,
+                                    const std::vector<AgentSpec>& people) const {
+    const auto [column, row] = cell_of(person.position_m);
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+        for (uint32_t id = first_[index(c, r)]; id != kNone; id = next_[id]) {
+          const double apart_m = share * (person.radius_m + people[id].radius_m);
+          if ((people[id].position_m - person.position_m).norm() < apart_m) return id;
+        }
+    return {};
   }
 
   void add(const Eigen::Vector2d& point, size_t id) {
@@ -262,6 +276,62 @@ int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap
   return static_cast<int>(people.size() - first);
 }
 
+/// Throws InputError unless the disc of agent `row` keeps half its radius clear of walls.
+void require_off_walls(const Group& group, const NavigationMap& map, size_t row,
+                       const AgentSpec& person) {
+  const double clearance_m = map.walkable().clearance_m(person.position_m);
+  if (clearance_m >= 0.5 * person.radius_m) return;
+  const Starts& starts = group.starts;
+  throw InputError(
+      at_line(starts.file, starts.lines[row]),
+      fmt::format("position {} of group '{}' on the ground, at least {:.3g} m from walls and its "
+                  "edge",
+                  row + 1, group.name, 0.5 * person.radius_m),
+      fmt::format("[{}, {}], {}", person.position_m.x(), person.position_m.y(),
+                  clearance_m < 0 ? std::string("in a wall or outside")
+                                  : fmt::format("{:.3g} m from one", clearance_m)));
+}
+
+/// Throws InputError if the disc of agent `row` overlaps another by more than half.
+void require_apart(const Group& group, size_t row, const AgentSpec& person,
+                   const std::vector<AgentSpec>& people, const PlacedDiscs& places) {
+  const std::optional<size_t> other = places.find_nearer(person, 0.5, people);
+  if (!other) return;
+  const Starts& starts = group.starts;
+  const Eigen::Vector2d& there = people[*other].position_m;
+  throw InputError(
+      at_line(starts.file, starts.lines[row]),
+      fmt::format("position {} of group '{}' at least {:.3g} m from other agents", row + 1,
+                  group.name, 0.5 * (person.radius_m + people[*other].radius_m)),
+      fmt::format("[{}, {}], {:.3g} m from the one at [{}, {}]", person.position_m.x(),
+                  person.position_m.y(), (there - person.position_m).norm(), there.x(), there.y()));
+}
+
+/// Places agents of a group at its explicit positions, from `first_id` on.
+void place_at_starts(const CrowdPlan& plan, size_t group_index, const NavigationMap& map,
+                     uint64_t first_id, double max_radius_m, PlacedDiscs& places,
+                     std::vector<AgentSpec>& people) {
+  const Group& group = plan.groups[group_index];
+  const Starts& starts = group.starts;
+  const Stop& goal = map.route(group_index).front();
+  const size_t first = people.size();
+  for (size_t row = 0; row < starts.positions_m.size(); ++row) {
+    AgentSpec person = make_agent(plan, group_index, first_id + row);
+    place_at(starts.positions_m[row], goal, person);
+    look_at_target(plan.seed, first_id + row, group, person);
+    if (!starts.headings_rad.empty()) {
+      const SinCos heading = sin_cos(starts.headings_rad[row]);
+      person.heading = {heading.cos, heading.sin};
+    }
+    if (!starts.speeds_mps.empty()) person.enters_mps = starts.speeds_mps[row];
+    require_off_walls(group, map, row, person);
+    require_apart(group, row, person, people, places);
+    places.add(person.position_m, people.size());
+    people.push_back(person);
+  }
+  set_radius_scales(std::span(people).subspan(first), max_radius_m);
+}
+
 double disc_of(const Group& group, double height_m) {
   if (group.radius_m > 0) return group.radius_m;
   if (has_people(group)) return disc_radius_m(height_m);
@@ -378,7 +448,10 @@ SpawnResult spawn(const CrowdPlan& plan, const NavigationMap& map,
     if (!has_people(group))
       out.notes.push_back(fmt::format("group '{}': {}", group.name, describe_size(group)));
     int placed = 0;
-    if (group.density_per_m2 > 0) {
+    if (!group.starts.positions_m.empty()) {
+      place_at_starts(plan, g, map, id, max_radius_m, places, out.people);
+      placed = group.count;
+    } else if (group.density_per_m2 > 0) {
       placed = place_densely(plan, g, map, id, max_radius_m, places, out.people);
     } else {
       placed = place_at_random(plan, g, map, id, places, out.people);

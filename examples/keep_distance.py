@@ -10,10 +10,11 @@ bus.bind((GROUP, PORT))
 bus.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(GROUP) + bytes(4))
 bus.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
 
-instance, frame, chunks, separation = None, -1, 0, {}  # latest proximity rows; least distance of each robot
+instance, frame, chunks = 0, -1, 0  # latest proximity rows
+separation: dict[int, float] = {}  # least distance of each robot
 
 
-def drive(request, answer, i):
+def drive(request: step_request_t, answer: step_reply_t, i: int) -> None:
     """Control law: full speed from 0.6 m on, zero at 0.2 m; brakes at 4 m/s2, accelerates at 1 m/s2."""
     ahead = 1 if request.qw[i] > request.qz[i] else -1  # along x or against it; turns at the ends
     if ahead * request.x_m[i] > 6:

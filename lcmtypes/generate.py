@@ -5,7 +5,7 @@ generate.py FOLDER FILE.lcm ...
 
 Writes into FOLDER/throng: `channels.hpp` (channels of a run), `messages.hpp` (all types, by channel and as lists) and
 `layouts.hpp` (for each type a walk over the encoded bytes, its rules and the columns of its CSV table). Writes into
-FOLDER: `_messages.pyi` (type hints for Python). The build runs it.
+FOLDER/stubs: `_messages.pyi` and a file per type (type hints for Python). The build runs it.
 
 Comments that begin with `//!` add properties to a .lcm file:
 
@@ -346,6 +346,27 @@ namespace throng {
     return "\n".join(parts)
 
 
+def python_type(field):
+    words = {"float": "float", "double": "float", "boolean": "bool", "string": "str"}
+    item = words.get(field.type) or ("int" if field.type in SIZES else field.type)
+    if field.length is None:
+        return item
+    return "builtins.bytes" if field.type == "byte" else f"List[{item}]"
+
+
+def stub(types, struct):
+    """Type hints of the Python class that lcm-gen makes of a type."""
+    used = sorted({field.type for field in struct.fields if field.type in types.by_name})
+    imports = "".join(f"from .{name} import {name}\n" for name in used)
+    fields = "".join(f"    {field.name}: {python_type(field)}\n" for field in struct.fields)
+    # A field may be called bytes.
+    return (f"import builtins\nfrom typing import BinaryIO, List, Union\n\n{imports}\nclass {struct.name}:\n"
+            f"    __slots__: List[str]\n{fields}    def __init__(self) -> None: ...\n"
+            "    def encode(self) -> builtins.bytes: ...\n    @staticmethod\n"
+            f"    def decode(data: Union[builtins.bytes, BinaryIO]) -> {struct.name}: ...\n"
+            "    @staticmethod\n    def _get_packed_fingerprint() -> builtins.bytes: ...\n")
+
+
 def write_changed(path, text):
     """Keeps an unchanged file and its date, to avoid rebuilds."""
     if os.path.exists(path):
@@ -361,7 +382,8 @@ def main():
     types = Types([read(path) for path in sorted(files)])
     classes = "".join(f"from .{name} import {name} as {name}\n" for name in sorted(types.by_name))
     made = {"throng/channels.hpp": channels(types), "throng/messages.hpp": messages(types),
-            "throng/layouts.hpp": layouts(types), "_messages.pyi": classes}
+            "throng/layouts.hpp": layouts(types), "stubs/_messages.pyi": classes}
+    made.update((f"stubs/{struct.name}.pyi", stub(types, struct)) for struct in types.structs)
     for name, text in made.items():
         path = os.path.join(folder, name)
         os.makedirs(os.path.dirname(path), exist_ok=True)

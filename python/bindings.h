@@ -11,5 +11,6 @@ void bind_model(pybind11::module_& module);
 void bind_culler(pybind11::module_& module);
 void bind_log(pybind11::module_& module);
 void bind_recording(pybind11::module_& module);
+void bind_study(pybind11::module_& module);
 
 }  // namespace throng

@@ -59,6 +59,7 @@ RunFacts facts_of(const run_description_t& run, int64_t run_id) {
   for (const std::string& group : run.groups) facts.groups.push_back(printable(group));
   for (const model_t& model : run.models) {
     facts.models.push_back(printable(model.name));
+    facts.is_person.push_back(to_model(model)->is_person);
     facts.part_names.emplace_back();
     for (const part_t& part : model.parts) facts.part_names.back().push_back(printable(part.name));
   }

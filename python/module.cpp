@@ -62,5 +62,6 @@ PYBIND11_MODULE(_core, module) {
   throng::bind_culler(module);
   throng::bind_log(module);
   throng::bind_recording(module);
+  throng::bind_study(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(throng::join_abandoned_jobs));
 }

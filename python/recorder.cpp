@@ -49,6 +49,7 @@ RunFacts facts_of(const RunInfo& run) {
                  .groups = run.groups};
   for (const auto& model : run.models) {
     facts.models.push_back(model->name);
+    facts.is_person.push_back(model->is_person);
     facts.part_names.emplace_back();
     for (const Part& part : model->parts) facts.part_names.back().push_back(part.name);
   }
@@ -119,6 +120,7 @@ py::dict dict_of(RunFacts facts) {
   out["step_s"] = facts.step_s;
   out["groups"] = facts.groups;
   out["models"] = facts.models;
+  out["is_person"] = facts.is_person;
   out["part_names"] = facts.part_names;
   out["obstacles"] = facts.obstacles;
   out["people"] = array_of(std::move(facts.people));

@@ -22,6 +22,7 @@ struct RunFacts {
   double step_s = 0;
   std::vector<std::string> groups{};
   std::vector<std::string> models{};
+  std::vector<bool> is_person{};  ///< by model
   std::vector<std::vector<std::string>> part_names{};
   std::vector<std::string> obstacles{};  ///< bodies after those of people
   std::vector<PersonRow> people{};

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 
 seconds=${1:-60}
 targets=("${@:2}")
-[ ${#targets[@]} -gt 0 ] || targets=(tri urdf scene study study_table messages log culled_log checkpoint recording wkt plan mesh)
+[ ${#targets[@]} -gt 0 ] || targets=(tri urdf scene starts study study_table messages log culled_log checkpoint recording wkt plan mesh)
 
 if ! command -v clang++ >/dev/null; then
   echo "scripts/fuzz.sh: expected clang++ with libFuzzer; scripts/setup.sh reliability installs it" >&2

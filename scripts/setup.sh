@@ -35,9 +35,9 @@ packages=(
 )
 # The page of `throng view` needs node 18 or newer and npm, from any source.
 if ! command -v node >/dev/null || ! command -v npm >/dev/null; then packages+=(nodejs npm); fi
-# Message types for Java, and lcm-spy; data frames and plots of the notebooks.
+# Message types for Java, and lcm-spy; data frames and plots of the notebooks; types of the Python module.
 test_packages=(openjdk-17-jdk-headless liblcm-java libjchart2d-java python3-pandas python3-matplotlib
-  python3-shapely)
+  python3-shapely mypy)
 # The page in a real browser.
 page_packages=(chromium)
 # clang with libFuzzer, the coverage reader

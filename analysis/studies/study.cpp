@@ -196,7 +196,17 @@ void require_once(const Fields& fields, const Study& study) {
                          fmt::format("'{}' again", parameter.name));
 }
 
-void read_scenes(const Fields& fields, Study& study) {
+StudyScene scene_named(const std::string& name, const fs::path& folder,
+                       const std::vector<StudyScene>& scenes) {
+  for (const StudyScene& scene : scenes)
+    if (scene.name == name) return scene;
+  fs::path named = name;
+  if (named.has_parent_path() || named.has_extension()) named = folder / named;
+  const fs::path file = scene_file(named.string());
+  return {name, file, parse_yaml(read_text_file(file, kMaxYamlBytes), file.string())};
+}
+
+void read_scenes(const Fields& fields, const std::vector<StudyScene>& scenes, Study& study) {
   for (const YamlNode* item : fields.items("scenes", true)) {
     const std::string where = fields.where(*item);
     if (item->kind != YamlNode::Kind::kScalar)
@@ -207,12 +217,7 @@ void read_scenes(const Fields& fields, Study& study) {
       if (earlier.name == item->scalar)
         throw InputError(where, "every scene once", fmt::format("'{}' again", item->scalar));
     try {
-      fs::path named = item->scalar;
-      if (named.has_parent_path() || named.has_extension())
-        named = study.file.parent_path() / named;
-      const fs::path file = scene_file(named.string());
-      study.scenes.push_back(
-          {item->scalar, file, parse_yaml(read_text_file(file, kMaxYamlBytes), file.string())});
+      study.scenes.push_back(scene_named(item->scalar, study.file.parent_path(), scenes));
     } catch (const InputError& error) {
       throw InputError(where, "a scene", fmt::format("'{}' ({})", item->scalar, error.what()));
     }
@@ -273,8 +278,13 @@ std::string text_of(const YamlNode& value) {
 }
 
 Study read_study(const fs::path& file) {
+  return parse_study(read_text_file(file, kMaxYamlBytes), file);
+}
+
+Study parse_study(const std::string& text, const fs::path& file,
+                  const std::vector<StudyScene>& scenes) {
   const std::string name = file.string();
-  const YamlNode root = parse_yaml(read_text_file(file, kMaxYamlBytes), name);
+  const YamlNode root = parse_yaml(text, name);
   const Fields fields(name, root, "a study");
   std::vector<std::string> keys = {"scenes", "seeds", "parameters"};
   keys.insert(keys.end(), study_option_names().begin(), study_option_names().end());
@@ -288,7 +298,7 @@ Study read_study(const fs::path& file) {
   read_seeds(fields, study);
   read_parameters(fields, study);
   require_once(fields, study);
-  read_scenes(fields, study);
+  read_scenes(fields, scenes, study);
   require_few_runs(fields, study, study.runs() / study.points());
   return study;
 }

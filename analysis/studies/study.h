@@ -49,6 +49,10 @@ inline constexpr size_t kMaxStudyRuns = 100'000;
 
 /// Reads a study. Paths of scenes are relative to the study's folder. Throws InputError.
 Study read_study(const std::filesystem::path& file);
+/// Reads the text of a study; `file` names it in errors. The study may name `scenes` in place of
+/// files.
+Study parse_study(const std::string& text, const std::filesystem::path& file,
+                  const std::vector<StudyScene>& scenes = {});
 
 /// A value as a cell of a table: scalars unchanged, lists and maps as one line of YAML.
 std::string text_of(const YamlNode& value);

@@ -6,6 +6,7 @@
 
 #include "apps/command.h"
 #include "base/console.h"
+#include "base/limits.h"
 #include "scenes/file/scene.h"
 #include "scenes/file/scene_keys.h"
 
@@ -65,6 +66,10 @@ Json schema_of(const Rule& rule) {
       return list(list(number(rule.range), {.min = 2, .max = 2}), rule);
     case Rule::Kind::kRings:
       return list(list(list(number(rule.range), {.min = 2, .max = 2}), rule), {});
+    case Rule::Kind::kVertices:
+      return list(list(number(rule.range), {.min = 3, .max = 3}), rule);
+    case Rule::Kind::kTriangles:
+      return list(list({{"type", "integer"}, {"minimum", 0}}, {.min = 3, .max = 3}), rule);
     case Rule::Kind::kMap:
       return reference(rule.map);
     case Rule::Kind::kList:
@@ -98,6 +103,11 @@ Json schema_of(const MapText& map) {
   Json json = {{"description", map.meaning}};
   if (map.or_number)
     json.update(any_of({number(map.keys.front().rule.range), object_of(map)}));
+  else if (map.or_points)
+    json.update(
+        any_of({list(list(number({-kMaxCoordinate_m, kMaxCoordinate_m}), {.min = 2, .max = 2}),
+                     {.min = 1}),
+                object_of(map)}));
   else if (!map.or_words.empty())
     json.update(any_of({{{"enum", map.or_words}}, object_of(map)}));
   else

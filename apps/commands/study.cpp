@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <thread>
 
-#include "analysis/studies/journal.h"
 #include "analysis/studies/ranks.h"
+#include "analysis/studies/study_job.h"
 #include "analysis/studies/study_options.h"
-#include "analysis/studies/study_run.h"
 #include "analysis/studies/study_table.h"
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
@@ -22,7 +20,6 @@
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/text.h"
-#include "base/version.h"
 #include "scenes/run/body_tables.h"
 
 namespace throng {
@@ -50,11 +47,6 @@ The table has one row per run and is the same, byte for byte, for any number of 
 Measured times go to TABLE.times.csv. TABLE.journal holds finished runs until the table is complete: repeat the
 command to resume a stopped study. docs/studies.md describes the files, --columns lists the columns.)";
 
-struct Shard {
-  size_t index = 1;
-  size_t count = 1;
-};
-
 struct StudyCommand {
   std::string file;
   std::string out;
@@ -65,9 +57,9 @@ struct StudyCommand {
   bool columns = false;
 };
 
-Shard shard_of(const std::string& text) {
+StudyShard shard_of(const std::string& text) {
   if (text.empty()) return {};
-  Shard shard;
+  StudyShard shard;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%zu/%zu%c", &shard.index, &shard.count, &rest) != 2 ||
       text.find('-') != std::string::npos || shard.index < 1 || shard.count < shard.index ||
@@ -76,13 +68,11 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-fs::path side_file(const fs::path& table, const char* ending) {
-  fs::path file = table;
-  file += ending;
-  return file;
+fs::path plot_folder(const fs::path& table) {
+  fs::path folder = table;
+  folder += ".plots";
+  return folder;
 }
-
-fs::path plot_folder(const fs::path& table) { return side_file(table, ".plots"); }
 
 void draw_plots(const fs::path& out, const StudyTable& table) {
   const fs::path folder = plot_folder(out);
@@ -94,7 +84,7 @@ void draw_plots(const fs::path& out, const StudyTable& table) {
 OutputPlan planned_outputs(const StudyCommand& options) {
   OutputPlan plan;
   plan.writes({.option = "--out", .path = options.out});
-  plan.writes({.option = "--out", .path = side_file(options.out, ".times.csv")});
+  plan.writes({.option = "--out", .path = times_of(options.out)});
   if (options.merge.empty())
     plan.writes({.option = "--out", .path = journal_of(options.out), .mode = WriteMode::kAppended});
   if (options.plot) {
@@ -106,9 +96,8 @@ OutputPlan planned_outputs(const StudyCommand& options) {
 
 /// Whether the pattern `part_*.csv` also matched the times of another table.
 bool is_times_of_another(const std::string& name, const std::vector<std::string>& all) {
-  return std::any_of(all.begin(), all.end(), [&](const std::string& table) {
-    return side_file(table, ".times.csv") == fs::path(name);
-  });
+  return std::any_of(all.begin(), all.end(),
+                     [&](const std::string& table) { return times_of(table) == fs::path(name); });
 }
 
 int merge(const StudyCommand& options) {
@@ -121,7 +110,7 @@ int merge(const StudyCommand& options) {
     if (is_times_of_another(name, options.merge)) continue;
     plan.reads("a table of --merge", name);
     tables.emplace_back(name, read_table(name));
-    const fs::path own_times = side_file(name, ".times.csv");
+    const fs::path own_times = times_of(name);
     std::error_code ignored;
     if (fs::is_regular_file(own_times, ignored))
       times.emplace_back(own_times.string(), read_table(own_times));
@@ -129,119 +118,65 @@ int merge(const StudyCommand& options) {
   const StudyTable table = merged(tables);
   const OpenOutputs outputs = plan.open();
   write_table(options.out, table);
-  if (times.size() == tables.size())
-    write_table(side_file(options.out, ".times.csv"), merged(times));
+  if (times.size() == tables.size()) write_table(times_of(options.out), merged(times));
   print_message("{} of {} in {}\n", counted(table.rows.size(), "run"),
                 counted(tables.size(), "table"), options.out);
   if (options.plot) draw_plots(options.out, table);
   return kExitSuccess;
 }
 
+bool goes_on() { return !StopSignal::requested(); }
+
+/// Runs of the command with their progress on the terminal.
 class Work {
  public:
-  Work(const StudyCommand& options, const StudyPlan& plan, const Shard& shard)
-      : options_(options),
-        plan_(plan),
-        journal_(journal_of(options.out),
-                 fmt::format("study {:016x}; part {}/{}; throng {} {}", plan.identity(),
-                             shard.index, shard.count, version(), commit())) {
-    std::vector<uint8_t> is_done(plan.runs(), 0);
-    for (const StudyRow& row : journal_.done())
-      if (row.run < plan.runs()) is_done[row.run] = 1;
-    rows_ = journal_.done();
-    for (size_t run = shard.index - 1; run < plan.runs(); run += shard.count) {
-      ++requested_;
-      if (is_done[run] == 0) todo_.push_back(run);
-    }
-    left_ = todo_.size();
-    if (!rows_.empty())
-      print_message("note: {} of {} runs were done before; resuming\n", requested_ - left_,
-                    requested_);
-    if (left_ > 0) {
+  Work(const StudyCommand& options, const StudyPlan& plan, const StudyShard& shard)
+      : options_(options), job_(plan, shard, options.out) {
+    if (job_.finished() > 0)
+      print_message("note: {} of {} runs were done before; resuming\n",
+                    job_.requested() - job_.left(), job_.requested());
+    if (job_.left() > 0) {
       const std::string label = fs::path(options.file).stem().string();
-      progress_.emplace(label, static_cast<int64_t>(left_), "runs");
+      progress_.emplace(label, static_cast<int64_t>(job_.left()), "runs");
       progress_->show(0);
     }
   }
 
-  size_t left() const { return left_; }
-  std::optional<size_t> next() {
-    const std::lock_guard lock(mutex_);
-    if (todo_.empty() || StopSignal::requested()) return {};
-    const size_t run = todo_.front();
-    todo_.pop_front();
-    return run;
-  }
-  void return_run(size_t run) {
-    const std::lock_guard lock(mutex_);
-    todo_.push_front(run);
-  }
-  void take(const StudyRow& row) {
-    const std::lock_guard lock(mutex_);
-    journal_.add(row);
-    rows_.push_back(row);
-    progress_->show(static_cast<int64_t>(++done_));
+  std::optional<size_t> next() { return StopSignal::requested() ? std::nullopt : job_.next(); }
+  void return_run(size_t run) { job_.return_run(run); }
+  void take(const StudyRow& row) { show(job_.add(row)); }
+  void run(int threads) {
+    run_job(
+        job_, threads, [this](size_t done) { show(done); }, goes_on);
   }
 
   int end() {
     progress_.reset();
-    if (rows_.size() < requested_) {
+    if (!job_.is_complete()) {
       print_message("stopped{}: {} of {} runs are done; repeat the command to resume\n",
                     StopSignal::requested() ? fmt::format(" by {}", StopSignal::name()) : "",
-                    rows_.size(), requested_);
+                    job_.finished(), job_.requested());
       return StopSignal::requested() ? StopSignal::exit_code() : kExitEnvironment;
     }
-    std::sort(rows_.begin(), rows_.end(),
-              [](const StudyRow& a, const StudyRow& b) { return a.run < b.run; });
-    const StudyTable written = table();
-    write_table(options_.out, written);
-    write_table(side_file(options_.out, ".times.csv"), times());
-    journal_.remove();
-    print_message("{} in {}\n", counted(written.rows.size(), "run"), options_.out);
-    if (options_.plot) draw_plots(options_.out, written);
+    job_.write();
+    print_message("{} in {}\n", counted(job_.requested(), "run"), options_.out);
+    if (options_.plot) draw_plots(options_.out, job_.table());
     return kExitSuccess;
   }
 
  private:
-  StudyTable table() const {
-    StudyTable out{plan_.columns(), {}};
-    for (const StudyMeasure& measure : study_measures()) out.columns.push_back(measure.name);
-    for (const StudyRow& row : rows_) {
-      std::vector<std::string>& cells = out.rows.emplace_back(plan_.cells(row.run));
-      cells.insert(cells.end(), row.measures.begin(), row.measures.end());
-    }
-    return out;
-  }
-  StudyTable times() const {
-    StudyTable out{{"run", "runs", "study"}, {}};
-    for (const StudyMeasure& time : study_times()) out.columns.push_back(time.name);
-    for (const StudyRow& row : rows_) {
-      std::vector<std::string> cells = plan_.cells(row.run);
-      cells.resize(3);
-      cells.insert(cells.end(), row.times.begin(), row.times.end());
-      out.rows.push_back(std::move(cells));
-    }
-    return out;
+  void show(size_t done) {
+    const std::lock_guard lock(mutex_);
+    progress_->show(static_cast<int64_t>(done));
   }
 
   const StudyCommand& options_;
-  const StudyPlan& plan_;
-  Journal journal_;
+  StudyJob job_;
   std::mutex mutex_;
-  std::deque<size_t> todo_;
-  std::vector<StudyRow> rows_;
   std::optional<ProgressBar> progress_;
-  size_t requested_ = 0, left_ = 0, done_ = 0;
 };
 
-bool goes_on() { return !StopSignal::requested(); }
-
 int cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
-
-StudyWork as_work(const StudyPlan& plan, Work& work) {
-  return {plan, [&work] { return work.next(); }, [&work](const StudyRow& row) { work.take(row); },
-          goes_on};
-}
 
 StudyPlan plan_of(const StudyCommand& options) { return StudyPlan(read_study(options.file)); }
 
@@ -255,7 +190,7 @@ void print_notes(const StudyPlan& plan) {
 }
 
 int study_alone(const StudyCommand& options) {
-  const Shard shard = shard_of(options.shard_text);
+  const StudyShard shard = shard_of(options.shard_text);
   const StudyPlan plan = plan_of(options);
   OutputPlan outputs = planned_outputs(options);
   outputs.reads("the study", options.file);
@@ -264,9 +199,7 @@ int study_alone(const StudyCommand& options) {
   const StopSignal stop;
   const OpenOutputs open = outputs.open();
   Work work(options, plan, shard);
-  const int threads = options.threads.value_or(cores());
-  const int workers = std::clamp(static_cast<int>(work.left()), 1, threads);
-  if (work.left() > 0) run_all(as_work(plan, work), workers, threads / workers);
+  work.run(options.threads.value_or(cores()));
   return work.end();
 }
 
@@ -282,7 +215,10 @@ int run_leader(const StudyCommand& options, Ranks& ranks, const StudyPlan& plan)
   std::exception_ptr failure;
   std::thread own([&] {
     try {
-      run_all(as_work(plan, work), 1, options.threads.value_or(1));
+      const int threads = options.threads.value_or(1);
+      run_all({plan, [&work] { return work.next(); },
+               [&work](const StudyRow& row) { work.take(row); }, goes_on},
+              1, threads);
     } catch (...) {
       failure = std::current_exception();
     }

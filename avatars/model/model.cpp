@@ -209,8 +209,7 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
   Model model{robot.name, std::move(robot), std::move(parts), std::move(kinematics), 0, hash};
   model.start_box_m = box;
   model.assumptions = std::move(assumptions);
-  model.is_person =
-      Walker::find(PosableModel(model), GaitStyle::kPlain).has_value() && box.max().z() > 0;
+  model.is_person = has_human_legs(model) && box.max().z() > 0;
   if (!box.isEmpty()) model.height_m = box.max().z() - (model.is_person ? 0 : box.min().z());
   if (!(model.height_m <= static_cast<float>(kMaxDescribed)))
     throw InputError(where, fmt::format("a model of at most {:g} m", kMaxDescribed),
@@ -220,6 +219,10 @@ std::shared_ptr<const Model> assemble(const std::filesystem::path& urdf_file,
 }
 
 }  // namespace
+
+bool has_human_legs(const Model& model) {
+  return Walker::find(PosableModel(model), GaitStyle::kPlain).has_value();
+}
 
 std::shared_ptr<const Model> load_model(const std::filesystem::path& urdf_file) {
   return assemble(urdf_file, nullptr);

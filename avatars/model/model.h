@@ -33,7 +33,7 @@ struct Model {
   uint64_t content_hash =
       0;  ///< hash of the URDF text and all meshes; identifies the model in a run id
 
-  /// Whether the model has the joints of human legs, which a gait can move. All others are robots.
+  /// Whether the model has human legs. All others are robots.
   bool is_person = false;
   /// Box around all parts in the root frame, with every joint at zero, clamped to its limits.
   Eigen::AlignedBox3f start_box_m{};
@@ -56,6 +56,9 @@ struct Model {
                                        .norm();
   }
 };
+
+/// Whether the model has the joints of human legs, which a gait can move.
+bool has_human_legs(const Model& model);
 
 /// Radius of the sphere about the root's origin that contains every posture (metres, unscaled).
 float reach_of(const Model& model);

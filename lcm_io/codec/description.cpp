@@ -303,9 +303,14 @@ std::shared_ptr<const Model> to_model(const model_t& described) {
     links.push_back(part.link);
   }
   FlatModel kinematics(robot, links);
-  return std::make_shared<const Model>(Model{described.name, std::move(robot), std::move(parts),
-                                             std::move(kinematics),
-                                             static_cast<float>(described.height_m), 0});
+  Model model{described.name,
+              std::move(robot),
+              std::move(parts),
+              std::move(kinematics),
+              static_cast<float>(described.height_m),
+              0};
+  model.is_person = has_human_legs(model);
+  return std::make_shared<const Model>(std::move(model));
 }
 
 }  // namespace throng

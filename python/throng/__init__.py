@@ -13,6 +13,8 @@
     view(log)                3-D web page of a run
     Recording(file)          recorded trajectories of people
     compare(a, b)            measure two scenes, recordings or logs
+    export(log, channel)     rows of a log as a Table, or a CSV or MCAP file
+    study(scenes, ...)       run scenes x seeds x parameters; returns a Study, a row per run
     Table                    structured array that most results are; to_pandas() adds names
 
 An agent is a person or a robot; its articulated body is an avatar. Bodies are avatars, numbered from 0, then
@@ -51,6 +53,9 @@ _PLACES = {
     "view": "_log",
     "Page": "_log",
     "Recording": "_recording",
+    "study": "_study",
+    "Study": "_study",
+    "export": "_study",
     "compare": "_recording",
     "Comparison": "_recording",
     "Table": "_table",
@@ -70,6 +75,7 @@ _PLACES = {
     "PartsBox": "_scene_keys",
     "Separation": "_scene_keys",
     "RecordedPeople": "_scene_keys",
+    "Starts": "_scene_keys",
     "Area": "_scene_keys",
     "Ground": "_scene_keys",
     "Distribution": "_scene_keys",

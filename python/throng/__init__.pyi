@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,7 @@ class InputError(Error, ValueError):
 class EnvironmentFault(Error, OSError):
     def __init__(self, message: str, where: str = "") -> None: ...
 
-class Table(np.ndarray):
+class Table(np.ndarray[Any, np.dtype[Any]]):
     def to_pandas(self) -> Any: ...
 
 class _Names:
@@ -338,7 +338,18 @@ class Page:
 def view(log: Union[Path, Run], limit_mb: float = 25, height: int = 540) -> Page: ...
 
 class Recording:
-    def __init__(self, file: Path, **options: Any) -> None: ...
+    def __init__(
+        self,
+        file: Path,
+        *,
+        fps: Optional[float] = None,
+        unit: Optional[str] = None,
+        heading_unit: Optional[str] = None,
+        columns: Optional[str] = None,
+        separator: Optional[str] = None,
+        tracked_point: Optional[str] = None,
+        strict: bool = False,
+    ) -> None: ...
     @property
     def people(self) -> Table: ...
     @property
@@ -347,7 +358,105 @@ class Recording:
     def facts(self) -> Dict[str, Any]: ...
     @property
     def summary(self) -> Dict[str, Any]: ...
-    def run(self, **options: Any) -> Run: ...
+    def run(
+        self,
+        *,
+        seconds: Optional[float] = None,
+        avatars: Optional[int] = None,
+        seed: Optional[int] = None,
+        steering: Optional[str] = None,
+        part_volume: Union[None, str, Mapping[str, str]] = None,
+        exact: bool = False,
+        proximity: Optional[float] = None,
+        closest_parts: Optional[float] = None,
+        contact_points: bool = False,
+        filter_groups: Optional[str] = None,
+        filter_parts: Optional[str] = None,
+        threads: Optional[int] = None,
+        budget_ms: Optional[float] = None,
+        budget_tests: Optional[int] = None,
+        strategy: Optional[str] = None,
+        simd: Optional[str] = None,
+        pair_search: Optional[str] = None,
+        fps: Optional[float] = None,
+        unit: Optional[str] = None,
+        heading_unit: Optional[str] = None,
+        columns: Optional[str] = None,
+        separator: Optional[str] = None,
+        tracked_point: Optional[str] = None,
+        strict: bool = False,
+        sampling: Optional[str] = None,
+        trajectories: bool = True,
+        trajectory_fps: Optional[float] = None,
+        log: Optional[Path] = None,
+        states_hz: Optional[float] = None,
+        publish_part_poses: bool = False,
+        html: Optional[Path] = None,
+        trajectory: Union[None, Path, Sequence[Path]] = None,
+        trajectory_area: Union[None, int, str] = None,
+        contacts: Optional[Path] = None,
+        separation: Optional[Path] = None,
+        trace_hash: Optional[Path] = None,
+        view: bool = False,
+        progress: Progress = None,
+    ) -> Run: ...
+
+class Study(Table):
+    @property
+    def times(self) -> Table: ...
+    @property
+    def notes(self) -> List[str]: ...
+    def save(self, file: Path) -> None: ...
+
+def study(
+    scenes: Union[RunSource, Sequence[RunSource]],
+    *,
+    seeds: Union[None, int, Iterable[int], Mapping[str, int]] = None,
+    parameters: Optional[Mapping[str, Any]] = None,
+    avatars: Optional[int] = None,
+    seconds: Optional[float] = None,
+    steering: Optional[str] = None,
+    part_volume: Union[None, str, Mapping[str, str]] = None,
+    exact: Optional[bool] = None,
+    budget_tests: Optional[int] = None,
+    strategy: Optional[str] = None,
+    simd: Optional[str] = None,
+    pair_search: Optional[str] = None,
+    threads: Optional[int] = None,
+    out: Optional[Path] = None,
+    progress: Progress = None,
+) -> Study: ...
+
+@overload
+def export(
+    log: Path,
+    channel: str,
+    *,
+    out: None = None,
+    mcap: None = None,
+    poses_hz: None = None,
+    progress: Progress = None,
+) -> Table: ...
+@overload
+def export(
+    log: Path,
+    channel: str,
+    *,
+    out: Path,
+    mcap: None = None,
+    poses_hz: None = None,
+    progress: Progress = None,
+) -> None: ...
+@overload
+def export(
+    log: Path,
+    channel: None = None,
+    *,
+    out: None = None,
+    mcap: Path,
+    poses_hz: Optional[float] = None,
+    progress: Progress = None,
+) -> None: ...
 
 class Comparison:
     a: Dict[str, Any]
@@ -356,8 +465,8 @@ class Comparison:
     def figures(self, folder: Optional[Path] = None) -> Dict[str, Tuple[str, str]]: ...
 
 def compare(
-    a: RunSource,
-    b: RunSource,
+    a: Union[RunSource, Run],
+    b: Union[RunSource, Run],
     seconds: Optional[float] = None,
     line: Optional[Sequence[float]] = None,
     threads: Optional[int] = None,

@@ -23,7 +23,7 @@ def read_log(file, trajectory_fps=None, trajectories=True, progress=None):
     """
     facts = _core.read_log(path_of("file", file), trajectory_fps, trajectories, progress_of(progress))
     facts["notes"] += _missing(**facts["summary"])
-    return Run(facts, log=path_of("file", file))
+    return Run(facts, log=path_of("file", file), request={"source": path_of("file", file)})
 
 
 def _missing(frames, finished, left_out, damage):

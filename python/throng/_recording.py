@@ -1,5 +1,6 @@
 """Recordings of people, and comparisons of two crowds."""
 
+import inspect
 import os
 import tempfile
 
@@ -7,7 +8,7 @@ import numpy
 
 from . import _core
 from ._validation import numbers, path_of
-from ._run import options_of, progress_of, run
+from ._run import Run, options_of, progress_of, run
 from ._scene import errors_of
 from ._table import Table
 
@@ -17,8 +18,8 @@ class Recording:
 
     Args:
         file: path of the recording.
-        options: properties that the file does not state, as in run(): fps, unit, heading_unit, columns, separator,
-            tracked_point, strict.
+        fps, unit, heading_unit, columns, separator, tracked_point, strict: properties that the file does not state, as
+            in run().
 
     Attributes:
         people: Table, one row per person. Columns: id, samples (number of), first_s, last_s, height_m (nan: unknown).
@@ -31,10 +32,22 @@ class Recording:
             (5 % quantile, median, 95 % quantile).
     """
 
-    def __init__(self, file, **options):
+    def __init__(
+        self,
+        file,
+        *,
+        fps=None,
+        unit=None,
+        heading_unit=None,
+        columns=None,
+        separator=None,
+        tracked_point=None,
+        strict=False,
+    ):
+        given = {name: value for name, value in locals().items() if name not in ("self", "file")}
+        self._options = {name: value for name, value in given.items() if value not in (None, False)}
         self._file = path_of("file", file)
-        self._options = options
-        self._recording = _core.Recording(options_of(file, options))
+        self._recording = _core.Recording(options_of(file, self._options))
 
     def __reduce__(self):
         return _opened, (os.path.abspath(self._file), self._options)
@@ -47,6 +60,12 @@ class Recording:
     def run(self, **options):
         """Retarget bodies onto the tracks and find their contacts: run() with this file; return a Run."""
         return run(self._file, **{**self._options, **options})
+
+
+_options = list(inspect.signature(run).parameters.values())[1:]
+Recording.run.__signature__ = inspect.Signature(
+    [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD), *_options]
+)
 
 
 def _opened(file, options):
@@ -99,8 +118,8 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     """Run two scenes, recordings or logs with exact=True and measure both, as `throng compare` does.
 
     Args:
-        a, b: sources, as in run().
-        seconds: simulated time of each in seconds [the scene's].
+        a, b: sources, as in run(). A Run is repeated with its options.
+        seconds: simulated time of each in seconds [the scene's, or that of the Run].
         line: line across which the flow is measured, (x, y, x, y) in metres [the narrowest place].
         threads: number of threads [all cores].
         progress: as in run().
@@ -112,5 +131,11 @@ def compare(a, b, seconds=None, line=None, threads=None, progress=None):
     if line is not None:
         line = numbers("line", line, "two points: x, y, x, y", (None,)).tolist()
     with errors_of(a, b):
-        found = _core.compare(options_of(a, given), options_of(b, given), line, progress_of(progress))
+        found = _core.compare(_request_of(a, given), _request_of(b, given), line, progress_of(progress))
     return Comparison(found)
+
+
+def _request_of(source, given):
+    if isinstance(source, Run):
+        return {**source._request, **{name: value for name, value in given.items() if value is not None}}
+    return options_of(source, given)

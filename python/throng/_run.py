@@ -13,15 +13,24 @@ from ._scene import SceneText, errors_of, source_options
 from ._table import Table, has_columns
 
 _LEVELS = numpy.array(["spheres", "boxes", "part volumes", "triangles"])
+# Options of run() that name files to write.
+_OUTPUTS = ("log", "html", "trajectory", "contacts", "separation", "trace_hash")
 # Part number that stands for a whole body.
 _WHOLE_BODY = 255
+
+
+def volumes_text(part_volume):
+    """Return the option as text: "hands: sphere, default: ordop26"."""
+    if isinstance(part_volume, Mapping):
+        return ", ".join(f"{words}: {volume}" for words, volume in part_volume.items())
+    return part_volume
 
 
 def options_of(source, given):
     """Return the options for the compiled module: source and all options that are not None."""
     options = {name: value for name, value in given.items() if value is not None}
-    if isinstance(options.get("part_volume"), Mapping):
-        options["part_volume"] = ", ".join(f"{words}: {volume}" for words, volume in options["part_volume"].items())
+    if "part_volume" in options:
+        options["part_volume"] = volumes_text(options["part_volume"])
     if isinstance(source, SceneText):
         return {**options, **source_options(source)}
     options["source"] = path_of("source", source, "a Scene, the name of a scene, or a path")
@@ -47,6 +56,7 @@ class Names:
         # for bodies that the run does not have.
         kinds = self.parts + [[name] for name in self.obstacles]
         self._part_counts = numpy.array([len(names) for names in kinds], dtype=numpy.int64)
+        self._is_person_of_kind = numpy.array(list(facts["is_person"]) + [False] * (len(self.obstacles) + 1))
         self._body_names = None
         self._table = numpy.full((len(kinds) + 1, 256), "", dtype=object)
         for row, names in enumerate(kinds):
@@ -74,6 +84,9 @@ class Names:
         kinds[is_person] = self._model_of_person[bodies[is_person]]
         return kinds
 
+    def _is_person(self, bodies):
+        return self._is_person_of_kind[self._kinds(bodies.astype(numpy.int64))]
+
     def _of_parts(self, bodies, parts):
         return self._table[self._kinds(bodies.astype(numpy.int64)), parts]
 
@@ -90,6 +103,7 @@ class Names:
         for side in "ab":
             if has_columns(table, f"body_{side}"):
                 out[f"body_{side}_name"] = self.bodies(table[f"body_{side}"])
+                out[f"body_{side}_is_person"] = self._is_person(table[f"body_{side}"])
             if has_columns(table, f"body_{side}", f"part_{side}"):
                 out[f"part_{side}_name"] = self._of_parts(table[f"body_{side}"], table[f"part_{side}"])
         if has_columns(table, "level"):
@@ -98,11 +112,14 @@ class Names:
 
     def of_people(self, table):
         names = {"group": self.groups, "model": self.models}
-        return {
+        out = {
             f"{name}_name": numpy.array([*known, ""], dtype=object)[numpy.minimum(table[name], len(known))]
             for name, known in names.items()
             if has_columns(table, name)
         }
+        if has_columns(table, "model"):
+            out["is_person"] = self._is_person_of_kind[numpy.minimum(table["model"], len(self.models))]
+        return out
 
 
 class Run:
@@ -138,7 +155,7 @@ class Run:
         log: path of the written log, or None.
     """
 
-    def __init__(self, facts, log=None, page=None):
+    def __init__(self, facts, log=None, page=None, request=None):
         self.scene = facts["scene"]
         self.seed = facts["seed"]
         self.run_id = facts["run_id"]
@@ -159,6 +176,7 @@ class Run:
         self._find_contacts = facts["find_contacts"]
         self._contacts = None
         self._page = page
+        self._request = request  # options of the compiled module that repeat the run
 
     @property
     def contacts(self):
@@ -315,12 +333,14 @@ def run(
         kept = given["html"]
         if view and kept is None:
             kept = given["html"] = os.path.join(folder, "page.html")
+        request = options_of(source, given)
         with errors_of(source):
-            facts = _core.run(options_of(source, given), progress_of(progress))
+            facts = _core.run(request, progress_of(progress))
         if view:
             with open(kept, encoding="utf-8") as file:
                 page = file.read()
-    return Run(facts, log=given["log"], page=page)
+    request = {name: value for name, value in request.items() if name not in _OUTPUTS}
+    return Run(facts, log=given["log"], page=page, request=request)
 
 
 def scenes():

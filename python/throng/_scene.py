@@ -50,7 +50,7 @@ class SceneMap:
     def to_dict(self):
         """Return the keys that are given, with dictionaries, lists, text and numbers as values."""
         given = {name: _converted(value, self._keys[name]) for name, value in vars(self).items() if value is not None}
-        return {name: _plain(value) for name, value in given.items()}
+        return {name: plain(value) for name, value in given.items()}
 
 
 class SceneText(SceneMap):
@@ -63,7 +63,7 @@ class SceneText(SceneMap):
 
     def to_yaml(self):
         """Return the text of a scene file."""
-        return _text_and_places(self)[0]
+        return text_and_places(self.to_dict())[0]
 
     def save(self, file):
         """Write a scene file."""
@@ -96,7 +96,7 @@ class errors_of:
     def __exit__(self, kind, error, trace):
         if not isinstance(error, InputError) or error.file != _NAME or len(self._scenes) != 1:
             return
-        places = _text_and_places(self._scenes[0])[1]
+        places = text_and_places(self._scenes[0].to_dict())[1]
         place = places[min(error.line, len(places)) - 1]
         message = str(error).removeprefix(f"{error.where}: ")
         raise InputError(f"{place}: {message}", place) from None
@@ -188,13 +188,14 @@ def _rings_text(rings):
     return f"({', '.join('(' + ', '.join(f'{float(p[0])!r} {float(p[1])!r}' for p in ring) + ')' for ring in rings)})"
 
 
-def _plain(value):
+def plain(value):
+    """Return a value as dictionaries, lists, text and numbers."""
     if isinstance(value, SceneMap):
         return value.to_dict()
     if isinstance(value, dict):
-        return {str(name): _plain(item) for name, item in value.items()}
+        return {str(name): plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return _converted(value, "")
 
 
@@ -216,8 +217,8 @@ def _typed(value):
     return text
 
 
-def _text_and_places(scene):
-    """Return the text of a scene file, and for each of its lines the place in code, "groups[0].spawn"."""
+def text_and_places(values):
+    """Return the text of a YAML file, and for each of its lines the place in code, "groups[0].spawn"."""
     lines, places = [], []
 
     def write(text, place):
@@ -242,7 +243,7 @@ def _text_and_places(scene):
             else:
                 write(f"{head} {_scalar(item, inner)}", inner)
 
-    add(scene.to_dict(), "", "")
+    add(values, "", "")
     return "\n".join(lines) + "\n", places or [_NAME]
 
 

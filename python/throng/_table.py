@@ -11,8 +11,7 @@ _SHOWN = 20
 class Table(numpy.ndarray):
     """A structured numpy array: ``table["begin_s"]`` is a column, ``table[3]`` a row.
 
-    ``to_pandas()`` returns a DataFrame and adds columns with the names of parts, levels, groups and models. A pickled
-    table keeps these names.
+    ``to_pandas()`` returns a DataFrame and adds columns of names. A pickled table keeps these names.
     """
 
     def __new__(cls, rows, names=None):
@@ -49,8 +48,8 @@ class Table(numpy.ndarray):
         """Return a pandas.DataFrame with a column per field, and columns of names.
 
         A point or direction becomes three columns: point_a_m becomes point_a_x_m, point_a_y_m and point_a_z_m; normal
-        becomes normal_x, normal_y and normal_z. body_a adds body_a_name, part_a adds part_a_name, level adds level_name.
-        A part's name also needs the column of its body.
+        becomes normal_x, normal_y and normal_z. Names are added: body_a_name and body_a_is_person (False: a robot or an
+        obstacle) to body_a, part_a_name to body_a and part_a, level_name to level.
         """
         try:
             import pandas
@@ -58,7 +57,7 @@ class Table(numpy.ndarray):
             raise ImportError("to_pandas() needs pandas (python3-pandas of Debian)") from error
         frame = pandas.DataFrame(dict(_columns(self)))
         for name, values in (self._names(self) if self._names else {}).items():
-            frame[name] = pandas.Categorical(values)
+            frame[name] = values if values.dtype == bool else pandas.Categorical(values)
         return frame
 
 

@@ -9,6 +9,7 @@
 #include "scenes/file/key_tables.h"
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
+#include "scenes/file/start_values.h"
 
 namespace throng {
 namespace {
@@ -84,7 +85,10 @@ bool may_be_empty(const Fields& fields) {
 }
 bool has_density(const Fields& fields) { return fields.find("density_per_m2") != nullptr; }
 
-void read_count(ReadContext&, Fields& fields, Group& group) {
+bool has_positions(const Fields& fields) { return fields.find("positions_m") != nullptr; }
+
+void read_count(ReadContext& context, Fields& fields, Group& group) {
+  if (has_positions(fields)) return read_positions(context, fields, group);
   if (has_density(fields)) {
     if (const YamlNode* count = fields.find("count"))
       throw InputError(fields.where(*count), "either 'count' or 'density_per_m2'", "both");
@@ -95,8 +99,9 @@ void read_count(ReadContext&, Fields& fields, Group& group) {
 }
 
 void read_spawn(ReadContext& context, Fields& fields, Group& group) {
-  if (fields.find("spawn") == nullptr && group.count == 0 && may_be_empty(fields) &&
-      !has_density(fields))
+  const bool has_no_start =
+      has_positions(fields) || (group.count == 0 && may_be_empty(fields) && !has_density(fields));
+  if (fields.find("spawn") == nullptr && has_no_start)
     group.spawn = context.scene.ground;
   else
     group.spawn = read_area(context, fields.file(), fields.require("spawn"), "spawn");
@@ -240,7 +245,7 @@ std::vector<Key<Group>> rows_of_groups() {
           .with_reader(read_group_name)
           .with_hash(&Group::name),
       whole("count", "number of agents at the start", &Group::count, 0, kMaxBodies)
-          .with_fallback("required, unless there are sources, spare agents or a density")
+          .with_fallback("required, unless there are sources, spare agents, a density or positions")
           .with_reader(read_count),
       custom_key<Group>(
           "model",
@@ -251,8 +256,8 @@ std::vector<Key<Group>> rows_of_groups() {
           .with_hash([](Hasher& hash, const Group& group) {
             hash.add(group.body == nullptr ? 0 : group.body->content_hash);
           }),
-      custom_key<Group>("spawn", "rectangle in which agents start", "required, if there is a count",
-                        map_rule("area"))
+      custom_key<Group>("spawn", "rectangle in which agents start",
+                        "required, if there is a count without positions", map_rule("area"))
           .with_reader(read_spawn)
           .with_hash(&Group::spawn),
       custom_key<Group>("goals", "goals of the route, in order",
@@ -367,16 +372,19 @@ std::vector<Key<Group>> later_rows_of_groups() {
   external.is_default = [](const Group& group) {
     return !group.externally_controlled || !group.control_channel.empty();
   };
-  return {look_at,
-          number("density_per_m2",
-                 "people per m2 of free ground in `spawn` at the start, at most 6; replaces "
-                 "`count`; placed by body outline instead of disc",
-                 &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
-              .with_fallback("`count`"),
-          after, social_groups,
-          whole("spare", "number of agents that the run can add later, see docs/control.md",
-                &Group::spare, 0, kMaxBodies),
-          external};
+  std::vector<Key<Group>> rows = {
+      look_at,
+      number("density_per_m2",
+             "people per m2 of free ground in `spawn` at the start, at most 6; replaces "
+             "`count`; placed by body outline instead of disc",
+             &Group::density_per_m2, {0, kMaxDensity_per_m2, true})
+          .with_fallback("`count`"),
+      after, social_groups};
+  rows.push_back(whole("spare", "number of agents that the run can add later, see docs/control.md",
+                       &Group::spare, 0, kMaxBodies));
+  rows.push_back(std::move(external));
+  for (Key<Group>& row : rows_of_starts()) rows.push_back(std::move(row));
+  return rows;
 }
 
 }  // namespace

@@ -30,12 +30,14 @@ struct Rule {
     kNumbers,
     kPoints,
     kRings,
+    kVertices,
+    kTriangles,
     kMap,
     kList
   };
   Kind kind = Kind::kText;
-  Range range{};  ///< kNumber; each number of kNumbers; coordinates of kPoints and kRings
-  /// kWhole: the value; kNumbers, kPoints, kList, each of kRings: the length, `max` 0: unlimited.
+  Range range{};  ///< kNumber; each number of kNumbers; coordinates of the following
+  /// kWhole: the value; each of kRings, and other lists: the length, `max` 0: unlimited.
   int64_t min = 0, max = 0;
   std::vector<std::string> words = {};
   std::string map = {};      ///< kMap, each item of kList: name of the map in scene_maps()
@@ -58,6 +60,7 @@ struct MapText {
   /// Alternative sets of keys, one of which has to be complete; empty: no such condition.
   std::vector<std::vector<std::string>> choices = {};
   bool or_number = false;                  ///< a single number may replace the map
+  bool or_points = false;                  ///< a list of points may replace the map
   std::vector<std::string> or_words = {};  ///< words that may replace the map
   std::vector<std::string> any_key = {};   ///< values that any other key accepts
   bool at_least_one = false;               ///< an empty map is an error

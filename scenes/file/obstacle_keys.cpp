@@ -26,6 +26,7 @@ constexpr double kWallThickness_m = 0.1;
 constexpr Range kHeadingRange{-360, 360};
 /// From micrometres to kilometres, with a margin.
 constexpr Range kMeshScaleRange{1e-7, 1e4};
+constexpr Range kVertexRange{-kMaxDescribed, kMaxDescribed};
 /// The unit of a mesh without `scale` is doubted if it is as high, so many times as wide as the
 /// ground, or as small.
 constexpr double kDoubtedHeight_m = 1000, kDoubtedGrounds = 4, kDoubtedSize_m = 0.02;
@@ -37,7 +38,7 @@ const std::map<std::string, std::vector<std::string>>& keys_of_kinds() {
   static const std::map<std::string, std::vector<std::string>> keys = {
       {"box", {"position_m", "yaw_deg", "size_m"}},
       {"cylinder", {"position_m", "yaw_deg", "diameter_m", "height_m"}},
-      {"mesh", {"position_m", "yaw_deg", "file", "scale", "up"}},
+      {"mesh", {"position_m", "yaw_deg", "file", "scale", "up", "vertices", "triangles"}},
       {"polygon", {"polygon", "holes", "top_m"}},
       {"wall", {"line", "thickness_m", "top_m"}}};
   return keys;
@@ -103,7 +104,31 @@ void doubt_unit(ReadContext& context, const Fields& fields, const Obstacle& obst
         obstacle.name, found, escaped(obstacle.mesh_file.filename().string())));
 }
 
+/// Reads a mesh from `vertices` and `triangles`.
+Mesh read_mesh_arrays(const Fields& fields) {
+  for (const char* key : {"file", "scale", "up"})
+    if (const YamlNode* other = fields.find(key))
+      throw InputError(fields.where(*other), fmt::format("either 'vertices' or '{}'", key), "both");
+  Mesh mesh;
+  for (const Eigen::Vector3d& vertex : fields.triples("vertices", 3, kVertexRange))
+    mesh.vertices.push_back(vertex.cast<float>());
+  const Range indices{0, static_cast<double>(mesh.vertices.size()) - 1};
+  for (const Eigen::Vector3d& triangle : fields.triples("triangles", 1, indices)) {
+    if (triangle != triangle.array().floor().matrix())
+      throw InputError(fields.where(fields.require("triangles")),
+                       "three numbers of vertices, from 0, in each triangle",
+                       fmt::format("[{}, {}, {}]", triangle.x(), triangle.y(), triangle.z()));
+    mesh.triangles.push_back(triangle.cast<int>());
+  }
+  return mesh;
+}
+
 void read_mesh_obstacle(ReadContext& context, const Fields& fields, Obstacle& obstacle) {
+  if (fields.find("vertices") != nullptr || fields.find("triangles") != nullptr) {
+    obstacle.mesh = read_mesh_arrays(fields);
+    measure_mesh(fields, obstacle);
+    return;
+  }
   const std::vector<std::string> axes = {"x", "y", "z"};  // in the order of UpAxis
   std::optional<UpAxis> up;
   const std::optional<size_t> axis = fields.word("up", axes);
@@ -305,7 +330,7 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
           "file",
           "mesh: a mesh file relative to the scene file: `.tri`, `.stl`, `.obj`, `.dae`, "
           "`.ply` and many others, see reliability",
-          "required of a mesh", {})
+          "required of a mesh without `vertices`", {})
           .with_hash(add_mesh),
       custom_key<Obstacle>("polygon",
                            "polygon: corners `[x, y]`; a concave outline is divided into convex "
@@ -328,14 +353,21 @@ std::vector<Key<Obstacle>> rows_of_obstacles() {
 
 /// The hash of a mesh covers these keys: it is that of the scaled and turned vertices.
 std::vector<Key<Obstacle>> later_rows_of_obstacles() {
-  return {custom_key<Obstacle>("scale", "mesh: metres per unit of the file, 0.001 for millimetres",
-                               "1", {.kind = Rule::Kind::kNumber, .range = kMeshScaleRange}),
-          custom_key<Obstacle>(
-              "up",
-              "mesh: axis of the file that points up; with `y`, its x stays x; with `x`, its -y "
-              "becomes x",
-              "the axis that a `.dae` file states; `y` for glTF, VRML and X3D; otherwise `z`",
-              {.kind = Rule::Kind::kWord, .words = {"z", "y", "x"}})};
+  return {
+      custom_key<Obstacle>("scale", "mesh: metres per unit of the file, 0.001 for millimetres", "1",
+                           {.kind = Rule::Kind::kNumber, .range = kMeshScaleRange}),
+      custom_key<Obstacle>(
+          "up",
+          "mesh: axis of the file that points up; with `y`, its x stays x; with `x`, its -y "
+          "becomes x",
+          "the axis that a `.dae` file states; `y` for glTF, VRML and X3D; otherwise `z`",
+          {.kind = Rule::Kind::kWord, .words = {"z", "y", "x"}}),
+      custom_key<Obstacle>("vertices", "mesh: vertices `[x, y, z]` in place of a file", "`file`",
+                           {.kind = Rule::Kind::kVertices, .range = kVertexRange, .min = 3}),
+      custom_key<Obstacle>("triangles",
+                           "mesh: three numbers of `vertices` per triangle, from 0, "
+                           "counter-clockwise seen from outside",
+                           "required with `vertices`", {.kind = Rule::Kind::kTriangles, .min = 1})};
 }
 
 }  // namespace

@@ -159,6 +159,25 @@ std::vector<Eigen::Vector2d> Fields::points(const std::string& key, size_t min,
   return to_points(key, require(key), min, range);
 }
 
+std::vector<Eigen::Vector3d> Fields::triples(const std::string& key, size_t min,
+                                             const Range& range) const {
+  const YamlNode& node = require(key);
+  if (node.kind != YamlNode::Kind::kList || node.items.size() < min)
+    throw InputError(where(node),
+                     fmt::format("a list of at least {} times three numbers for '{}'", min, key),
+                     describe(node));
+  std::vector<Eigen::Vector3d> triples;
+  for (const YamlNode& item : node.items) {
+    if (item.kind != YamlNode::Kind::kList || item.items.size() != 3)
+      throw InputError(where(item), fmt::format("three numbers in each item of '{}'", key),
+                       describe(item));
+    Eigen::Vector3d& triple = triples.emplace_back();
+    for (int i = 0; i < 3; ++i)
+      triple[i] = to_number(key, item.items[static_cast<size_t>(i)], range);
+  }
+  return triples;
+}
+
 std::vector<std::vector<Eigen::Vector2d>> Fields::rings(const std::string& key,
                                                         const Range& range) const {
   const YamlNode& node = require(key);

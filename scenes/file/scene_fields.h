@@ -44,6 +44,9 @@ class Fields {
   std::vector<double> numbers(const std::string& key, int count, const Range& range) const;
   /// List of at least `min` points, each a list of two numbers.
   std::vector<Eigen::Vector2d> points(const std::string& key, size_t min, const Range& range) const;
+  /// List of at least `min` lists of three numbers.
+  std::vector<Eigen::Vector3d> triples(const std::string& key, size_t min,
+                                       const Range& range) const;
   /// List of lists of at least three points.
   std::vector<std::vector<Eigen::Vector2d>> rings(const std::string& key, const Range& range) const;
   /// Index of the word at this key; empty if the key is absent.

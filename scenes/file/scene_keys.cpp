@@ -14,6 +14,7 @@
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_values.h"
+#include "scenes/file/start_values.h"
 
 namespace throng {
 namespace {
@@ -432,6 +433,7 @@ std::vector<MapText> scene_maps() {
           text_of(recording_keys()),
           area_text(),
           ground_text(),
+          starts_text(),
           distribution_text()};
 }
 

@@ -145,6 +145,10 @@ double scale_to(Scene& scene, int total, std::vector<std::string>& notes) {
   if (scene.recorded)
     throw InputError("--avatars", "a scene whose people can be scaled",
                      fmt::format("'{}', whose people were recorded", scene.name));
+  for (const Group& group : scene.groups)
+    if (!group.starts.positions_m.empty())
+      throw InputError("--avatars", "a scene whose people can be scaled",
+                       fmt::format("group '{}' with 'positions_m'", group.name));
   const std::vector<int*> numbers = counts_of(scene);
   std::vector<int64_t> counts;
   for (const int* number : numbers) counts.push_back(*number);

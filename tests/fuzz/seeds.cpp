@@ -305,6 +305,13 @@ void add_plans(std::vector<Bytes>& out) {
     for (const char options : {'\1', '\3'}) out.push_back(bytes_of(options + each));
 }
 
+void add_starts(std::vector<Bytes>& out) {
+  for (const std::string_view text :
+       {"x_m,y_m\n1,2\n3,4.5\n", "# people\ny_m, heading_rad ,x_m,speed_mps\r\n1,-1.5,2,0\r\n\r\n",
+        "x_m,y_m\n1,nan\n", "x_m,x_m,y_m\n"})
+    out.emplace_back(text.begin(), text.end());
+}
+
 void add_studies(std::string_view target, std::vector<Bytes>& out) {
   const auto add = [&](std::string_view text) { out.emplace_back(text.begin(), text.end()); };
   if (target == "study_table") {
@@ -340,6 +347,7 @@ std::vector<Bytes> seeds_of(std::string_view target) {
   if (target == "tri") add_tri(out);
   if (target == "urdf") add_urdf(out);
   if (target == "scene") add_scenes(out);
+  if (target == "starts") add_starts(out);
   if (target == "study" || target == "study_table") add_studies(target, out);
   if (target == "messages") add_messages(out);
   if (target == "log") add_logs(out);

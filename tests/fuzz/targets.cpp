@@ -77,6 +77,28 @@ bool scene(std::span<const uint8_t> input) {
   }
 }
 
+bool starts(std::span<const uint8_t> input) {
+  const File file("starts.csv", input);
+  try {
+    const Scene read = read_scene_text(
+        "ground: {min_m: [0, 0], max_m: [9, 9]}\ngroups:\n  - goals: [{min_m: [1, 1], max_m: [2, "
+        "2]}]\n    positions_m: {file: " +
+            file.path().string() + "}\n",
+        "scene");
+    const Group& group = read.groups.front();
+    const size_t count = group.starts.positions_m.size();
+    promise(count > 0 && static_cast<size_t>(group.count) == count, "an agent per row");
+    for (const std::vector<double>* column : {&group.starts.headings_rad, &group.starts.speeds_mps})
+      promise(column->empty() || column->size() == count, "a value per row");
+    for (const Eigen::Vector2d& place_m : group.starts.positions_m)
+      promise(place_m.allFinite(), "finite places");
+    return true;
+  } catch (const InputError& error) {
+    expect_words(error);
+    return false;
+  }
+}
+
 namespace {
 
 /// A controller's message about avatars, if it is one.

@@ -23,6 +23,8 @@ using Bytes = std::vector<uint8_t>;
 bool tri(std::span<const uint8_t> input);
 bool urdf(std::span<const uint8_t> input);
 bool scene(std::span<const uint8_t> input);
+/// A CSV file of starts, read by a small scene.
+bool starts(std::span<const uint8_t> input);
 /// A study of a small scene in the same folder.
 bool study(std::span<const uint8_t> input);
 /// A study's table and journal.
@@ -52,6 +54,7 @@ struct Target {
 inline constexpr Target kTargets[] = {{"tri", tri},
                                       {"urdf", urdf},
                                       {"scene", scene},
+                                      {"starts", starts},
                                       {"study", study},
                                       {"study_table", study_table},
                                       {"messages", messages},

@@ -87,6 +87,15 @@ class Examples(Case):
         for line in lines:
             self.assertRegex(line, r"^\d\.\d s: (left|Right)Hand of \d+ is \d+\.\d{3} m from \w+$")
 
+    def test_a_study_gives_a_plot_in_ten_lines(self):
+        self.needs("pandas", "matplotlib")
+        code = (SOURCES / "examples/study_plot.py").read_text()
+        self.assertLessEqual(len(self.lines(code.split('"""')[2])), 10)
+        names = {}
+        shown(code, names)
+        self.assertEqual(len(names["study"]), 24)
+        self.assertGreater((self.folder / "study_plot.png").stat().st_size, 5000)
+
     def test_contacts_by_part_notebook_gives_a_plot_in_ten_lines(self):
         self.needs("pandas", "matplotlib")
         (code,) = code_of(SOURCES / "examples/contacts_by_part.ipynb")

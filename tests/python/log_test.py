@@ -35,6 +35,40 @@ class Logs(Case):
         command("run", "plaza", "--seconds", 1, "--lcm", "off", "--log", "a.lcmlog", folder=self.folder)
         self.assertEqual(throng.read_log(self.folder / "a.lcmlog").hash, throng.run("plaza", seconds=1).hash)
 
+    def test_are_exported_like_the_command(self):
+        for channel, count in (("events", len(self.run.events)), ("states", 120 * len(self.run.people))):
+            with self.subTest(channel=channel):
+                text = command("export", self.log, "--csv", channel, folder=self.folder)
+                self.assertIsNone(throng.export(self.log, channel, out=self.folder / "rows.csv"))
+                self.assertEqual((self.folder / "rows.csv").read_text(), text)
+                table = throng.export(self.log, channel)
+                self.assertEqual(",".join(table.dtype.names), text.splitlines()[0])
+                self.assertEqual(len(table), count)
+        events = throng.export(self.log, "events")
+        for column in ("frame", "body_a", "body_b", "level"):
+            numpy.testing.assert_array_equal(events[column], self.run.events[column])
+        throng.export(self.log, mcap=self.folder / "run.mcap", poses_hz=5)
+        self.assertEqual((self.folder / "run.mcap").read_bytes()[1:5], b"MCAP")
+
+    def test_export_their_recorded_part_with_a_warning(self):
+        torn = self.folder / "torn.lcmlog"
+        torn.write_bytes(self.log.read_bytes()[:-200_000])
+        with self.assertWarnsRegex(UserWarning, "The recorded part is exported"):
+            self.assertLess(len(throng.export(torn, "states")), 120 * len(self.run.people))
+
+    def test_name_what_an_export_lacks(self):
+        for options, where in [
+            ({}, "channel, mcap"),
+            ({"channel": "events", "mcap": "run.mcap"}, "channel, mcap"),
+            ({"channel": "poses"}, "channel"),
+            ({"mcap": "run.mcap", "out": "run.csv"}, "out"),
+            ({"mcap": "run.mcap", "poses_hz": 0}, "poses_hz"),
+            ({"channel": "events", "out": self.log}, str(self.log)),
+        ]:
+            with self.assertRaises(throng.InputError) as caught:
+                throng.export(self.log, **options)
+            self.assertEqual(caught.exception.where, where)
+
     def test_are_checked_like_the_command(self):
         report = throng.check(self.log)
         self.assertTrue(report)

@@ -1,6 +1,7 @@
 """Recordings, and comparisons of two crowds."""
 
 import json
+import pickle
 import unittest
 
 import numpy
@@ -70,6 +71,25 @@ class Comparisons(Case):
             for row, other in zip(table, expected[measure]):
                 for side in "ab":
                     self.assertTrue(numpy.isnan(row[side]) if other[side] is None else row[side] == other[side])
+
+    def test_repeat_runs_with_their_options(self):
+        log = self.folder / "a.lcmlog"
+        run = throng.run("corridor", seconds=1, seed=2, avatars=60, log=log)
+        other = throng.run("corridor", seconds=1, seed=3, avatars=60, steering="orca")
+        log.unlink()
+        found = throng.compare(run, other)
+        self.assertFalse(log.exists())
+        self.assertEqual((found.a["people"], found.a["seconds"], found.b["seconds"]), (60, 1, 1))
+        self.assertTrue(any((table["a"] != table["b"]).any() for table in found.tables.values()))
+        for table in throng.compare(run, pickle.loads(pickle.dumps(run))).tables.values():
+            numpy.testing.assert_array_equal(table["a"], table["b"])
+        self.assertEqual(throng.compare(run, "corridor", seconds=0.5).a["seconds"], 0.5)
+
+    def test_take_runs_of_logs(self):
+        log = self.folder / "a.lcmlog"
+        run = throng.run("corridor", seconds=1, log=log)
+        contacts = throng.compare(throng.read_log(log), run).tables["contacts"]
+        numpy.testing.assert_array_equal(contacts["a"], contacts["b"])
 
     def test_have_figures(self):
         found = throng.compare("corridor", "crossing", seconds=2)

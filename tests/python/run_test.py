@@ -158,13 +158,13 @@ class Runs(Case):
     def test_convert_selected_columns_to_data_frames(self):
         run = throng.run("plaza", seconds=0.5)
         for table, columns, names in [
-            (run.contacts, ["body_a", "body_b"], ["body_a_name", "body_b_name"]),
+            (run.contacts, ["body_a", "body_b"], ["body_a_name", "body_a_is_person", "body_b_name", "body_b_is_person"]),
             (run.contacts, ["part_a", "part_b"], []),
-            (run.contacts, ["body_a", "part_a", "begin_s"], ["body_a_name", "part_a_name"]),
+            (run.contacts, ["body_a", "part_a", "begin_s"], ["body_a_name", "body_a_is_person", "part_a_name"]),
             (run.contacts, ["level"], ["level_name"]),
-            (run.events, ["frame", "body_b", "part_b", "level"], ["body_b_name", "part_b_name", "level_name"]),
+            (run.events, ["frame", "body_b", "part_b", "level"], ["body_b_name", "body_b_is_person", "part_b_name", "level_name"]),
             (run.people, ["id"], []),
-            (run.people, ["id", "model"], ["model_name"]),
+            (run.people, ["id", "model"], ["model_name", "is_person"]),
             (run.people, ["group"], ["group_name"]),
         ]:
             with self.subTest(columns=columns):
@@ -172,6 +172,21 @@ class Runs(Case):
                 self.assertEqual(list(frame.columns), columns + names)
                 for name in names:
                     self.assertEqual(list(frame[name]), list(whole[name]))
+
+    def test_know_people_from_robots_and_obstacles(self):
+        log = self.folder / "robots.lcmlog"
+        run = throng.run("robot_in_crowd", seconds=2, exact=True, contact_points=True, log=log)
+        robots = {i for i, name in enumerate(run.people.to_pandas().model_name) if name != "adult"}
+        self.assertTrue(robots)
+        for found in (run, throng.read_log(log)):
+            self.assertEqual({i for i, is_person in enumerate(found.people.to_pandas().is_person) if not is_person}, robots)
+            frame = found.contact_points.to_pandas()
+            self.assertGreater(len(frame), 0)
+            for side in "ab":
+                bodies = frame[f"body_{side}"]
+                expected = [body < len(run.people) and body not in robots for body in bodies]
+                self.assertEqual(list(frame[f"body_{side}_is_person"]), expected)
+            self.assertEqual(list(frame.columns[5:12]), ["point_x_m", "point_y_m", "point_z_m", "normal_x", "normal_y", "normal_z", "depth_m"])
 
     def test_hold_the_distances_of_all_frames(self):
         options = {"seconds": 0.5, "avatars": 80, "exact": True, "proximity": 0.2, "closest_parts": 0.5, "contact_points": True}
@@ -292,6 +307,7 @@ class CtrlC(Case):
             ("for frame in throng.Simulation('plaza', seconds=36000): pass", 2.5 * SLOWNESS),
             ("throng.Simulation('city_square', avatars=100000)", 0.3),
             ("throng.compare('plaza', 'plaza', seconds=3600)", 2.5 * SLOWNESS),
+            ("throng.study('plaza', seconds=3600, seeds=range(9))", 2.5 * SLOWNESS),
             # Steps of many seconds, which end by themselves or with the process.
             (CROWDED + "; [culler.step(poses) for _ in range(1000)]", 2.5 * SLOWNESS),
             ("[_ for _ in throng.Simulation('plaza', seconds=36000, exact=True, proximity=2, threads=1)]", 2.5 * SLOWNESS),

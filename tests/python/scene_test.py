@@ -86,6 +86,59 @@ class Scenes(Case):
         self.assertIn("MULTIPOLYGON", Group(spawn=Square(0, 1, many=True)).spawn.wkt)
         self.assertEqual(Obstacle(polygon=Square(0, 1)).polygon[0], [0.0, 0.0])
 
+    def test_start_at_given_places(self):
+        rng = numpy.random.default_rng(1)
+        places = numpy.stack(numpy.meshgrid(numpy.arange(1, 9), [0.7, 2, 3.3]), -1).reshape(-1, 2) + rng.uniform(-0.2, 0.2, (24, 2))
+        headings, speeds = rng.uniform(-3, 3, 24), rng.uniform(0, 1.5, 24)
+
+        def scene(positions, **keys):
+            scene = corridor()
+            scene.groups[0] = Group(name="walkers", goals=[Area(min_m=[18, 1], max_m=[19.5, 3])], positions_m=positions, **keys)
+            return scene
+
+        listed = scene(places.tolist(), headings_rad=headings.tolist(), speeds_mps=speeds.tolist())
+        arrays = scene(places, headings_rad=headings, speeds_mps=speeds)
+        rows = "".join(f"{x!r},{y!r},{h!r},{v!r}\n" for (x, y), h, v in zip(places.tolist(), headings.tolist(), speeds.tolist()))
+        (self.folder / "starts.csv").write_text("x_m,y_m,heading_rad,speed_mps\n" + rows)
+        filed = scene({"file": str(self.folder / "starts.csv")})
+        runs = [throng.run(each) for each in (listed, arrays, filed)]
+        self.assertEqual(len({(run.run_id, run.hash) for run in runs}), 1)
+        simulation = throng.Simulation(arrays)
+        frame = simulation.step()
+        numpy.testing.assert_array_equal(frame.positions_m[:, :2], places)
+        numpy.testing.assert_allclose(frame.headings_rad, headings, atol=1e-6)
+        numpy.testing.assert_allclose(frame.speeds_mps, speeds, atol=1e-6)
+        for _ in range(9):
+            simulation.step()
+        resumed = throng.Simulation(arrays).resume(simulation.save())
+        for going in (simulation, resumed):
+            for _ in going:
+                pass
+            going.finish()
+            self.assertEqual(going.hash, runs[0].hash)
+        places[5] = places[4] + 0.05
+        with self.assertRaisesRegex(throng.InputError, r"^groups\[0\].positions_m: expected position 6 of group 'walkers'"):
+            throng.run(scene(places))
+        with self.assertRaisesRegex(throng.InputError, "^avatars: .*positions_m"):
+            throng.run(listed, avatars=50)
+
+    def test_take_meshes_as_arrays(self):
+        corners = numpy.array([[x, y, z] for x in (-0.5, 0.5) for y in (-1, 1) for z in (0, 1.5)])
+        sides = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4],
+                 [1, 5, 7], [1, 7, 3]]
+        (self.folder / "box.obj").write_text(
+            "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in sides)
+        )
+        runs = []
+        for keys in ({"vertices": corners, "triangles": numpy.array(sides)}, {"file": str(self.folder / "box.obj")}):
+            scene = corridor()
+            scene.groups[0].spawn = Area(min_m=[8, 0.5], max_m=[11, 3.5])
+            scene.duration_s = 3
+            scene.obstacles = [Obstacle(name="box", kind="mesh", position_m=(12, 2), **keys)]
+            runs.append(throng.run(scene, exact=True))
+        self.assertGreater(len(runs[0].events), 0)
+        self.assertEqual(runs[0].hash, runs[1].hash)
+
     def test_name_the_key_of_an_error(self):
         scene = corridor()
         scene.groups[0].count = -1

@@ -2,7 +2,10 @@
 
 import ast
 import inspect
+import os
 import pathlib
+import shutil
+import subprocess
 import unittest
 
 import throng
@@ -81,6 +84,15 @@ class Stubs(Case):
         self.assertEqual(stubbed, {name: (name, 1, name) for name in classes})
         self.assertTrue(all(inspect.isclass(getattr(throng, name)) for name in classes))
         self.assertNotIn("__getattr__", self.named)  # which would take any name, misspelt or not
+
+    @unittest.skipUnless(shutil.which("mypy"), "no mypy here")
+    def test_type_the_examples(self):
+        package = pathlib.Path(throng.__file__).parent
+        done = subprocess.run(
+            ["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", self.folder, *(SOURCES / "examples").glob("*.py")],
+            env={**os.environ, "MYPYPATH": str(package.parent)}, cwd=self.folder, capture_output=True, text=True,
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_have_docstrings(self):
         for name in throng.__all__:
