@@ -126,7 +126,8 @@ void Crowd::archive(Archive& a) {
   a(state_.steps, state_.positions_m, state_.headings, state_.displacements_m,
     state_.desired_speeds_mps, state_.max_desired_speed_mps, enters_mps_);
   archive_added(a);
-  a(detours_, journeys_, population_, triggers_, door_controller_, exits_, social_groups_, counters_);
+  a(detours_, journeys_, population_, triggers_, door_controller_, exits_, social_groups_,
+    counters_);
   queues_.archive(a, journeys_);
   state_.grid.archive(a);
   if (a.is_reading()) {

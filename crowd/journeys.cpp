@@ -360,14 +360,11 @@ std::vector<Stranding> Journeys::strandings(std::span<const Eigen::Vector2d> pos
     const auto group = static_cast<uint32_t>(map_.group_of(route));
     const uint32_t goal = map_.is_set_goal(route) ? Stranding::kSetGoal : journeys_[id].stop;
     auto known = all.begin();
-    while (known != all.end() &&
-           (known->group != group || known->stop != goal))
-      ++known;
+    while (known != all.end() && (known->group != group || known->stop != goal)) ++known;
     if (known == all.end()) {
       const Path path = map_.nav_mesh().path(positions_m[id], stop(id).goal.areas);
       const Eigen::Vector2d end = path.corners_m.empty() ? positions_m[id] : path.corners_m.back();
-      known =
-          all.insert(all.end(), {group, goal, 0, positions_m[id], end});
+      known = all.insert(all.end(), {group, goal, 0, positions_m[id], end});
     }
     ++known->people;
   }
@@ -393,8 +390,8 @@ std::string describe(const Stranding& stranding, const CrowdPlan& plan) {
       stranding.people == 1 ? "1 person" : fmt::format("{} people", stranding.people),
       stranding.stop == Stranding::kSetGoal ? "the goal that was set"
                                             : fmt::format("goal {}", stranding.stop + 1),
-      stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(),
-      stranding.end_m.y(), obstacle);
+      stranding.place_m.x(), stranding.place_m.y(), stranding.end_m.x(), stranding.end_m.y(),
+      obstacle);
 }
 
 }  // namespace throng

@@ -181,7 +181,9 @@ class Journeys {
   std::vector<Stranding> strandings(std::span<const Eigen::Vector2d> positions_m) const;
 
  private:
-  double departure_s(uint32_t id) const { return departures_s_[map_.group_of(journeys_[id].route)]; }
+  double departure_s(uint32_t id) const {
+    return departures_s_[map_.group_of(journeys_[id].route)];
+  }
   void set_out(uint32_t id, const Eigen::Vector2d& position_m);
   void arrive(uint32_t id, const Eigen::Vector2d& position_m, double now_s);
   std::span<const Area> areas_of_goal(uint32_t id) const;

@@ -295,9 +295,8 @@ py::array add(SteppedRun& run, const std::string& group, const DoubleArray& posi
     entries[i].speed_mps = speeds_mps.data()[i];
     if (headings_rad.size() > 0) entries[i].heading_rad = headings_rad.data()[i];
   }
-  CrowdChange change{.kind = CrowdChange::Kind::kAdd,
-                     .group = group,
-                     .entries = std::move(entries)};
+  CrowdChange change{
+      .kind = CrowdChange::Kind::kAdd, .group = group, .entries = std::move(entries)};
   run.change(change);
   return array_of(std::vector<int64_t>(change.ids.begin(), change.ids.end()));
 }

@@ -22,6 +22,7 @@ groups:
      spawn: {min_m: [-0.5, -0.5], max_m: [0.5, 0.5]}}
   - {name: people, count: 12, spawn: {min_m: [-3, -2], max_m: [3, 2]}, goals: [{min_m: [2, -2], max_m: [3, 2]}]}
 separation: {reaction_s: 0.1, stopping_s: 0.1}
+change_channel: CHANGES
 """
 RECORDING = "id,t,x,y\n" + "".join(f"1,{i / 10},{i / 10},0\n" for i in range(8))
 

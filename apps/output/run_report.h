@@ -10,9 +10,9 @@
 
 #include "analysis/contacts/contact_statistics.h"
 #include "lcm_io/replay/run_source.h"
+#include "lcm_io/wire/crowd_change_receiver.h"
 #include "lcm_io/wire/filtered_channels.h"
 #include "lcm_io/wire/lockstep.h"
-#include "lcm_io/wire/crowd_change_receiver.h"
 #include "lcm_io/wire/pose_command_receiver.h"
 #include "scenes/run/runner.h"
 #include "scenes/separation/separation_monitor.h"
@@ -45,7 +45,7 @@ struct RunReport {
     double behind_s = 0;  ///< lateness of the last frame
   };
   Pace pace;
-  std::optional<CrowdChangeReceiver::Counts> crowd_changes;  ///< with a change_channel
+  std::optional<CrowdChangeReceiver::Counts> crowd_changes;  ///< none: no change_channel
   std::vector<PoseCommandReceiver::Counts>
       external_control;  ///< one per externally controlled group, without lockstep
   struct LockstepReport {

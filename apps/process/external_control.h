@@ -31,7 +31,8 @@ class ExternalControl {
   void begin(Simulation& simulation);
   /// In lockstep, after a frame was sent. False if the run must end, see failure().
   bool await(Simulation& simulation, const Frame& frame);
-  /// When the next frame is due: applies received messages; in lockstep, changes of the crowd alone.
+  /// When the next frame is due: applies received messages; in lockstep, changes of the crowd
+  /// alone.
   void take(Simulation& simulation);
 
   /// In lockstep, the connection that the run must publish over; otherwise null.

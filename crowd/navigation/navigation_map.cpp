@@ -148,7 +148,8 @@ void archive_area(Archive& a, Area& area, const Rectangle& ground) {
   bool is_sound = is_on_ground(bounds.min_m) && is_on_ground(bounds.max_m) &&
                   (bounds.max_m.array() >= bounds.min_m.array()).all() && !polygons.empty();
   for (const Polygon& polygon : polygons)
-    is_sound = is_sound && std::all_of(polygon.outline.begin(), polygon.outline.end(), is_on_ground) &&
+    is_sound = is_sound &&
+               std::all_of(polygon.outline.begin(), polygon.outline.end(), is_on_ground) &&
                (is_rectangle || !fault_of(polygon));
   if (!is_sound) a.reject("an area on the ground", "another one");
   area = is_rectangle ? Area(bounds) : Area(std::move(polygons));
@@ -165,7 +166,8 @@ void NavigationMap::archive(Archive& a) {
   for (size_t i = 0; i < set_goals_.size(); ++i) {
     SetGoal& set = set_goals_[i];
     Distribution& wait_s = set.goal.wait_s;
-    auto group = static_cast<uint64_t>(set.group), areas = static_cast<uint64_t>(set.goal.areas.size());
+    auto group = static_cast<uint64_t>(set.group),
+         areas = static_cast<uint64_t>(set.goal.areas.size());
     a(group, areas, set.goal.waypoint, wait_s.mean, wait_s.std_dev, wait_s.min, wait_s.max);
     // Negated to reject NaN as well.
     if (group >= groups() || areas < 1 || areas > kMaxVertices ||
@@ -270,7 +272,8 @@ void NavigationMap::build_fields(Workers& workers) {
   workers.for_blocks(static_cast<int>(set_goals_.size()), [&](int block, int) {
     SetGoal& set = set_goals_[static_cast<size_t>(block)];
     if (set.field != nullptr)
-      put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)), set.field);
+      put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)),
+          set.field);
   });
   if (!queues_.empty()) build_queues(workers);
   if (first_exits_.empty()) find_exits(workers);

@@ -177,7 +177,7 @@ class NavigationMap {
   };
   std::vector<std::vector<Stop>> routes_;  ///< per group, then per set goal
   std::vector<SetGoal> set_goals_;
-  std::vector<OnArrival> on_arrival_;      ///< per group
+  std::vector<OnArrival> on_arrival_;  ///< per group
   std::vector<Area> entrances_;
   std::vector<Trigger> triggers_;
   std::vector<std::optional<uint32_t>> after_;  ///< per group

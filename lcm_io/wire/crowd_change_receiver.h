@@ -34,9 +34,9 @@ class CrowdChangeReceiver {
 
   struct Counts {
     std::string channel;
-    int64_t messages = 0;  ///< applied
-    int64_t missing = 0;   ///< gaps in seq
-    int64_t rejected = 0;  ///< damaged, for another run, or changes that the run cannot make
+    int64_t messages = 0;   ///< applied
+    int64_t missing = 0;    ///< gaps in seq
+    int64_t rejected = 0;   ///< damaged, for another run, or changes that the run cannot make
     std::string rejection;  ///< reason of the latest
   };
   const Counts& counts() const { return counts_; }

@@ -153,10 +153,11 @@ class Group(SceneMap):
 
     Args:
         name: unique in the scene [group 1, group 2, ...].
-        count: number of agents at the start [required, unless there are sources, spare agents or a density].
+        count: number of agents at the start [required, unless there are sources, spare agents, a density or
+            positions].
         model: adult, or a URDF file relative to the scene file; its meshes may be .tri, .stl, .obj, .dae and
             many others, see docs/reliability.md [adult].
-        spawn: rectangle in which agents start [required, if there is a count].
+        spawn: rectangle in which agents start [required, if there is a count without positions].
         goals: goals of the route, in order [required, unless externally controlled].
         on_arrival: action after the last goal: loop (start again), stay there, or leave the scene [loop].
         sources: areas where agents enter during the run [none].
@@ -181,9 +182,14 @@ class Group(SceneMap):
         spare: number of agents that the run can add later, see docs/control.md [0].
         externally_controlled: whether the program that steps the run moves the group, see docs/control.md;
             control_channel implies it [false].
+        positions_m: [x, y] of each agent at the start, in place of count and spawn [random places in spawn].
+        headings_rad: heading of each agent of positions_m at the start, counter-clockwise from the x axis
+            [towards the goal].
+        speeds_mps: speed of each agent of positions_m at the start, along its heading [the desired speed, or
+            what agents ahead allow].
     """
 
-    _keys = {"name": "", "count": "", "model": "", "spawn": "area", "goals": "goal", "on_arrival": "", "sources": "source", "premovement_s": "distribution", "desired_speed_mps": "distribution", "height_m": "distribution", "ages": "ages", "gait_styles": "gait_styles", "radius_m": "", "control_channel": "", "look_at": "", "density_per_m2": "", "after": "trigger", "social_groups": "social_groups", "spare": "", "externally_controlled": ""}
+    _keys = {"name": "", "count": "", "model": "", "spawn": "area", "goals": "goal", "on_arrival": "", "sources": "source", "premovement_s": "distribution", "desired_speed_mps": "distribution", "height_m": "distribution", "ages": "ages", "gait_styles": "gait_styles", "radius_m": "", "control_channel": "", "look_at": "", "density_per_m2": "", "after": "trigger", "social_groups": "social_groups", "spare": "", "externally_controlled": "", "positions_m": "starts", "headings_rad": "", "speeds_mps": ""}
     name: Optional[str]
     count: Optional[int]
     model: Optional[str]
@@ -204,6 +210,9 @@ class Group(SceneMap):
     social_groups: Optional[Union["SocialGroups", float, Mapping[str, Any]]]
     spare: Optional[int]
     externally_controlled: Optional[bool]
+    positions_m: Optional[Union["Starts", npt.ArrayLike, Mapping[str, Any]]]
+    headings_rad: Optional[npt.ArrayLike]
+    speeds_mps: Optional[npt.ArrayLike]
 
     def __init__(
         self,
@@ -228,8 +237,11 @@ class Group(SceneMap):
         social_groups: Optional[Union["SocialGroups", float, Mapping[str, Any]]] = None,
         spare: Optional[int] = None,
         externally_controlled: Optional[bool] = None,
+        positions_m: Optional[Union["Starts", npt.ArrayLike, Mapping[str, Any]]] = None,
+        headings_rad: Optional[npt.ArrayLike] = None,
+        speeds_mps: Optional[npt.ArrayLike] = None,
     ) -> None:
-        super().__init__(name=name, count=count, model=model, spawn=spawn, goals=goals, on_arrival=on_arrival, sources=sources, premovement_s=premovement_s, desired_speed_mps=desired_speed_mps, height_m=height_m, ages=ages, gait_styles=gait_styles, radius_m=radius_m, control_channel=control_channel, look_at=look_at, density_per_m2=density_per_m2, after=after, social_groups=social_groups, spare=spare, externally_controlled=externally_controlled)
+        super().__init__(name=name, count=count, model=model, spawn=spawn, goals=goals, on_arrival=on_arrival, sources=sources, premovement_s=premovement_s, desired_speed_mps=desired_speed_mps, height_m=height_m, ages=ages, gait_styles=gait_styles, radius_m=radius_m, control_channel=control_channel, look_at=look_at, density_per_m2=density_per_m2, after=after, social_groups=social_groups, spare=spare, externally_controlled=externally_controlled, positions_m=positions_m, headings_rad=headings_rad, speeds_mps=speeds_mps)
 
 
 class Ages(SceneMap):
@@ -470,7 +482,7 @@ class Obstacle(SceneMap):
         diameter_m: cylinder: diameter [required of a cylinder].
         height_m: cylinder: length [required of a cylinder].
         file: mesh: a mesh file relative to the scene file: .tri, .stl, .obj, .dae, .ply and many others, see
-            reliability [required of a mesh].
+            reliability [required of a mesh without vertices].
         polygon: polygon: corners [x, y]; a concave outline is divided into convex pieces, each an obstacle:
             NAME 1, ... [required of a polygon].
         holes: polygon: holes, each a list of corners [none].
@@ -481,9 +493,12 @@ class Obstacle(SceneMap):
         scale: mesh: metres per unit of the file, 0.001 for millimetres [1].
         up: mesh: axis of the file that points up; with y, its x stays x; with x, its -y becomes x [the axis
             that a .dae file states; y for glTF, VRML and X3D; otherwise z].
+        vertices: mesh: vertices [x, y, z] in place of a file [file].
+        triangles: mesh: three numbers of vertices per triangle, from 0, counter-clockwise seen from outside
+            [required with vertices].
     """
 
-    _keys = {"name": "", "kind": "", "yaw_deg": "", "position_m": "", "bottom_m": "", "size_m": "", "diameter_m": "", "height_m": "", "file": "", "polygon": "", "holes": "", "line": "", "thickness_m": "", "top_m": "", "scale": "", "up": ""}
+    _keys = {"name": "", "kind": "", "yaw_deg": "", "position_m": "", "bottom_m": "", "size_m": "", "diameter_m": "", "height_m": "", "file": "", "polygon": "", "holes": "", "line": "", "thickness_m": "", "top_m": "", "scale": "", "up": "", "vertices": "", "triangles": ""}
     name: Optional[str]
     kind: Optional[Literal["box", "cylinder", "mesh", "polygon", "wall"]]
     yaw_deg: Optional[float]
@@ -500,6 +515,8 @@ class Obstacle(SceneMap):
     top_m: Optional[float]
     scale: Optional[float]
     up: Optional[Literal["z", "y", "x"]]
+    vertices: Optional[npt.ArrayLike]
+    triangles: Optional[npt.ArrayLike]
 
     def __init__(
         self,
@@ -520,8 +537,10 @@ class Obstacle(SceneMap):
         top_m: Optional[float] = None,
         scale: Optional[float] = None,
         up: Optional[Literal["z", "y", "x"]] = None,
+        vertices: Optional[npt.ArrayLike] = None,
+        triangles: Optional[npt.ArrayLike] = None,
     ) -> None:
-        super().__init__(name=name, kind=kind, yaw_deg=yaw_deg, position_m=position_m, bottom_m=bottom_m, size_m=size_m, diameter_m=diameter_m, height_m=height_m, file=file, polygon=polygon, holes=holes, line=line, thickness_m=thickness_m, top_m=top_m, scale=scale, up=up)
+        super().__init__(name=name, kind=kind, yaw_deg=yaw_deg, position_m=position_m, bottom_m=bottom_m, size_m=size_m, diameter_m=diameter_m, height_m=height_m, file=file, polygon=polygon, holes=holes, line=line, thickness_m=thickness_m, top_m=top_m, scale=scale, up=up, vertices=vertices, triangles=triangles)
 
 
 class Door(SceneMap):
@@ -773,6 +792,25 @@ class Ground(SceneMap):
         super().__init__(min_m=min_m, max_m=max_m, polygon=polygon, holes=holes, wkt=wkt, file=file, wall_height_m=wall_height_m)
 
 
+class Starts(SceneMap):
+    """Places at the start: a list of [x, y], or a CSV file.
+
+    Args:
+        file: CSV file relative to the scene file, with the columns x_m, y_m and if known heading_rad and
+            speed_mps; a row per agent; required.
+    """
+
+    _keys = {"file": ""}
+    file: Optional[str]
+
+    def __init__(
+        self,
+        *,
+        file: Optional[str] = None,
+    ) -> None:
+        super().__init__(file=file)
+
+
 class Distribution(SceneMap):
     """One number for all agents, or a truncated normal distribution.
 
@@ -801,4 +839,4 @@ class Distribution(SceneMap):
 
 
 # Classes by the name of their map.
-MAPS = {"scene": Scene, "culling": Culling, "steering": Steering, "group": Group, "ages": Ages, "gait_styles": GaitStyles, "goal": Goal, "queue": Queue, "source": Source, "trigger": Trigger, "social_groups": SocialGroups, "obstacle": Obstacle, "door": Door, "box": PartsBox, "separation": Separation, "recording": RecordedPeople, "area": Area, "ground": Ground, "distribution": Distribution}
+MAPS = {"scene": Scene, "culling": Culling, "steering": Steering, "group": Group, "ages": Ages, "gait_styles": GaitStyles, "goal": Goal, "queue": Queue, "source": Source, "trigger": Trigger, "social_groups": SocialGroups, "obstacle": Obstacle, "door": Door, "box": PartsBox, "separation": Separation, "recording": RecordedPeople, "area": Area, "ground": Ground, "starts": Starts, "distribution": Distribution}

@@ -200,7 +200,7 @@ class Simulation:
                 Model.joint_names. None: unchanged.
             velocities_mps: x, y of the velocities that others see, 2 or K x 2. None: those of the path for people who
                 walk, otherwise 0.
-            gait: False: people take the pose as given, too.
+            gait: False: people also take the pose as given.
         """
         ids = _ids(ids)
         count = len(ids)

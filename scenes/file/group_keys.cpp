@@ -119,7 +119,8 @@ void read_group_model(ReadContext& context, Fields& fields, Group& group) {
 }
 
 bool is_external(const Fields& fields) {
-  return fields.find("control_channel") != nullptr || fields.boolean_or("externally_controlled", false);
+  return fields.find("control_channel") != nullptr ||
+         fields.boolean_or("externally_controlled", false);
 }
 
 void read_goals(ReadContext& context, Fields& fields, Group& group) {
@@ -390,13 +391,14 @@ std::vector<Key<Group>> later_rows_of_groups() {
 }  // namespace
 
 const KeyTable<Group>& group_keys() {
-  static const KeyTable<Group> table = {.text = {.name = "group",
-                                                 .meaning = "Agents with one body model",
-                                                 .choices = {{"goals"}, {"control_channel"}, {"externally_controlled"}}},
-                                        .title = "a group",
-                                        .keys = rows_of_groups(),
-                                        .later = later_rows_of_groups(),
-                                        .complete = complete_group};
+  static const KeyTable<Group> table = {
+      .text = {.name = "group",
+               .meaning = "Agents with one body model",
+               .choices = {{"goals"}, {"control_channel"}, {"externally_controlled"}}},
+      .title = "a group",
+      .keys = rows_of_groups(),
+      .later = later_rows_of_groups(),
+      .complete = complete_group};
   return table;
 }
 

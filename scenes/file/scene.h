@@ -79,9 +79,9 @@ Scene load_scene(const std::string& path_or_name);
 /// a scene without the key `name` is called so. Files are looked up in the working directory.
 Scene read_scene_text(const std::string& text, const std::string& name);
 
-/// Reads a goal from text as in a scene file, for example `{min_m: [0, 0], max_m: [2, 2]}`, with the
-/// same checks against the ground of a scene. Throws InputError naming `name`, also for a goal with
-/// a queue or capacity.
+/// Reads a goal from text as in a scene file, for example `{min_m: [0, 0], max_m: [2, 2]}`. Checks
+/// it against the ground of a scene. Throws InputError naming `name`, also for a goal with a queue
+/// or capacity.
 Goal read_goal_text(const std::string& text, const std::string& name, const Scene& scene);
 
 /// Name and one-line description of a bundled scene; the list is sorted by name.

@@ -76,7 +76,7 @@ class ExternalAvatars {
 
   static constexpr uint32_t kNone = UINT32_MAX;
   std::vector<ExternalAvatar> all_;
-  std::vector<uint32_t> places_;  ///< in all_, by avatar; kNone: not externally controlled
+  std::vector<uint32_t> places_;  ///< index into all_ per avatar; kNone: not external
 };
 
 }  // namespace throng

@@ -32,8 +32,7 @@ Kinds kinds_of(const Scene& scene) {
                        fmt::format("a model of 1 to {} parts", BodyType::kMaxParts),
                        fmt::format("{}", group.body->part_count()));
     auto kind = walking.end();
-    if (!group.is_external())
-      kind = std::find(walking.begin(), walking.end(), group.body.get());
+    if (!group.is_external()) kind = std::find(walking.begin(), walking.end(), group.body.get());
     kinds.of_group.push_back(static_cast<uint16_t>(kind - walking.begin()));
     if (kind != walking.end()) continue;
     if (static_cast<int64_t>(kinds.models.size()) >= kMaxModels)

@@ -22,8 +22,9 @@ void check_entry(const AgentEntry& entry, size_t index, const Scene& scene, cons
   const std::string where = fmt::format("positions_m[{}]", index);
   const Eigen::Vector2d& point = entry.position_m;
   if (!point.allFinite() || !scene.ground.contains(point))
-    throw InputError(where, fmt::format("a point on the ground, from {} to {} m",
-                                        at(scene.ground.min_m), at(scene.ground.max_m)),
+    throw InputError(where,
+                     fmt::format("a point on the ground, from {} to {} m", at(scene.ground.min_m),
+                                 at(scene.ground.max_m)),
                      at(point));
   // Externally controlled agents may be anywhere.
   if (const double gap_m = crowd.min_clearance_m(id), clearance_m = crowd.clearance_m(point);
@@ -107,15 +108,15 @@ void set_desired_speed(const CrowdChange& change, Crowd& crowd) {
   for (size_t i = 0; i < change.ids.size(); ++i)
     if (const double mps = change.desired_mps[i];
         !(mps >= kMinDesiredSpeed_mps && mps <= kMaxDesiredSpeed_mps))
-      throw InputError(fmt::format("desired_speeds_mps[{}]", i),
-                       fmt::format("a speed from {:g} to {:g} m/s", kMinDesiredSpeed_mps,
-                                   kMaxDesiredSpeed_mps),
-                       fmt::format("{:g}", mps));
+      throw InputError(
+          fmt::format("desired_speeds_mps[{}]", i),
+          fmt::format("a speed from {:g} to {:g} m/s", kMinDesiredSpeed_mps, kMaxDesiredSpeed_mps),
+          fmt::format("{:g}", mps));
   for (size_t i = 0; i < change.ids.size(); ++i)
     crowd.set_desired_speed(change.ids[i], change.desired_mps[i]);
 }
 
-/// Of a group's name or a goal.
+/// Maximum length of a group's name or a goal.
 constexpr size_t kMaxTextBytes = 1 << 20;
 
 void archive_text(Archive& a, std::string& text) {

@@ -24,18 +24,18 @@ struct CrowdChange {
   enum class Kind : uint8_t { kAdd, kRemove, kSetGoal, kSetDesiredSpeed };
 
   Kind kind = Kind::kAdd;
-  std::string group{};               ///< kAdd: name of the group
-  std::vector<uint32_t> ids{};       ///< agents; kAdd: those that were added
-  std::vector<AgentEntry> entries{}; ///< kAdd: one per agent
-  std::vector<double> desired_mps{}; ///< kSetDesiredSpeed: one per agent
-  std::string goal{};                ///< kSetGoal: a goal as in a scene file
+  std::string group{};                ///< kAdd: name of the group
+  std::vector<uint32_t> ids{};        ///< agents; kAdd: those that were added
+  std::vector<AgentEntry> entries{};  ///< kAdd: one per agent
+  std::vector<double> desired_mps{};  ///< kSetDesiredSpeed: one per agent
+  std::string goal{};                 ///< kSetGoal: a goal as in a scene file
 
   void archive(Archive& a);
 };
 
 /// Applies a change to the agents of a scene. Sets the ids of agents that are added. Throws
-/// InputError without effect if the group has too few spare agents; for a position off the ground
-/// or in a wall, an agent that is not in the scene, or an invalid goal or speed.
+/// InputError without effect if the group has too few spare agents, for positions off the ground or
+/// in walls, and for invalid goals or speeds. All other agents must be in the scene.
 void apply(CrowdChange& change, const Scene& scene, Crowd& crowd, ExternalAvatars& external);
 
 }  // namespace throng

@@ -177,8 +177,8 @@ std::unique_ptr<const PostureProvider> make_posture_provider(PostureKind kind,
                                                              const BodyStates& states) {
   if (kind == PostureKind::kExternal)
     return std::make_unique<ExternalPostures>(
-        make_posture_provider(states.postures.empty() ? PostureKind::kTable : PostureKind::kStepping,
-                              gaits, states),
+        make_posture_provider(
+            states.postures.empty() ? PostureKind::kTable : PostureKind::kStepping, gaits, states),
         static_cast<size_t>(gaits.plain().column_count()), states);
   if (kind == PostureKind::kStepping && gaits.plain().has_legs())
     return std::make_unique<SteppingPostures>(gaits, states);

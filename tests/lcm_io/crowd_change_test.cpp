@@ -1,16 +1,17 @@
-// People are added, removed and redirected while a run goes on: no contact is missed, begins and
-// ends pair up, and threads, SIMD targets, a resumed run and a culled log change nothing.
+// People are added, removed and redirected while a run goes on. No contact is missed, and begins
+// and ends pair up. Threads, SIMD targets, a resumed run and a culled log change nothing.
+#include "scenes/run/crowd_change.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <numbers>
 #include <set>
-
-#include <lcm/lcm-cpp.hpp>
 
 #include "base/errors.h"
 #include "base/random.h"
@@ -19,7 +20,6 @@
 #include "lcm_io/codec/rows.h"
 #include "lcm_io/log/log_reader.h"
 #include "lcm_io/wire/crowd_change_receiver.h"
-#include "scenes/run/crowd_change.h"
 #include "scenes/run/postures.h"
 #include "tests/lcm_io/culled_again.h"
 #include "tests/lcm_io/nearly_touching.h"
@@ -298,7 +298,8 @@ TEST(CrowdChanges, MissNoContactAndGiveOneResult) {
     ASSERT_FALSE(HasFailure());
 
     ASSERT_EQ(hash_of(scene, seed, options_with(3, targets[seed % targets.size()])), end.hash);
-    ASSERT_EQ(hash_of(scene, seed, options_with(1, targets[(seed + 1) % targets.size()])), end.hash);
+    ASSERT_EQ(hash_of(scene, seed, options_with(1, targets[(seed + 1) % targets.size()])),
+              end.hash);
 
     if (stop > 0) {
       Simulation rest(scene, {});
@@ -340,8 +341,8 @@ struct ChangedRun {
     crowd_change_t m{};
     m.chunk_count = 1;
     m.schema = kSchema;
-    set_change(m, change, 0, change.kind == CrowdChange::Kind::kAdd ? change.entries.size()
-                                                                     : change.ids.size());
+    set_change(m, change, 0,
+               change.kind == CrowdChange::Kind::kAdd ? change.entries.size() : change.ids.size());
     return m;
   }
   const Frame& step_after(const crowd_change_t& m) {
@@ -381,8 +382,9 @@ TEST(CrowdChangeReceiver, CountsWhatTheRunCannotDoAndGoesOn) {
   };
   EXPECT_EQ(reason_after(ChangedRun::message(addition("crowd", {0, 0}))).substr(0, 15),
             "positions_m[0]:");
-  EXPECT_NE(reason_after(ChangedRun::message(addition("crwd", {3, 4}))).find("did you mean 'crowd'"),
-            std::string::npos);
+  EXPECT_NE(
+      reason_after(ChangedRun::message(addition("crwd", {3, 4}))).find("did you mean 'crowd'"),
+      std::string::npos);
   crowd_change_t other = ChangedRun::message(addition("crowd", {3, 4}));
   other.run_id = 7;
   EXPECT_NE(reason_after(other).find("a change for run 0000000000000007"), std::string::npos);

@@ -61,8 +61,7 @@ TEST(ExternalPeople, AreWhereTheyWereSent) {
     for (uint32_t id = 0; id < 5; ++id)
       sent.emplace_back(run.external_pose(id)->root.position_m.head<2>());
     const Frame& frame = run.step();
-    for (uint32_t id = 0; id < 5; ++id)
-      EXPECT_EQ(frame.roots[id].position_m.head<2>(), sent[id]);
+    for (uint32_t id = 0; id < 5; ++id) EXPECT_EQ(frame.roots[id].position_m.head<2>(), sent[id]);
   }
 }
 
