@@ -154,8 +154,8 @@ class Crowd {
   std::vector<float> radius_scales_;  ///< initial values, see crowd_fields.h
   std::vector<uint8_t> is_own_;       ///< 0: agents of another source
 
-  std::vector<float> enters_mps_;  ///< by id; below 0: as agents ahead allow
-  std::vector<uint32_t> added_;    ///< by add() since the period began
+  std::vector<float> enters_mps_;  ///< one per id; below 0: as agents ahead allow
+  std::vector<uint32_t> added_;    ///< agents added since the period began
 
   Detours detours_;
   Journeys journeys_;

@@ -45,7 +45,7 @@ struct RunReport {
     double behind_s = 0;  ///< lateness of the last frame
   };
   Pace pace;
-  std::optional<CrowdChangeReceiver::Counts> crowd_changes;  ///< with a change_channel
+  std::optional<CrowdChangeReceiver::Counts> crowd_changes;  ///< empty: no change_channel
   std::vector<PoseCommandReceiver::Counts>
       external_control;  ///< one per externally controlled group, without lockstep
   struct LockstepReport {

@@ -57,7 +57,7 @@ ProximityPair proximity_at(const proximity_t& m, size_t i);
 void set_contacts(contact_points_t& m, std::span<const ContactPoint> rows);
 ContactPoint contact_at(const contact_points_t& m, size_t i);
 
-/// Maximum number of agents in a crowd_change_t, beside a goal of maximum length.
+/// Maximum number of agents in a crowd_change_t with a goal of maximum length.
 inline constexpr size_t kAgentsPerChange = 600;
 /// Sets a message to a change of `count` agents from number `first` on.
 void set_change(crowd_change_t& m, const CrowdChange& change, size_t first, size_t count);

@@ -115,7 +115,7 @@ void set_desired_speed(const CrowdChange& change, Crowd& crowd) {
     crowd.set_desired_speed(change.ids[i], change.desired_mps[i]);
 }
 
-/// Of a group's name or a goal.
+/// Maximum length of a group's name or a goal.
 constexpr size_t kMaxTextBytes = 1 << 20;
 
 void archive_text(Archive& a, std::string& text) {

@@ -34,8 +34,8 @@ struct CrowdChange {
 };
 
 /// Applies a change to the agents of a scene. Sets the ids of agents that are added. Throws
-/// InputError without effect if the group has too few spare agents; for a position off the ground
-/// or in a wall, an agent that is not in the scene, or an invalid goal or speed.
+/// InputError without effect if the group has too few spare agents. Also throws for a position off
+/// the ground or in a wall, an agent that is not in the scene, or an invalid goal or speed.
 void apply(CrowdChange& change, const Scene& scene, Crowd& crowd, ExternalAvatars& external);
 
 }  // namespace throng

@@ -214,7 +214,7 @@ struct Simulation::State {
   RunInfo info;
   std::vector<std::string> notes;
   std::vector<CrowdChange> new_changes;  ///< since the latest step
-  std::vector<CrowdChange> changes;      ///< of the latest step
+  std::vector<CrowdChange> changes;      ///< those of the latest step
   std::vector<uint8_t> kept_present;     ///< presence in the latest frame, after a change
   std::optional<PartTally> part_tally;
   Frame frame;

@@ -76,8 +76,8 @@ class Simulation {
   RunEnd finish();
 
   /// Adds people or robots of a group, one per entry, for the next frame. They are spare agents of
-  /// the scene (Group::spare). Returns the first id, 0 without entries; the others follow. Ids are never reused. Throws,
-  /// like the following functions, InputError without effect; see CrowdChange.
+  /// the scene (Group::spare). Returns the first id, 0 without entries; the others follow. Ids are
+  /// never reused. Throws InputError without effect, like the following functions; see CrowdChange.
   uint32_t add(const std::string& group, std::span<const AgentEntry> entries);
   /// Removes agents: the next frame ends their contacts.
   void remove(std::span<const uint32_t> ids);
@@ -94,8 +94,8 @@ class Simulation {
   /// clamped values. Returns -1 without effect if the avatar is not externally controlled or the
   /// number of joints is wrong. Empty joints keep their positions.
   int set_pose(uint32_t avatar, const ExternalPose& pose);
-  /// Lets an externally controlled person walk to a position (m, on the ground) in the next step, by
-  /// its gait: feet stay planted, the trunk turns away from others. Without a heading (unit vector)
+  /// Lets an externally controlled person walk to a position (m, on the ground) in the next step.
+  /// Its feet stay planted, its trunk turns away from others. Without a heading (unit vector)
   /// it faces where it goes; without a velocity it has that of the path since the latest frame.
   /// It stands in steps without a call. Returns as set_pose(), -1 also unless can_walk().
   int walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,

@@ -1,5 +1,5 @@
-// People are added, removed and redirected while a run goes on: no contact is missed, begins and
-// ends pair up, and threads, SIMD targets, a resumed run and a culled log change nothing.
+// People are added, removed and redirected during a run. No contact is missed, begins and ends
+// pair up. Threads, SIMD targets, a resumed run and a culled log change nothing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
