@@ -55,7 +55,7 @@ struct FloatSinCosConstants {
 };
 
 /// Constants of float_arc_tan2(): t P(t^2) on [0, 1], minimax for the arc tangent, error below
-/// 2e-6; the longer coordinate and the signs choose the octant.
+/// 2e-6. The longer coordinate and the signs choose the octant.
 struct FloatArcTanConstants {
   static constexpr float kP[6] = {0.99997726f,  -0.33262347f, 0.19354346f,
                                   -0.11643287f, 0.05265332f,  -0.01172120f};

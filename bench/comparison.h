@@ -99,7 +99,7 @@ BenchResult compare(const BenchOptions& options, const Progress& progress,
                     const std::function<bool()>& stop = {});
 
 /// Compares structures that followed a walking crowd with fresh ones, on the same frames.
-/// For Throng, the counted work is compared, too.
+/// For Throng, the counted work is also compared.
 struct AgedEngine {
   std::string name, version;
   double fresh_ms = 0, aged_ms = 0;  ///< medians over options.frames frames

@@ -234,7 +234,7 @@ class Labels {
     return true;
   }
   /// Writes a framed text as near to a point of an area as possible, on the area or at least within
-  /// its bounds or near them; if all places are taken, nothing.
+  /// its bounds or near them. If all places are taken, writes nothing.
   void place_badge(const std::string& text, const Box& bounds, const Point& anchor,
                    const std::function<bool(const Point&)>& is_on_area, const char* colour) {
     const double width = width_px(text) + 9, height = kText_px + 5;

@@ -1,6 +1,6 @@
 """Interfaces that docs/stability.md lists are those of tests/apps/stable.txt.
 
-stable_test.py ROOT BUILD [--update]: collects commands and options, scene keys, fields of
+Usage: stable_test.py ROOT BUILD [--update]. Collects commands and options, scene keys, fields of
 `throng run --json`, LCM fingerprints, exported Python names and public headers. Prints what differs and exits with 1,
 or with --update writes the list: an entry that disappears breaks programs of users.
 """

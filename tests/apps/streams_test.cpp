@@ -1,4 +1,4 @@
-// Standard streams that are closed, full or abandoned by their reader: messages may be lost, files
+// Standard streams that are closed, full or abandoned by their reader. Messages may be lost, files
 // may not, and results that cannot be written are an error.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

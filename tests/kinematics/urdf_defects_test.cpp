@@ -1,5 +1,5 @@
-// Every defect of a URDF is rejected with its line and the reason. urdfdom alone accepts a third of
-// these without a message and crashes on some.
+// Every defect of a URDF is rejected with its line and the reason. Alone, urdfdom accepts a third
+// of these without a message and crashes on some.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

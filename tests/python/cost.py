@@ -1,7 +1,7 @@
 """Measures the overhead of Python per step of a large crowd, and the time to convert ten million events to arrays.
 
-cost.py [PEOPLE [STEPS]]; needs the module in PYTHONPATH. The overhead is measured within one run: the time of step()
-and of reading arrays, minus the library's time of the step.
+Usage: cost.py [PEOPLE [STEPS]], with the module in PYTHONPATH. The overhead is measured within one run: the time of
+step() and of reading arrays, minus the library's time of the step.
 """
 
 import os
