@@ -327,6 +327,18 @@ uint32_t Crowd::add(size_t group, std::span<const AgentEntry> entries) {
   return first;
 }
 
+std::optional<uint32_t> Crowd::find_overlapping(const Eigen::Vector2d& point,
+                                                double radius_m) const {
+  std::optional<uint32_t> found;
+  const auto look_at = [&](uint32_t id) {
+    const double apart_m = 0.5 * (radius_m + state_.radii_m[id]);
+    if (journeys_.is_present(id) && (state_.positions_m[id] - point).norm() < apart_m) found = id;
+  };
+  state_.grid.visit_near(point, radius_m + max_radius_m(), look_at);
+  for (const uint32_t id : added_) look_at(id);
+  return found;
+}
+
 void Crowd::remove(uint32_t id) {
   population_.remove(id);
   journeys_.leave(id);

@@ -111,8 +111,12 @@ class Crowd {
   double clearance_m(const Eigen::Vector2d& point) const {
     return map_.walkable().clearance_m(point);
   }
-  /// Minimum distance of an agent that enters to walls (m).
-  double min_clearance_m(uint32_t id) const { return population_.min_clearance_m(id); }
+  double radius_m(uint32_t id) const { return state_.radii_m[id]; }
+  double max_radius_m() const { return static_cast<double>(state_.max_radius_m); }
+  /// Returns a present agent whose disc a disc at this point overlaps by more than half.
+  std::optional<uint32_t> find_overlapping(const Eigen::Vector2d& point, double radius_m) const;
+  /// Minimum distance of an agent that is added to walls (m).
+  double min_clearance_m(uint32_t id) const { return 0.5 * state_.radii_m[id]; }
   const Journeys& journeys() const { return journeys_; }
   const Population& population() const { return population_; }
   const Queues& queues() const { return queues_; }

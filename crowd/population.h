@@ -35,8 +35,6 @@ class Population {
   uint32_t first_spare(size_t group) const { return spares_[group].next; }
   /// Admits the next spare agents of a group.
   void add_spares(size_t group, uint32_t count);
-  /// Minimum distance of an agent that enters to walls (m).
-  double min_clearance_m(uint32_t id) const { return wall_gaps_m_[id]; }
   /// Removes a present agent.
   void remove(uint32_t id);
   /// Removes agents that are leaving.

@@ -5,26 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
-#include "analysis/contacts/contact_sink.h"
-#include "analysis/separation/separation_sink.h"
-#include "analysis/trace.h"
-#include "analysis/trajectories/trajectory_sink.h"
 #include "base/errors.h"
-#include "lcm_io/codec/encoder.h"
-#include "lcm_io/log/log_sink.h"
+#include "crowd/journeys.h"
 #include "python/bindings.h"
 #include "python/interrupts.h"
 #include "python/recorder.h"
+#include "python/run_files.h"
 #include "python/run_request.h"
 #include "scenes/file/yaml_tree.h"
 #include "scenes/run/runner.h"
-#include "scenes/separation/separation_rule.h"
-#include "viewer/replay/replay.h"
-#include "viewer/server/page.h"
 
 namespace py = pybind11;
-namespace fs = std::filesystem;
 
 namespace throng {
 namespace {
@@ -35,74 +28,24 @@ struct RunWork {
   RunSource source;
   std::unique_ptr<Simulation> simulation;
   std::unique_ptr<RunRecorder> recorder;
-  std::unique_ptr<SeparationSink> separation;
+  std::unique_ptr<RunFiles> files;
   RunSummary summary;
 };
 
-/// Throws InputError if an output would replace an input.
-void reject_overwritten_inputs(const RunRequest& request, const Scene& scene) {
-  std::vector<fs::path> outputs = request.trajectory;
-  outputs.push_back(request.log);
-  outputs.push_back(request.html);
-  outputs.push_back(request.trace_hash);
-  for (const fs::path& output : outputs)
-    for (const fs::path& input : {fs::path(request.source), scene.file}) {
-      std::error_code error;
-      if (!output.empty() && fs::equivalent(output, input, error))
-        throw InputError(output.string(), "a file other than the input", "the same");
-    }
-}
-
-bool writes_files(const RunRequest& request) {
-  return !(request.log.empty() && request.html.empty() && request.contacts.empty() &&
-           request.separation.empty() && request.trace_hash.empty() && request.trajectory.empty());
-}
-
 void prepare(RunWork& work) {
   RunRequest& request = work.request;
-  for (const fs::path& file : request.trajectory)
-    if (!is_trajectory_name(file))
-      throw InputError("trajectory", "a name ending in .sqlite or .csv",
-                       fmt::format("'{}'", file.string()));
   work.source = open_source(request);
-  reject_overwritten_inputs(request, work.source.scene);
-  if (!request.separation.empty()) require_separation(work.source.scene, "separation");
-  require_trajectory_area(request.trajectory, work.source.scene, request.trajectory_piece,
-                          "trajectory_area");
+  check_files(request, work.source.scene);
   request.simulation.motion = std::move(work.source.motion);
   work.simulation = std::make_unique<Simulation>(work.source.scene, request.simulation);
   work.recorder = std::make_unique<RunRecorder>(request.trajectory_fps, request.trajectories);
-  state_every(request.options, work.source.scene);
-  if (!request.log.empty() || !request.html.empty())
-    require_encodable(work.simulation->info(), request.options.publish_part_poses);
 }
 
 void run_to_end(RunWork& work, WorkState& state) {
-  const RunRequest& request = work.request;
   Simulation& simulation = *work.simulation;
-  std::vector<std::unique_ptr<Sink>> files;
-  for (const fs::path& file : request.trajectory)
-    files.push_back(std::make_unique<TrajectorySink>(
-        TrajectoryOptions{file, request.trajectory_fps, request.trajectory_piece}));
-  if (!request.html.empty())
-    files.push_back(std::make_unique<ReplaySink>(request.html, page_html(), kReplayLimitMb));
-  if (!request.contacts.empty())
-    files.push_back(
-        std::make_unique<ContactSink>(request.contacts, BodyMap::is_known(simulation.scene())));
-  if (simulation.scene().separation)
-    work.separation =
-        std::make_unique<SeparationSink>(request.separation, *simulation.scene().separation);
-  if (!request.trace_hash.empty()) files.push_back(std::make_unique<TraceSink>(request.trace_hash));
-  if (!request.log.empty()) {
-    LogOptions options;
-    options.threads = request.simulation.threads;
-    options.state_every = state_every(request.options, simulation.scene());
-    options.part_poses = request.options.publish_part_poses;
-    files.push_back(std::make_unique<LogSink>(request.log, options));
-  }
-  std::vector<Sink*> sinks{work.recorder.get()};
-  for (const auto& file : files) sinks.push_back(file.get());
-  if (work.separation) sinks.push_back(work.separation.get());
+  work.files = std::make_unique<RunFiles>(work.request, simulation);
+  std::vector<Sink*> sinks = work.files->sinks();
+  sinks.insert(sinks.begin(), work.recorder.get());
   state.frames = frame_count(simulation.scene().duration_s, simulation.info().step_s);
   work.summary = run(simulation, sinks, [&](const Frame& frame) {
     state.done = frame.number + 1;
@@ -123,6 +66,9 @@ py::dict dict_of(const RunSummary& summary) {
   out["pairs_peak"] = summary.pairs_peak;
   out["entered"] = summary.population.entered;
   out["left"] = summary.population.left;
+  out["stranded"] =
+      std::accumulate(summary.strandings.begin(), summary.strandings.end(), 0,
+                      [](int sum, const Stranding& stranding) { return sum + stranding.people; });
   return out;
 }
 
@@ -160,11 +106,14 @@ py::dict run_scene(const py::dict& options, const py::object& progress) {
   std::vector<std::string> notes = work->source.notes;
   const std::vector<std::string>& more = work->simulation->notes();
   notes.insert(notes.end(), more.begin(), more.end());
+  for (const Stranding& stranding : work->summary.strandings)
+    notes.push_back(describe(stranding, work->simulation->scene()));
   out["notes"] = notes;
   out["summary"] = dict_of(work->summary);
   out["hash"] = hash_text(work->summary.hash);
+  const SeparationSink* separation = work->files->separation();
   out["separation"] =
-      work->separation ? py::object(dict_of(*work->separation->totals())) : py::none();
+      separation != nullptr ? py::object(dict_of(*separation->totals())) : py::none();
   add_rows(out, *work->recorder, work->simulation->info().step_s);
   return out;
 }

@@ -56,6 +56,8 @@ struct FrameView {
     const Frame& f = frame();
     return run->speeds.array(number, 0, [&](std::vector<float>& out) {
       out.assign(f.speeds_mps.begin(), f.speeds_mps.end());
+      for (size_t i = 0; i < f.present.size(); ++i)
+        if (f.present[i] == 0) out[i] = 0;
     });
   }
   py::array present() const {
@@ -213,6 +215,9 @@ std::vector<uint32_t> external_ids(const SteppedRun& run, const Numbers& ids) {
     if (id < 0 || id > UINT32_MAX || !run.is_external(static_cast<uint32_t>(id)))
       throw InputError(fmt::format("ids[{}]", i), "an externally controlled avatar",
                        fmt::format("avatar {}", id));
+    if (!run.is_present(static_cast<uint32_t>(id)))
+      throw InputError(fmt::format("ids[{}]", i), "an avatar that is in the scene",
+                       fmt::format("avatar {}, which is not", id));
     out.push_back(static_cast<uint32_t>(id));
   }
   return out;
@@ -373,6 +378,8 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("frames", &SteppedRun::frames)
       .def_property_readonly("next_frame", &SteppedRun::next_frame)
       .def_property_readonly("notes", &SteppedRun::notes)
+      .def_property_readonly("stranded", &SteppedRun::stranded)
+      .def_property_readonly("writes_files", &SteppedRun::writes_files)
       .def_property_readonly("step_ms", &SteppedRun::step_ms)
       .def_property_readonly("joint_offsets", joint_offsets)
       .def_property_readonly("hash", [](const SteppedRun& run) { return hash_text(run.hash()); });

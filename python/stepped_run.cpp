@@ -27,6 +27,7 @@ class SteppedRun::Busy {
     run_->frame_ = nullptr;
     const auto start = std::chrono::steady_clock::now();
     run_->frame_ = &run_->simulation_->step();
+    if (run_->writes_files()) run_->write(*run_->frame_);
     run_->step_ms_ =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return run_->frame_->number;
@@ -41,8 +42,33 @@ SteppedRun::SteppedRun(RunRequest request) : request_(std::move(request)) {
   notes_ = std::move(source.notes);
   SimulationOptions options = request_.simulation;
   options.motion = std::move(source.motion);
+  check_files(request_, source.scene);
+  if (throng::writes_files(request_)) options.postures = true;
   simulation_.emplace(std::move(source.scene), options);
   notes_.insert(notes_.end(), simulation_->notes().begin(), simulation_->notes().end());
+}
+
+SteppedRun::~SteppedRun() {
+  try {
+    if (files_ && !end_) finish();
+  } catch (const std::exception&) {  // finish() reports it to callers
+  }
+}
+
+void SteppedRun::write(const Frame& frame) {
+  const RunInfo& info = simulation_->info();
+  if (!files_) {
+    files_.emplace(request_, *simulation_);
+    for (Sink* sink : files_->sinks()) sink->begin(info);
+  }
+  for (Sink* sink : files_->sinks()) sink->frame(info, frame);
+}
+
+int SteppedRun::stranded() const {
+  expect_idle();
+  int people = 0;
+  for (const Stranding& stranding : simulation_->strandings()) people += stranding.people;
+  return people;
 }
 
 void SteppedRun::expect_idle() const {
@@ -75,6 +101,8 @@ void SteppedRun::finish() {
   if (end_) return;
   end_ = simulation_->finish();
   for (const PairEvent& event : end_->events) last_ends_.push_back(event_row(end_->frames, event));
+  if (files_)
+    for (Sink* sink : files_->sinks()) sink->end(simulation_->info(), *end_);
   frame_ = nullptr;
 }
 

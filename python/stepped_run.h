@@ -11,6 +11,7 @@
 
 #include "python/arrays.h"
 #include "python/rows.h"
+#include "python/run_files.h"
 #include "python/run_request.h"
 #include "scenes/run/simulation.h"
 
@@ -45,6 +46,8 @@ class FrameBuffer {
 class SteppedRun {
  public:
   explicit SteppedRun(RunRequest request);
+  /// Completes files, without reporting errors.
+  ~SteppedRun();
 
   /// Advances one frame and returns its number. Throws, like all functions, while another thread
   /// steps. After Ctrl-C a long step completes alone, and `run` is busy until then.
@@ -78,6 +81,13 @@ class SteppedRun {
   const Scene& scene() const { return simulation_->scene(); }
   bool has_postures() const { return request_.simulation.postures; }
   const std::vector<std::string>& notes() const { return notes_; }
+  bool writes_files() const { return throng::writes_files(request_); }
+  bool is_present(uint32_t avatar) const {
+    const std::span<const uint8_t> now = simulation_->present();
+    return now.empty() || now[avatar] != 0;
+  }
+  /// Number of people without a path to their goal.
+  int stranded() const;
   uint64_t hash() const;
   /// Wall time of the last step in the library, in ms.
   double step_ms() const;
@@ -92,8 +102,11 @@ class SteppedRun {
   class Busy;
   void expect_idle() const;
 
+  void write(const Frame& frame);
+
   RunRequest request_;
   std::optional<Simulation> simulation_;
+  std::optional<RunFiles> files_;  ///< from the first step on, if files are requested
   std::vector<std::string> notes_;
   const Frame* frame_ = nullptr;
   std::optional<RunEnd> end_;

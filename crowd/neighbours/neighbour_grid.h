@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -65,6 +66,28 @@ class NeighbourGrid {
   std::span<const float> y() const { return {y_.data(), order_.size()}; }
   /// Origin of x() and y().
   const Eigen::Vector2d& middle_m() const { return middle_m_; }
+
+  /// Calls visit(id) for all agents within `reach_m` of a point, and for some others.
+  template <typename Visit>
+  void visit_near(const Eigen::Vector2d& point, double reach_m, const Visit& visit) const {
+    const Eigen::Vector2f place = local(point);
+    const auto reach = static_cast<float>(reach_m + slack_m_) + shape_.slack_m;
+    const auto column = [&](float x) {
+      return std::clamp(static_cast<int>((x - shape_.low_x) * shape_.cells_per_m), 0,
+                        shape_.columns - 1);
+    };
+    const auto row = [&](float y) {
+      return std::clamp(static_cast<int>((y - shape_.low_y) * shape_.cells_per_m), 0,
+                        shape_.rows - 1);
+    };
+    const int first = column(place.x() - reach), last = column(place.x() + reach);
+    for (int r = row(place.y() - reach); r <= row(place.y() + reach); ++r) {
+      const auto begin = static_cast<size_t>(r) * static_cast<size_t>(shape_.columns);
+      const uint32_t end = starts_[begin + static_cast<size_t>(last) + 1];
+      for (uint32_t slot = starts_[begin + static_cast<size_t>(first)]; slot < end; ++slot)
+        visit(order_[slot]);
+    }
+  }
 
   /// For each of the slots finds the nearest others within `reach_m` (at most kMaxNeighbours) as
   /// slots, ordered by (distance, slot): found[kMaxNeighbours * slot ...], counts[slot].

@@ -186,6 +186,16 @@ class Simulation:
         tracked_point: Optional[str] = None,
         strict: bool = False,
         sampling: Optional[str] = None,
+        trajectory_fps: Optional[float] = None,
+        log: Optional[Path] = None,
+        states_hz: Optional[float] = None,
+        publish_part_poses: bool = False,
+        html: Optional[Path] = None,
+        trajectory: Union[None, Path, Sequence[Path]] = None,
+        trajectory_area: Union[None, int, str] = None,
+        contacts: Optional[Path] = None,
+        separation: Optional[Path] = None,
+        trace_hash: Optional[Path] = None,
         culling: Optional[bool] = None,
         joint_positions: Optional[bool] = None,
     ) -> None: ...
@@ -216,6 +226,8 @@ class Simulation:
     def set_desired_speed(self, ids: npt.ArrayLike, mps: npt.ArrayLike) -> None: ...
     @property
     def frames(self) -> int: ...
+    @property
+    def stranded(self) -> int: ...
     @property
     def next_frame(self) -> int: ...
     @property

@@ -31,6 +31,14 @@ def options_of(source, given):
     options = {name: value for name, value in given.items() if value is not None}
     if "part_volume" in options:
         options["part_volume"] = volumes_text(options["part_volume"])
+    for name in ("log", "html", "contacts", "separation", "trace_hash"):
+        if name in options:
+            options[name] = os.fspath(options[name])
+    if "trajectory" in options:
+        files = options["trajectory"]
+        options["trajectory"] = [os.fspath(each) for each in ([files] if isinstance(files, (str, os.PathLike)) else files)]
+    if "trajectory_area" in options:
+        options["trajectory_area"] = str(options["trajectory_area"])
     if isinstance(source, SceneText):
         return {**options, **source_options(source)}
     options["source"] = path_of("source", source, "a Scene, the name of a scene, or a path")
@@ -320,17 +328,9 @@ def run(
         KeyboardInterrupt: Ctrl-C.
     """
     given = {name: value for name, value in locals().items() if name not in ("source", "view", "progress")}
-    for name in ("log", "html", "contacts", "separation", "trace_hash"):
-        if given[name] is not None:
-            given[name] = os.fspath(given[name])
-    if trajectory is not None:
-        files = [trajectory] if isinstance(trajectory, (str, os.PathLike)) else trajectory
-        given["trajectory"] = [os.fspath(file) for file in files]
-    if trajectory_area is not None:
-        given["trajectory_area"] = str(trajectory_area)
     page = None
     with tempfile.TemporaryDirectory() as folder:
-        kept = given["html"]
+        kept = html
         if view and kept is None:
             kept = given["html"] = os.path.join(folder, "page.html")
         request = options_of(source, given)
@@ -340,7 +340,7 @@ def run(
             with open(kept, encoding="utf-8") as file:
                 page = file.read()
     request = {name: value for name, value in request.items() if name not in _OUTPUTS}
-    return Run(facts, log=given["log"], page=page, request=request)
+    return Run(facts, log=log if log is None else os.fspath(log), page=page, request=request)
 
 
 def scenes():

@@ -81,7 +81,7 @@ def goal_text(goal):
     value = _converted(goal, "goal")
     if isinstance(value, list):
         value = {"any_of": [_converted(item, "area") for item in value]}
-    return _scalar(_plain(value), "goal")
+    return _scalar(plain(value), "goal")
 
 
 class errors_of:

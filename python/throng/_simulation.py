@@ -13,13 +13,14 @@ from ._table import Table
 
 _MAX_ID = 2**32 - 1
 
-# Options of run() that write files.
-_OF_RUNS = ("log", "states_hz", "publish_part_poses", "html", "trajectory", "trajectory_fps", "contacts", "separation",
-            "trace_hash")
+# Options of run() for what it keeps and shows.
+_OF_RUNS = ("trajectories", "view", "progress")
 
 
-def _ids(value):
-    """Return one id or several as an array."""
+def _ids(value, count):
+    """Return one id, several, or those of a mask of `count` avatars as an array."""
+    if isinstance(value, numpy.ndarray) and value.dtype == bool and value.shape == (count,):
+        return numpy.flatnonzero(value)
     return integers("ids", [value] if hasattr(value, "__index__") and not hasattr(value, "__len__") else value)
 
 
@@ -50,7 +51,7 @@ class Frame:
             ground between the feet; that of a robot is its root link.
         rotations_xyzw (N x 4, float32): world_from_root, quaternions.
         headings_rad (N, float32): heading, counter-clockwise from the world's x axis.
-        speeds_mps (N, float32): ground speed.
+        speeds_mps (N, float32): ground speed, 0 while absent.
         present (N, bool): False while an avatar is outside the scene; its position is then the last one.
         joint_positions (float32): joint values of all avatars in one array, rad or m. Simulation.joint_offsets states
             where those of each avatar begin.
@@ -117,8 +118,9 @@ class Frame:
 class Simulation:
     """A scene, a recording or a log, frame by frame: ``for frame in Simulation("plaza", seed=3): ...``
 
-    source and options are those of run(), without the options that write files. Two options are added: culling=False
-    moves avatars without finding contacts, and joint_positions=False omits joint positions and part poses.
+    source and options are those of run(); files like log= begin with the first step and are complete after finish().
+    Two options are added: culling=False moves avatars without finding contacts, and joint_positions=False omits joint
+    positions and part poses.
 
     One thread at a time may step a simulation; other Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt at
     once; a started step still completes.
@@ -128,6 +130,7 @@ class Simulation:
         frames: number of frames in the scene's duration; a loop over the simulation ends after them.
         next_frame: number of the frame that the next step returns.
         notes: notes and warnings, one line each.
+        stranded: number of people who have no path to their goal now.
         hash: hash of all events so far, 16 hexadecimal digits.
         step_ms: wall time of the last step in the library, in milliseconds.
         joint_offsets (N + 1, int64): frame.joint_positions[joint_offsets[i]:joint_offsets[i + 1]] are the joint
@@ -137,7 +140,7 @@ class Simulation:
     def __init__(self, source, **options):
         for name in _OF_RUNS:
             if options.get(name) not in (None, False):
-                raise input_error(name, "an option that shapes frames; run() writes and keeps", abbreviated(options[name]))
+                raise input_error(name, "an option of frames or files; run() keeps and shows", abbreviated(options[name]))
         with errors_of(source):
             self._run = _core.Simulation(options_of(source, options))
         facts = self._run.facts
@@ -154,7 +157,10 @@ class Simulation:
         return Frame(self._run.step(), self.names)
 
     def finish(self):
-        """End all current contacts and return these end events as a Table (see Run.events). No step may follow."""
+        """End all current contacts and return these end events as a Table (see Run.events). No step may follow.
+
+        Completes the files of log=, trajectory=, ...; a loop over the simulation and its deletion do so, too.
+        """
         return Table(self._run.finish(), self.names.of_pairs)
 
     def save(self):
@@ -177,6 +183,8 @@ class Simulation:
 
     def __next__(self):
         if self._run.next_frame >= self._run.frames:
+            if self._run.writes_files:
+                self._run.finish()
             raise StopIteration
         return self.step()
 
@@ -188,11 +196,11 @@ class Simulation:
         With gait=True, people without joint positions walk to their places: their feet stay planted, and their trunks
         turn away from others. They stand in frames without a call. The path is known up to the present only, so that
         they turn and stop without anticipation. Other avatars take the pose as given and keep it until the next call.
-        Values outside the ground or the limits of joints are clamped; returns their number. Raises InputError without
-        effect for an avatar whose group is not externally controlled.
+        Values outside the ground or the limits of joints are clamped; returns their number. A jump has no speed. Raises
+        InputError without effect for an avatar that is absent or whose group is not externally controlled.
 
         Args:
-            ids: id of an avatar, or K ids.
+            ids: id of an avatar, K ids, or a mask of all avatars.
             positions_m: x, y, z of the roots in the world frame, 3 or K x 3; x, y suffice for people who walk.
             rotations_xyzw: world_from_root, quaternions of any length above 0, 4 or K x 4. None: people who walk face
                 where they go, others along x.
@@ -202,7 +210,7 @@ class Simulation:
                 walk, otherwise 0.
             gait: False: people also take the pose as given.
         """
-        ids = _ids(ids)
+        ids = _ids(ids, len(self.people))
         count = len(ids)
         positions = numbers("positions_m", positions_m, "numbers x, y, z")
         if positions.size not in (2 * count, 3 * count) or positions.ndim > 2:
@@ -231,10 +239,12 @@ class Simulation:
         Returns:
             The id for one position, otherwise an array of K ids (int64).
 
-        Raises InputError without effect if too few spare agents are left, for a position in a wall or off the ground,
-        or an unknown group.
+        Raises InputError without effect if too few spare agents are left, for an unknown group, and for a position off
+        the ground, within half a radius of a wall, or so near another agent that discs overlap by more than half.
         """
         positions = numbers("positions_m", positions_m, "numbers x, y")
+        if positions.size == 0:
+            return numpy.zeros(0, dtype=numpy.int64)
         if positions.shape[-1:] != (2,) or positions.ndim > 2:
             raise input_error("positions_m", "x, y of one agent, or one row per agent", f"an array {positions.shape}")
         count = positions.size // 2
@@ -247,11 +257,11 @@ class Simulation:
         return int(ids[0]) if positions.ndim == 1 else ids
 
     def remove(self, ids):
-        """Remove agents, one id or several: their contacts end in the next frame.
+        """Remove agents, one id, several or a mask of all avatars: their contacts end in the next frame.
 
         Raises InputError without effect for an agent that is not in the scene.
         """
-        self._run.remove(_ids(ids))
+        self._run.remove(_ids(ids, len(self.people)))
 
     def set_goal(self, ids, goal):
         """Send agents to a goal, at once: from now on it is the only goal of their route.
@@ -260,21 +270,23 @@ class Simulation:
         and walk around crowds on the way to them; to other places they take the shortest path.
 
         Args:
-            ids: one id or several.
-            goal: Goal, Area, a shapely polygon, an array of corners, or a dictionary as in a scene file.
+            ids: one id, several, or a mask of all avatars.
+            goal: Goal, Area, a shapely polygon, an array of corners, or a dictionary as in a scene file, without queue.
+                Of a list, the nearest counts.
 
         Raises InputError without effect for an agent that is not in the scene, or a goal that is not on the ground.
         """
-        self._run.set_goal(_ids(ids), goal_text(goal))
+        self._run.set_goal(_ids(ids, len(self.people)), goal_text(goal))
 
     def set_desired_speed(self, ids, mps):
         """Set the speeds at which agents walk when nothing hinders them, 0.1 to 4 m/s; one for all or one each."""
-        ids = _ids(ids)
+        ids = _ids(ids, len(self.people))
         self._run.set_desired_speed(ids, _rows("mps", mps, len(ids), 1))
 
     frames = property(lambda self: self._run.frames)
     next_frame = property(lambda self: self._run.next_frame)
     notes = property(lambda self: self._run.notes)
+    stranded = property(lambda self: self._run.stranded)
     step_ms = property(lambda self: self._run.step_ms)
     hash = property(lambda self: self._run.hash)
     joint_offsets = property(lambda self: self._run.joint_offsets)
@@ -293,7 +305,7 @@ def _signature():
     options = [
         each
         for each in inspect.signature(run).parameters.values()
-        if each.kind == keyword and each.name not in (*_OF_RUNS, "trajectories", "trajectory_area", "view", "progress")
+        if each.kind == keyword and each.name not in _OF_RUNS
     ]
     names = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in ("self", "source")]
     own = [inspect.Parameter(name, keyword, default=None) for name in ("culling", "joint_positions")]

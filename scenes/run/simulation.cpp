@@ -185,6 +185,10 @@ struct Simulation::State {
   void gather_notes();
   void cut_blocks();
   std::vector<std::shared_ptr<const BodyType>> types() const;
+  bool is_present(uint32_t avatar) const {
+    const std::span<const uint8_t> present = motion->present();
+    return avatar >= present.size() || present[avatar] != 0;
+  }
   void update_postures();
   void split_times(double steering_ns, double postures_ns);
   void fill_frame();
@@ -407,6 +411,7 @@ int Simulation::unplaced() const { return state_->motion->unplaced(); }
 const SteeringCounters& Simulation::steering() const { return state_->motion->steering(); }
 const PopulationCounters& Simulation::population() const { return state_->motion->population(); }
 std::vector<Stranding> Simulation::strandings() const { return state_->motion->strandings(); }
+std::span<const uint8_t> Simulation::present() const { return state_->motion->present(); }
 const BodyStates& Simulation::bodies() const { return state_->bodies; }
 FrameTimes& Simulation::times() { return state_->times; }
 
@@ -497,6 +502,7 @@ void Simulation::change(CrowdChange& change) {
 }
 
 int Simulation::set_pose(uint32_t avatar, const ExternalPose& pose) {
+  if (!state_->is_present(avatar)) return -1;
   return state_->external.set_pose(avatar, pose, state_->scene.ground);
 }
 
@@ -522,7 +528,8 @@ int Simulation::walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
 
 bool Simulation::can_walk(uint32_t avatar) const {
   const State& s = *state_;
-  return s.external.pose(avatar) != nullptr && s.posing.gait_of(avatar).has_legs();
+  return s.external.pose(avatar) != nullptr && s.is_present(avatar) &&
+         s.posing.gait_of(avatar).has_legs();
 }
 
 const ExternalPose* Simulation::external_pose(uint32_t avatar) const {

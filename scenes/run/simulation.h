@@ -64,6 +64,8 @@ class Simulation {
   /// Agents without a path to their goal, as of now.
   std::vector<Stranding> strandings() const;
 
+  /// Per avatar, 0: not in the scene now, also after changes since the latest step; empty: all are.
+  std::span<const uint8_t> present() const;
   /// Inputs of the poses, as of the latest step: avatars, then obstacles.
   const BodyStates& bodies() const;
 
@@ -92,8 +94,8 @@ class Simulation {
 
   /// Sets the pose of an externally controlled avatar from the next step on; it holds until the
   /// next call. Values outside the ground or joint limits are clamped. Returns the number of
-  /// clamped values. Returns -1 without effect if the avatar is not externally controlled or the
-  /// number of joints is wrong. Empty joints keep their positions.
+  /// clamped values. Returns -1 without effect if the avatar is absent or not externally
+  /// controlled, or the number of joints is wrong. Empty joints keep their positions.
   int set_pose(uint32_t avatar, const ExternalPose& pose);
   /// Lets an externally controlled person walk to a position (m, on the ground) in the next step.
   /// Feet stay planted, and the trunk turns away from others. Without a heading (unit vector)

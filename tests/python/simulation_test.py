@@ -6,7 +6,7 @@ import unittest
 
 import numpy
 import throng
-from expectations import SOURCES, Case, command_hash
+from expectations import SOURCES, Case, command, command_hash
 
 CONTROLLED = """name: controlled robot
 ground: {{min_m: [-8, -8], max_m: [8, 8]}}
@@ -217,7 +217,7 @@ class Steps(Case):
 
     def test_people_in_contact_that_are_removed_end_their_contacts(self):
         simulation = self.crowd(exact=True)
-        a, b = simulation.add("people", [[5, 5], [5.1, 5]])
+        a, b = simulation.add("people", [[5, 5], [5.25, 5]], headings_rad=[0, 1.5])
         contacts = simulation.step().pairs
         self.assertGreater(((contacts["body_a"] == a) & (contacts["body_b"] == b)).sum(), 0)
         simulation.remove(a)
@@ -245,7 +245,12 @@ class Steps(Case):
             ("ids\\[0\\]", lambda: simulation.set_goal(guided, throng.Area(min_m=[1, 1], max_m=[2, 2]))),
             ("goal:1", lambda: simulation.set_goal(0, throng.Area(min_m=[20, 1], max_m=[22, 2]))),
             ("goal", lambda: simulation.set_goal(0, throng.Goal(min_m=[1, 1], max_m=[2, 2], capacity=1))),
-            ("desired_speeds_mps\\[0\\]", lambda: simulation.set_desired_speed(0, 9)),
+            ("mps\\[0\\]", lambda: simulation.set_desired_speed(0, 9)),
+            ("ids\\[0\\]", lambda: simulation.set_desired_speed(guided, 1)),
+            ("ids\\[0\\]", lambda: simulation.set_pose(30, (1, 1))),
+            ("positions_m\\[1\\]", lambda: simulation.add("people", [[5, 5], [5.1, 5]])),
+            ("positions_m\\[0\\]", lambda: simulation.add("people", frame.positions_m[3, :2])),
+            ("headings_rad\\[0\\]", lambda: simulation.add("people", (5, 5), headings_rad=90)),
             ("mps", lambda: simulation.set_desired_speed([0, 1], [1, 1, 1])),
         ]:
             with self.assertRaisesRegex(throng.InputError, f"^{where}: expected .*found "):
@@ -257,7 +262,7 @@ class Steps(Case):
     def test_same_changes_give_the_same_hash_and_a_saved_run_goes_on(self):
         def change(simulation):
             if simulation.next_frame == 10:
-                simulation.add("people", [[4, 4], [4.2, 4.1]])
+                simulation.add("people", [[4, 4], [4.3, 4.1]])
             if simulation.next_frame == 30:
                 simulation.set_goal(range(10), throng.Area(min_m=[3, 3], max_m=[5, 5]))
             if simulation.next_frame == 60:
@@ -359,8 +364,24 @@ class Steps(Case):
         with self.assertRaisesRegex(RuntimeError, "closest_parts=M"):
             near.closest_parts
 
-    def test_reject_output_files(self):
-        for option in ({"log": "a.lcmlog"}, {"html": "a.html"}, {"trajectory": "a.csv"}, {"states_hz": 3}):
+    def test_write_a_log_that_holds_the_changes_and_is_culled_again(self):
+        log, rows = self.folder / "changes.lcmlog", self.folder / "changes.csv"
+        simulation = self.crowd(seconds=1, log=log, exact=True)
+        for frame in simulation:
+            if frame.number == 9:
+                ids = simulation.add("people", [[5, 5], [6, 6]])
+            if frame.number == 20:
+                simulation.set_goal(ids, throng.Area(min_m=[1, 1], max_m=[2, 2]))
+            if frame.number == 30:
+                simulation.remove(ids)
+        self.assertIn("sound", command("check", log, folder=self.folder))
+        command("export", log, "--csv", "changes", "--out", rows, folder=self.folder)
+        lines = rows.read_text().splitlines()
+        self.assertEqual(len(lines), 7, "two agents each")
+        self.assertEqual(len(throng.run(log).people), len(simulation.people))
+
+    def test_reject_options_of_complete_runs(self):
+        for option in ({"view": True}, {"progress": True}):
             with self.subTest(option=option), self.assertRaisesRegex(throng.InputError, f"^{list(option)[0]}: expected "):
                 throng.Simulation("corridor", **option)
 

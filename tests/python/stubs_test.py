@@ -45,17 +45,15 @@ class Stubs(Case):
     def test_have_every_option_of_a_run(self):
         start = next(each for each in self.named["Simulation"].body if getattr(each, "name", "") == "__init__")
         self.check_options(self.named["run"].args, throng.run)
-        self.check_options(start.args, throng.Simulation.__init__, without=("states_hz", "publish_part_poses"))  # of a log
+        self.check_options(start.args, throng.Simulation.__init__)
 
-    def check_options(self, stub, function, without=()):
+    def check_options(self, stub, function):
         annotations = {arg.arg: ast.unparse(arg.annotation) for arg in stub.kwonlyargs}
         defaults = {arg.arg: ast.unparse(value) for arg, value in zip(stub.kwonlyargs, stub.kw_defaults)}
         types = {"flag": "bool", "whole": "Optional[int]", "number": "Optional[float]", "word": "Optional[str]",
                  "text": "Optional[str]"}
         for option in throng._core.run_options():
             name = option["name"]
-            if name in without:
-                continue
             with self.subTest(option=name):
                 default = False if option["kind"] == "flag" else None
                 kind = "Union[None, str, Mapping[str, str]]" if name == "part_volume" else types[option["kind"]]
