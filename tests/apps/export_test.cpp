@@ -170,7 +170,8 @@ TEST(Export, RejectsInvalidOptions) {
   const std::pair<const char*, const char*> cases[] = {
       {"throng export a.lcmlog", "expected --mcap FILE or --csv CHANNEL, found neither"},
       {"throng export a.lcmlog --csv evnts",
-       "expected a channel: events, states, touching, proximity, contact_points, separation or "
+       "expected a channel: events, states, touching, proximity, contact_points, separation, "
+       "changes or "
        "frame_stats"},
       {"throng export run.txt --mcap t.mcap", "run.txt: expected a log of a run"},
       {"throng export none --mcap t.mcap", "none: expected a log of a run"},

@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 
 std::vector<MessageList::Message> one_of_each() {
-  SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 12, .proximity = true});
+  SyntheticRun run({.avatars = 5, .seed = 3, .pairs = 12, .changes = true, .proximity = true});
   std::vector<MessageList::Message> out;
   std::set<Channel> seen;
   for (auto& m : messages_of(run, 2, {.part_poses = true}))

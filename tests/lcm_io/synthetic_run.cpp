@@ -204,6 +204,11 @@ const Frame& SyntheticRun::step() {
   frame_.pairs = pairs_;
   frame_.events = pair_events_.events();
   frame_.present = present_;
+  if (options_.changes)
+    changes_ = {{.kind = CrowdChange::Kind::kSetGoal,
+                 .ids = {0},
+                 .goal = "{min_m: [0, 0], max_m: [1, 1]}"}};
+  frame_.changes = changes_;
   frame_.levels = levels_;
   if (options_.proximity) list_proximity();
   frame_.hash = hash_.value();

@@ -9,6 +9,7 @@
 #include "culling/stages/pair_events.h"
 #include "lcm_io/codec/encoder.h"
 #include "lcm_io/log/log_sink.h"
+#include "scenes/run/crowd_change.h"
 #include "scenes/run/sink.h"
 
 namespace throng {
@@ -23,6 +24,7 @@ class SyntheticRun {
     Crowd crowd = Crowd::kMixed;
     double spread_m = 50;     ///< avatars are within this distance of the origin
     bool comings = false;     ///< avatars enter and leave
+    bool changes = false;     ///< the first avatar gets another goal in every frame
     bool has_budget = false;  ///< some pairs are not refined to the end
     bool proximity = false;   ///< touching pairs also have a proximity row and a contact point
   };
@@ -64,6 +66,7 @@ class SyntheticRun {
   std::vector<uint8_t> present_, levels_;
   std::vector<ProximityPair> proximity_;
   std::vector<ContactPoint> contact_points_;
+  std::vector<CrowdChange> changes_;
   int64_t next_frame_ = 0;
   EventHash hash_;
   int64_t begins_ = 0, ends_ = 0;
