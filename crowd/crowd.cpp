@@ -314,8 +314,11 @@ uint32_t Crowd::add(size_t group, std::span<const AgentEntry> entries) {
   const uint32_t first = population_.first_spare(group);
   assert(entries.size() <= population_.spares(group));
   population_.add_spares(group, static_cast<uint32_t>(entries.size()));
+  const FlowField& field = *map_.route(group).front().field;
+  constexpr size_t kAhead = 8;
   for (uint32_t i = 0; i < entries.size(); ++i) {
     const AgentEntry& entry = entries[i];
+    if (i + kAhead < entries.size()) field.prefetch(entries[i + kAhead].position_m);
     const uint32_t id = first + i;
     state_.positions_m[id] = entry.position_m;
     journeys_.enter(id, entry.position_m, state_.now_s());
@@ -334,7 +337,7 @@ std::optional<uint32_t> Crowd::find_overlapping(const Eigen::Vector2d& point,
     const double apart_m = 0.5 * (radius_m + state_.radii_m[id]);
     if (journeys_.is_present(id) && (state_.positions_m[id] - point).norm() < apart_m) found = id;
   };
-  state_.grid.visit_near(point, radius_m + max_radius_m(), look_at);
+  state_.grid.visit_near(point, 0.5 * (radius_m + max_radius_m()), look_at);
   for (const uint32_t id : added_) look_at(id);
   return found;
 }
@@ -344,7 +347,7 @@ void Crowd::remove(uint32_t id) {
   journeys_.leave(id);
   queues_.remove(id);
   exits_.forget(id);
-  std::erase(added_, id);
+  if (state_.slot_of[id] == SteeringState::kNowhere) std::erase(added_, id);
 }
 
 void Crowd::set_goal(std::span<const uint32_t> ids, const Goal& goal) {
