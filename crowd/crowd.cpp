@@ -132,7 +132,8 @@ void Crowd::archive(Archive& a) {
   state_.grid.archive(a);
   if (a.is_reading()) {
     for (uint32_t id = 0; id < size(); ++id)
-      if (journeys_.is_present(id) && !map_.walkable().ground().contains(state_.positions_m[id]))
+      if (!state_.positions_m[id].allFinite() ||
+          (journeys_.is_present(id) && !map_.walkable().ground().contains(state_.positions_m[id])))
         a.reject("a place on the ground", "one outside");
     std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
     state_.grid.rebuild_as_read(state_.positions_m);
@@ -343,10 +344,14 @@ std::optional<uint32_t> Crowd::find_overlapping(const Eigen::Vector2d& point,
 }
 
 void Crowd::remove(uint32_t id) {
+  queues_.remove(id, journeys_.state(id) == JourneyState::kQueuing);
   population_.remove(id);
   journeys_.leave(id);
-  queues_.remove(id);
   exits_.forget(id);
+  if (const uint32_t slot = state_.slot_of[id]; slot != SteeringState::kNowhere) {
+    AgentState& w = state_.agents[slot];
+    w.old_mps = w.next_mps = w.velocity_mps = w.drift_mps = Eigen::Vector2d::Zero();
+  }
   if (state_.slot_of[id] == SteeringState::kNowhere) std::erase(added_, id);
 }
 
@@ -357,13 +362,14 @@ void Crowd::set_goal(std::span<const uint32_t> ids, const Goal& goal) {
   std::vector<size_t> routes(map_.groups(), 0);  // of the goal, by group; 0: none yet
   for (const size_t group : groups) {
     if (routes[group] != 0) continue;
-    routes[group] = map_.set_goal(group, goal, is_used);
+    routes[group] = map_.route_to(group, goal, is_used);
     is_used.resize(map_.routes(), 1);
     is_used[routes[group]] = 1;
   }
   for (size_t i = 0; i < ids.size(); ++i) {
-    queues_.remove(ids[i]);
+    queues_.remove(ids[i], journeys_.state(ids[i]) == JourneyState::kQueuing);
     exits_.forget(ids[i]);
+    social_groups_.forget_progress(ids[i]);
     journeys_.take_route(ids[i], routes[groups[i]], state_.positions_m[ids[i]]);
   }
 }
@@ -390,13 +396,17 @@ void Crowd::archive_added(Archive& a) {
   a.resized(added_, size());
   for (const uint32_t id : added_)
     if (id >= size()) a.reject("the id of an agent", "another number");
+  constexpr double kMaxSpeed_mps = 100;
+  if (!(state_.max_desired_speed_mps <= kMaxSpeed_mps))
+    a.reject("a possible desired speed", "another value");
   // Negated to reject NaN as well.
   for (const float mps : enters_mps_)
     if (!(mps >= -1 && mps <= static_cast<float>(kMaxEntrySpeed_mps)))
       a.reject("the speed of an agent", "another value");
   for (size_t id = 0; id < size() && a.is_reading(); ++id) {
     const double mps = state_.desired_speeds_mps[id];
-    if (!(mps >= 0 && mps <= state_.max_desired_speed_mps))
+    if (!(mps >= (is_own_[id] != 0 ? kMinDesiredSpeed_mps : 0) &&
+          mps <= state_.max_desired_speed_mps))
       a.reject("the desired speed of an agent", "another value");
     exits_.set_desired_speed(static_cast<uint32_t>(id), mps);
   }

@@ -91,7 +91,7 @@ class Crowd {
   bool can_change(uint32_t id) const {
     return id < size() && is_own_[id] != 0 && journeys_.is_present(id);
   }
-  /// Removes an agent. Others react from their next decision on.
+  /// Removes an agent. Others react within a period.
   void remove(uint32_t id);
   /// Sends agents to a goal without a queue, at once; it is the only one from now on. The calling
   /// thread computes its flow field. Throws InputError without effect if there are too many goals.

@@ -38,6 +38,8 @@ inline constexpr double kMinDesiredSpeed_mps = 0.1;
 inline constexpr double kMaxDesiredSpeed_mps = 4.0;
 /// Maximum speed of agents when they enter.
 inline constexpr double kMaxEntrySpeed_mps = 4.0;
+/// Headings: a turn either way, with the rounding of its digits. Degrees are a mistake.
+inline constexpr double kMaxHeading_rad = 7;
 /// Heights in scenes. People: the range of the gait's curves; robots: from a toy to a crane.
 inline constexpr double kMinPerson_m = 0.5;
 inline constexpr double kMaxPerson_m = 2.5;

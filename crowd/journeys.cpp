@@ -97,8 +97,13 @@ void Journeys::archive(Archive& a) {
 }
 
 void Journeys::leave(uint32_t id) {
-  journeys_[id].state = JourneyState::kGone;
-  journeys_[id].exit = kNoExit;
+  Journey& journey = journeys_[id];
+  journey.state = JourneyState::kGone;
+  journey.exit = kNoExit;
+  if (map_.is_set_goal(journey.route)) {  // its route may be replaced
+    journey.route = static_cast<uint32_t>(map_.group_of(journey.route));
+    journey.stop = 0;
+  }
   if (!areas_.empty()) areas_[id] = kNoArea;
 }
 

@@ -130,10 +130,10 @@ void Queues::follow(std::span<const uint8_t> present, std::span<const Eigen::Vec
                      });
 }
 
-void Queues::remove(uint32_t id) {
+void Queues::remove(uint32_t id, bool is_waiting) {
   if (!any()) return;
   for (Queue& queue : queues_) {
-    if (std::erase(queue.waiting, id) > 0 && overflow_[id] != kNoOverflow)
+    if (is_waiting && std::erase(queue.waiting, id) > 0 && overflow_[id] != kNoOverflow)
       queue.is_taken[overflow_[id]] = 0;
     std::erase_if(queue.served, [&](const ServedAgent& agent) {
       if (agent.id != id) return false;

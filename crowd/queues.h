@@ -33,8 +33,8 @@ class Queues {
   void follow(std::span<const uint8_t> present, std::span<const Eigen::Vector2d> positions_m,
               Journeys& journeys, Workers& workers);
 
-  /// Takes an agent out of all queues.
-  void remove(uint32_t id);
+  /// Takes an agent out of all queues; `is_waiting`: it may wait in one.
+  void remove(uint32_t id, bool is_waiting);
 
   /// Unit vector that an agent in a queue, or a served one, faces; zero for others.
   const Eigen::Vector2d& facing(uint32_t id) const { return facings_[id]; }

@@ -43,6 +43,11 @@ class SocialGroups {
   void update(uint32_t remainder, uint32_t parts, const Journeys& journeys,
               std::span<const Eigen::Vector2d> positions_m, double now_s, Workers& workers);
 
+  /// Forgets the progress of an agent that gets another goal.
+  void forget_progress(uint32_t id) {
+    if (any()) visits_[id] = UINT32_MAX;
+  }
+
   /// Direction of a member without its group, from Journeys::direction().
   const Eigen::Vector2d& solo_direction(uint32_t id) const {
     return adjustments_[id].solo_direction;

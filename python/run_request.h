@@ -23,6 +23,12 @@ struct RunRequest {
   std::filesystem::path log, html, contacts, separation, trace_hash;
   std::vector<std::filesystem::path> trajectory;
   std::optional<int64_t> trajectory_piece;  ///< see TrajectoryOptions
+
+  void forget_files() {
+    for (std::filesystem::path* file : {&log, &html, &contacts, &separation, &trace_hash})
+      file->clear();
+    trajectory.clear();
+  }
 };
 
 /// Converts a dictionary; None stands for an option not given. Requires the interpreter's lock.

@@ -261,7 +261,9 @@ int set_pose(SteppedRun& run, const Numbers& ids_in, const DoubleArray& position
     if (velocities_mps.size() > 0) velocity_mps = row_of(velocities_mps, i, 2);
     if (gait && run.can_walk(ids[i])) {
       if (!rotations.empty())
-        heading = (rotations[i] * Eigen::Vector3f::UnitX()).head<2>().cast<double>().normalized();
+        heading = (rotations[i].cast<double>().normalized() * Eigen::Vector3d::UnitX())
+                      .head<2>()
+                      .normalized();
       clamped += run.walk_to(ids[i], place_m, heading, velocity_mps);
       continue;
     }

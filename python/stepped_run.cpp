@@ -26,8 +26,9 @@ class SteppedRun::Busy {
   int64_t step() {
     run_->frame_ = nullptr;
     const auto start = std::chrono::steady_clock::now();
+    if (run_->writes_files() && !run_->files_) run_->open_files();
     run_->frame_ = &run_->simulation_->step();
-    if (run_->writes_files()) run_->write(*run_->frame_);
+    if (run_->files_) run_->write(*run_->frame_);
     run_->step_ms_ =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return run_->frame_->number;
@@ -55,13 +56,40 @@ SteppedRun::~SteppedRun() {
   }
 }
 
-void SteppedRun::write(const Frame& frame) {
-  const RunInfo& info = simulation_->info();
-  if (!files_) {
+/// If it throws, the next step tries again.
+void SteppedRun::open_files() {
+  try {
     files_.emplace(request_, *simulation_);
-    for (Sink* sink : files_->sinks()) sink->begin(info);
+    for (Sink* sink : files_->sinks()) sink->begin(simulation_->info());
+  } catch (...) {
+    files_.reset();
+    throw;
   }
-  for (Sink* sink : files_->sinks()) sink->frame(info, frame);
+}
+
+/// If it throws, the files end here.
+void SteppedRun::write(const Frame& frame) {
+  try {
+    for (Sink* sink : files_->sinks()) sink->frame(simulation_->info(), frame);
+  } catch (...) {
+    files_.reset();
+    request_.forget_files();
+    throw;
+  }
+}
+
+/// Completes every file, then throws the first error.
+void SteppedRun::close_files() {
+  std::exception_ptr error;
+  for (Sink* sink : files_->sinks()) {
+    try {
+      sink->end(simulation_->info(), *end_);
+    } catch (...) {
+      if (!error) error = std::current_exception();
+    }
+  }
+  files_.reset();
+  if (error) std::rethrow_exception(error);
 }
 
 int SteppedRun::stranded() const {
@@ -101,9 +129,8 @@ void SteppedRun::finish() {
   if (end_) return;
   end_ = simulation_->finish();
   for (const PairEvent& event : end_->events) last_ends_.push_back(event_row(end_->frames, event));
-  if (files_)
-    for (Sink* sink : files_->sinks()) sink->end(simulation_->info(), *end_);
   frame_ = nullptr;
+  if (files_) close_files();
 }
 
 int SteppedRun::set_pose(uint32_t avatar, const ExternalPose& pose) {

@@ -102,7 +102,9 @@ class SteppedRun {
   class Busy;
   void expect_idle() const;
 
+  void open_files();
   void write(const Frame& frame);
+  void close_files();
 
   RunRequest request_;
   std::optional<Simulation> simulation_;

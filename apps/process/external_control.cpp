@@ -36,6 +36,10 @@ ExternalControl::ExternalControl(const ExternalControlOptions& options, const Ru
       print_message("note: no changes of the crowd are received with --lcm off\n");
     else
       changes_ = std::make_unique<CrowdChangeReceiver>(run, lcm);
+    if (changes_)
+      print_message(
+          "note: results depend on when the messages on channel {} arrive, also with --lockstep\n",
+          channel);
   }
   if (options.lockstep) {
     if (lcm == "off")

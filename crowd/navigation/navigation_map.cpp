@@ -82,7 +82,7 @@ Stop NavigationMap::stop_at(const Goal& goal, uint32_t index) const {
           {}};
 }
 
-size_t NavigationMap::set_goal(size_t group, const Goal& goal, std::span<const uint8_t> is_used) {
+size_t NavigationMap::route_to(size_t group, const Goal& goal, std::span<const uint8_t> is_used) {
   assert(!goal.is_limited());
   const auto known = std::find_if(set_goals_.begin(), set_goals_.end(), [&](const SetGoal& each) {
     return each.group == group && each.goal == goal;

@@ -93,7 +93,7 @@ class NavigationMap {
   const Walkable& walkable() const { return walkable_; }
   const FlowGrid& grid() const { return grid_; }
   size_t groups() const { return on_arrival_.size(); }
-  /// One per group, followed by those of set_goal().
+  /// One per group, followed by those of route_to().
   size_t routes() const { return routes_.size(); }
   /// The goals of a route, in order; at least one.
   const std::vector<Stop>& route(size_t route) const { return routes_[route]; }
@@ -105,7 +105,7 @@ class NavigationMap {
   /// (`is_used`, per route). Paths to an area of the scene's goals choose between its doorways and
   /// lead around crowds; to other areas they are the shortest. Throws InputError if there are too
   /// many routes.
-  size_t set_goal(size_t group, const Goal& goal, std::span<const uint8_t> is_used);
+  size_t route_to(size_t group, const Goal& goal, std::span<const uint8_t> is_used);
   /// Saves or restores the goals that were set.
   void archive(Archive& a);
   /// Goal by goal.

@@ -80,13 +80,13 @@ class NeighbourGrid {
       return std::clamp(static_cast<int>((y - shape_.low_y) * shape_.cells_per_m), 0,
                         shape_.rows - 1);
     };
-    const auto near_m = static_cast<float>(reach_m) + shape_.slack_m;
+    const auto limit_m = static_cast<float>(reach_m) + shape_.slack_m;
     const int first = column(place.x() - reach), last = column(place.x() + reach);
     for (int r = row(place.y() - reach); r <= row(place.y() + reach); ++r) {
       const auto begin = static_cast<size_t>(r) * static_cast<size_t>(shape_.columns);
       const uint32_t end = starts_[begin + static_cast<size_t>(last) + 1];
       for (uint32_t slot = starts_[begin + static_cast<size_t>(first)]; slot < end; ++slot)
-        if ((Eigen::Vector2f(x_[slot], y_[slot]) - place).squaredNorm() <= near_m * near_m)
+        if ((Eigen::Vector2f(x_[slot], y_[slot]) - place).squaredNorm() <= limit_m * limit_m)
           visit(order_[slot]);
     }
   }

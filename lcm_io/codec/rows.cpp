@@ -152,14 +152,14 @@ void set_change(crowd_change_t& m, const CrowdChange& change, size_t first, size
   m.avatar.resize(count);
   for (size_t i = 0; i < count; ++i) {
     m.avatar[i] = static_cast<int32_t>(change.ids[first + i]);
-    if (!change.entries.empty()) {
+    if (change.kind == CrowdChange::Kind::kAdd) {
       const AgentEntry& entry = change.entries[first + i];
       m.x_m[i] = entry.position_m.x();
       m.y_m[i] = entry.position_m.y();
       m.heading_rad[i] = static_cast<float>(entry.heading_rad);
       m.speed_mps[i] = static_cast<float>(entry.speed_mps);
     }
-    if (!change.desired_mps.empty())
+    if (change.kind == CrowdChange::Kind::kSetDesiredSpeed)
       m.speed_mps[i] = static_cast<float>(change.desired_mps[first + i]);
   }
 }

@@ -14,6 +14,8 @@ namespace {
 
 /// Queued messages until a step; each may change hundreds of agents.
 constexpr int kQueuedChanges = 1000;
+/// Each may need a new flow field; later ones wait for the next frame.
+constexpr int kGoalsPerFrame = 20;
 
 }  // namespace
 
@@ -44,7 +46,9 @@ void CrowdChangeReceiver::subscribe() {
 void CrowdChangeReceiver::apply(Simulation& simulation) {
   simulation_ = &simulation;
   // At most one full queue, because a continuous sender must not delay the run.
-  for (int i = 0; i < kQueuedChanges && lcm_->handleTimeout(0) > 0; ++i) {
+  goals_ = 0;
+  for (int i = 0; i < kQueuedChanges && goals_ < kGoalsPerFrame && lcm_->handleTimeout(0) > 0;
+       ++i) {
   }
   simulation_ = nullptr;
 }
@@ -56,12 +60,14 @@ void CrowdChangeReceiver::take(std::span<const uint8_t> bytes) {
     const auto run_id = static_cast<uint64_t>(message_.run_id);
     if (defect.empty() && run_id != 0 && run_id != run_.run_id)
       defect = fmt::format("a change for run {:016x}, not {:016x}", run_id, run_.run_id);
+    if (simulation_ == nullptr) defect = "received while no changes are taken";
     if (defect.empty()) {
       MessageHeader header;
       header.seq = message_.seq;
       tally_.count(header, bytes.size());
       counts_.missing = tally_.missing;
       CrowdChange change = change_of(message_);
+      goals_ += change.kind == CrowdChange::Kind::kSetGoal ? 1 : 0;
       simulation_->change(change);
       ++counts_.messages;
       return;

@@ -50,6 +50,7 @@ class CrowdChangeReceiver {
   Simulation* simulation_ = nullptr;
   ChannelTally tally_;
   Counts counts_;
+  int goals_ = 0;  ///< that were set before this frame
   crowd_change_t message_;
 };
 

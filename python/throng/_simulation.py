@@ -100,7 +100,8 @@ class Frame:
     def distance(self, a, part_a, b, part_b):
         """Return the Distance of two bodies, or of parts of them, by triangles. It needs no margin and ignores filters.
 
-        Raises InputError for bodies that are unknown or not in the scene, and for unknown parts.
+        Raises InputError for bodies that are unknown or not in the scene, and for unknown parts. With
+        joint_positions=False ask before set_pose(), which already changes joints.
 
         Args:
             a, b: ids of two avatars or obstacles.

@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Range kPlaceRange{-kMaxCoordinate_m, kMaxCoordinate_m};
-constexpr Range kHeadingRange{-7, 7};  // a turn either way, with the rounding of its digits
-constexpr Range kSpeedRange{0, 4};
+constexpr Range kHeadingRange{-kMaxHeading_rad, kMaxHeading_rad};
+constexpr Range kSpeedRange{0, kMaxEntrySpeed_mps};
 
 /// StartsFile reads the columns of a CSV file of starts.
 class StartsFile final : public LineHandler {

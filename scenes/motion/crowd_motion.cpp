@@ -66,9 +66,15 @@ void CrowdMotion::update(const Posing& posing, BodyStates& bodies, std::span<flo
     std::array<WalkInput, WalkBatch::kCapacity> walk;
     const uint32_t end = block.first + block.count;
     if (!scene_.planted_feet) {
-      for (uint32_t id = block.first; id < end; ++id)
-        if (move_root(id, bodies, speeds_mps[id]).is_present)
-          advance_phase(posing, speeds_mps[id], crowd_.displacements_m()[id], id, bodies);
+      const bool is_moved = is_external(spawned_.people[block.first]);  // all of a block
+      for (uint32_t id = block.first; id < end; ++id) {
+        const WalkInput one = move_root(id, bodies, speeds_mps[id]);
+        if (!one.is_present) continue;
+        const double walked_m = is_moved
+                                    ? (bodies.roots[id].position_m - one.before.position_m).norm()
+                                    : crowd_.displacements_m()[id];
+        advance_phase(posing, speeds_mps[id], walked_m, id, bodies);
+      }
       return;
     }
     for (uint32_t first = block.first; first < end; first += WalkBatch::kCapacity) {
@@ -86,18 +92,20 @@ WalkInput CrowdMotion::move_root(uint32_t id, BodyStates& bodies, float& speed_m
   RootPose& root = bodies.roots[id];
   const Eigen::Vector2d &position = crowd_.positions_m()[id], &heading = crowd_.headings()[id],
                         &velocity = crowd_.velocities_mps()[id];
-  // Agents that have left keep their last place and posture.
   const bool is_present = crowd_.journeys().is_present(id);
+  // An agent that has left keeps its root.
+  if (!is_present && bodies.gait_mps[id] != kNotEntered)
+    return {.before = root, .is_present = false};
   WalkInput walk = {root, static_cast<float>(velocity.dot(heading)), is_present};
   if (!bodies.avoidance.empty()) walk.stride_scale = bodies.avoidance[id].stride_scale;
+  // After a jump feet are planted anew, as on entry.
+  if ((position - root.position_m.head<2>()).norm() > kMaxExternalSpeed_mps * scene_.step_s)
+    bodies.gait_mps[id] = kNotEntered;
   root.position_m = {position.x(), position.y(), root_heights_m_[id - external_count_]};
   root.world_from_root = rotation_to(heading);
   if (!bodies.avoidance.empty())
     root.world_from_root = root.world_from_root * rotation_by(bodies.avoidance[id].hips_rad);
   if (is_present) speed_mps = static_cast<float>(velocity.norm());
-  // After a jump feet are planted anew, as on entry.
-  if (crowd_.displacements_m()[id] > kMaxExternalSpeed_mps * scene_.step_s)
-    bodies.gait_mps[id] = kNotEntered;
   return walk;
 }
 

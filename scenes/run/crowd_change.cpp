@@ -15,9 +15,6 @@
 namespace throng {
 namespace {
 
-/// As for headings in scene files: degrees are a mistake.
-constexpr double kMaxHeading_rad = 7;
-
 std::string at(const Eigen::Vector2d& point) {
   return fmt::format("({:g}, {:g})", point.x(), point.y());
 }
@@ -159,7 +156,7 @@ void set_desired_speed(const CrowdChange& change, Crowd& crowd) {
 }
 
 /// Maximum length of a group's name or a goal.
-constexpr size_t kMaxTextBytes = 1 << 20;
+constexpr size_t kMaxTextBytes = kMaxGoalBytes;
 
 void archive_text(Archive& a, std::string& text) {
   std::vector<uint8_t> bytes(text.begin(), text.end());
@@ -195,6 +192,9 @@ void CrowdChange::archive(Archive& a) {
   a.resized(desired_mps, kMaxBodies);
   archive_text(a, group);
   archive_text(a, goal);
+  if (entries.size() != (kind == Kind::kAdd ? ids.size() : 0) ||
+      desired_mps.size() != (kind == Kind::kSetDesiredSpeed ? ids.size() : 0))
+    a.reject("the values of each agent that is changed", "more or fewer");
 }
 
 }  // namespace throng

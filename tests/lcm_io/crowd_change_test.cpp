@@ -413,6 +413,31 @@ TEST(CrowdChangeReceiver, SurvivesDamagedMessages) {
   EXPECT_GT(run.receiver.counts().rejected, 200);
 }
 
+TEST(CrowdChanges, ResumeAfterARouteOfRemovedPeopleWasReplaced) {
+  const Scene scene = read_scene_text(R"(name: two
+ground: {min_m: [0, 0], max_m: [10, 10]}
+groups:
+  - {name: a, count: 2, spawn: {min_m: [1, 1], max_m: [4, 9]}, goals: [{min_m: [8, 1], max_m: [9, 9]}]}
+  - {name: b, count: 2, spawn: {min_m: [1, 1], max_m: [4, 9]}, goals: [{min_m: [8, 1], max_m: [9, 9]}]}
+)",
+                                      "scene");
+  Simulation run(scene, {});
+  run.step();
+  const uint32_t a[] = {0, 1}, b[] = {2, 3};
+  run.set_goal(a, "{min_m: [5, 1], max_m: [6, 2]}");
+  run.step();
+  run.remove(a);
+  run.set_goal(b, "{min_m: [5, 8], max_m: [6, 9]}");
+  run.step();
+  const std::vector<uint8_t> saved = run.saved();
+  Simulation rest(scene, {});
+  rest.resume(saved, "test");
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d there = run.step().roots[2].position_m;
+    EXPECT_EQ(rest.step().roots[2].position_m, there);
+  }
+}
+
 TEST(CrowdChanges, AreInTheLog) {
   const ScratchFile log;
   Simulation run(scene_of(4), {});

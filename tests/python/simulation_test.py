@@ -297,6 +297,10 @@ class Steps(Case):
         numpy.testing.assert_allclose(frame.speeds_mps[ids], 1.2, atol=1e-3)
         self.assertGreater(numpy.ptp(joints, axis=0).max(), 0.5, "legs swing")
         self.assertEqual(simulation.step().speeds_mps[ids].max(), 0, "they stand without a call")
+        for _ in range(60):  # a quarter turn, by a quaternion of another length
+            simulation.set_pose(ids, at, rotations_xyzw=(0, 0, 2, 2))
+            frame = simulation.step()
+        numpy.testing.assert_allclose(frame.headings_rad[ids], numpy.pi / 2, atol=0.5)  # trunks adapt
         simulation.set_pose(ids, numpy.column_stack([at, numpy.zeros(5)]), gait=False)
         numpy.testing.assert_allclose(simulation.step().positions_m[ids, :2], at, atol=1e-9)
 
