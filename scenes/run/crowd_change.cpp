@@ -21,23 +21,23 @@ std::string at(const Eigen::Vector2d& point) {
 
 void check_entry(const AgentEntry& entry, size_t index, const Scene& scene, const Crowd& crowd,
                  uint32_t id, bool is_external) {
-  const std::string where = fmt::format("positions_m[{}]", index);
+  const auto where = [&] { return fmt::format("positions_m[{}]", index); };
   const Eigen::Vector2d& point = entry.position_m;
   if (!point.allFinite() || !scene.ground.contains(point))
-    throw InputError(where,
+    throw InputError(where(),
                      fmt::format("a point on the ground, from {} to {} m", at(scene.ground.min_m),
                                  at(scene.ground.max_m)),
                      at(point));
   // Externally controlled agents may be anywhere.
   if (const double gap_m = crowd.min_clearance_m(id), clearance_m = crowd.clearance_m(point);
       !is_external && !(clearance_m >= gap_m))
-    throw InputError(where, fmt::format("a point at least {:.2f} m from walls", gap_m),
+    throw InputError(where(), fmt::format("a point at least {:.2f} m from walls", gap_m),
                      clearance_m > 0
                          ? fmt::format("{}, {:.2f} m from a wall", at(point), clearance_m)
                          : fmt::format("{}, in a wall or outside the floor", at(point)));
   if (const std::optional<uint32_t> other = crowd.find_overlapping(point, crowd.radius_m(id));
       other && !is_external)
-    throw InputError(where,
+    throw InputError(where(),
                      fmt::format("a point at least {:.2f} m from other agents",
                                  0.5 * (crowd.radius_m(id) + crowd.radius_m(*other))),
                      fmt::format("{}, {:.2f} m from agent {}", at(point),
