@@ -101,7 +101,9 @@ TEST(Posing, ReadsExternalRowsInPlace) {
   bodies.external_rows = {nullptr, external.data()};
   const uint32_t external_id = 1;
   const float* row = nullptr;
-  make_posture_provider(PostureKind::kExternal, {}, bodies)
+  ModelGaits gaits;
+  gaits.of_style(0) = std::make_unique<Gait>(*adult);
+  make_posture_provider(PostureKind::kExternal, gaits, bodies)
       ->rows({&external_id, 1}, scratch, {&row, 1});
   EXPECT_EQ(row, external.data());
   EXPECT_EQ(scratch, std::vector<float>(2 * columns, 7.0f));
