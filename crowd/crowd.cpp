@@ -335,10 +335,10 @@ std::optional<uint32_t> Crowd::find_overlapping(const Eigen::Vector2d& point,
                                                 double radius_m) const {
   std::optional<uint32_t> found;
   const auto look_at = [&](uint32_t id) {
-    const double apart_m = 0.5 * (radius_m + state_.radii_m[id]);
+    const double apart_m = min_apart_m(radius_m, state_.radii_m[id]);
     if (journeys_.is_present(id) && (state_.positions_m[id] - point).norm() < apart_m) found = id;
   };
-  state_.grid.visit_near(point, 0.5 * (radius_m + max_radius_m()), look_at);
+  state_.grid.visit_near(point, min_apart_m(radius_m, max_radius_m()), look_at);
   for (const uint32_t id : added_) look_at(id);
   return found;
 }
@@ -348,11 +348,13 @@ void Crowd::remove(uint32_t id) {
   population_.remove(id);
   journeys_.leave(id);
   exits_.forget(id);
-  if (const uint32_t slot = state_.slot_of[id]; slot != SteeringState::kNowhere) {
-    AgentState& w = state_.agents[slot];
-    w.old_mps = w.next_mps = w.velocity_mps = w.drift_mps = Eigen::Vector2d::Zero();
+  const uint32_t slot = state_.slot_of[id];
+  if (slot == SteeringState::kNowhere) {
+    std::erase(added_, id);
+    return;
   }
-  if (state_.slot_of[id] == SteeringState::kNowhere) std::erase(added_, id);
+  AgentState& w = state_.agents[slot];
+  w.old_mps = w.next_mps = w.velocity_mps = w.drift_mps = Eigen::Vector2d::Zero();
 }
 
 void Crowd::set_goal(std::span<const uint32_t> ids, const Goal& goal) {

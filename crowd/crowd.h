@@ -113,10 +113,8 @@ class Crowd {
   }
   double radius_m(uint32_t id) const { return state_.radii_m[id]; }
   double max_radius_m() const { return static_cast<double>(state_.max_radius_m); }
-  /// Returns a present agent whose disc a disc at this point overlaps by more than half.
+  /// Returns a present agent nearer to a disc at this point than min_apart_m().
   std::optional<uint32_t> find_overlapping(const Eigen::Vector2d& point, double radius_m) const;
-  /// Minimum distance of an agent that is added to walls (m).
-  double min_clearance_m(uint32_t id) const { return 0.5 * state_.radii_m[id]; }
   const Journeys& journeys() const { return journeys_; }
   const Population& population() const { return population_; }
   const Queues& queues() const { return queues_; }

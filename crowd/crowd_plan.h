@@ -118,7 +118,7 @@ struct Starts {
   std::vector<Eigen::Vector2d> positions_m;
   std::vector<double> headings_rad;  ///< empty: towards the goal
   std::vector<double> speeds_mps;    ///< along the heading; empty: as agents ahead allow
-  std::string file;                  ///< where the positions are written, for messages
+  std::string file;                  ///< name of the file with the positions, for errors
   std::vector<int> lines;            ///< line of each position in that file
 };
 

@@ -51,14 +51,14 @@ class PlacedDiscs {
     return true;
   }
 
-  /// Index of an agent nearer than `share` of the sum of both radii, if there is one.
-  std::optional<size_t> find_nearer(const AgentSpec& person, double share,
-                                    const std::vector<AgentSpec>& people) const {
+  /// Index of an agent nearer than min_apart_m(), if there is one.
+  std::optional<size_t> find_overlapping(const AgentSpec& person,
+                                         const std::vector<AgentSpec>& people) const {
     const auto [column, row] = cell_of(person.position_m);
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
       for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
         for (uint32_t id = first_[index(c, r)]; id != kNone; id = next_[id]) {
-          const double apart_m = share * (person.radius_m + people[id].radius_m);
+          const double apart_m = min_apart_m(person.radius_m, people[id].radius_m);
           if ((people[id].position_m - person.position_m).norm() < apart_m) return id;
         }
     return {};
@@ -280,13 +280,14 @@ int place_densely(const CrowdPlan& plan, size_t group_index, const NavigationMap
 void require_off_walls(const Group& group, const NavigationMap& map, size_t row,
                        const AgentSpec& person) {
   const double clearance_m = map.walkable().clearance_m(person.position_m);
-  if (clearance_m >= 0.5 * person.radius_m) return;
+  const double min_m = min_clearance_m(person.radius_m);
+  if (clearance_m >= min_m) return;
   const Starts& starts = group.starts;
   throw InputError(
       at_line(starts.file, starts.lines[row]),
       fmt::format("position {} of group '{}' on the ground, at least {:.3g} m from walls and its "
                   "edge",
-                  row + 1, group.name, 0.5 * person.radius_m),
+                  row + 1, group.name, min_m),
       fmt::format("[{}, {}], {}", person.position_m.x(), person.position_m.y(),
                   clearance_m < 0 ? std::string("in a wall or outside")
                                   : fmt::format("{:.3g} m from one", clearance_m)));
@@ -295,14 +296,14 @@ void require_off_walls(const Group& group, const NavigationMap& map, size_t row,
 /// Throws InputError if the disc of agent `row` overlaps another by more than half.
 void require_apart(const Group& group, size_t row, const AgentSpec& person,
                    const std::vector<AgentSpec>& people, const PlacedDiscs& places) {
-  const std::optional<size_t> other = places.find_nearer(person, 0.5, people);
+  const std::optional<size_t> other = places.find_overlapping(person, people);
   if (!other) return;
   const Starts& starts = group.starts;
   const Eigen::Vector2d& there = people[*other].position_m;
   throw InputError(
       at_line(starts.file, starts.lines[row]),
       fmt::format("position {} of group '{}' at least {:.3g} m from other agents", row + 1,
-                  group.name, 0.5 * (person.radius_m + people[*other].radius_m)),
+                  group.name, min_apart_m(person.radius_m, people[*other].radius_m)),
       fmt::format("[{}, {}], {:.3g} m from the one at [{}, {}]", person.position_m.x(),
                   person.position_m.y(), (there - person.position_m).norm(), there.x(), there.y()));
 }

@@ -79,6 +79,12 @@ AgentSpec make_agent(const CrowdPlan& plan, size_t group, uint64_t id);
 /// 0.255 m: shoulders and arms touch where discs do not.
 double disc_radius_m(double height_m);
 
+/// Explicit places: discs may overlap by half, and come within half a radius of walls.
+inline double min_apart_m(double radius_m, double other_radius_m) {
+  return 0.5 * (radius_m + other_radius_m);
+}
+inline double min_clearance_m(double radius_m) { return 0.5 * radius_m; }
+
 /// Minimum distance to walls at the start: the disc's radius, at least half the depth of the trunk.
 double wall_gap_m(double radius_m, double height_m);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 
 #include "base/errors.h"
 #include "python/arrays.h"
@@ -203,32 +204,39 @@ Eigen::Vector2d row_of(const DoubleArray& values, size_t row, size_t width) {
   return {values.data()[row * width], values.data()[row * width + 1]};
 }
 
-const Model& model_of(const SteppedRun& run, uint32_t avatar) {
-  return *run.info().models[run.info().model_of_avatar[avatar]];
+const Model& model_of(const Simulation& simulation, uint32_t avatar) {
+  return *simulation.info().models[simulation.info().model_of_avatar[avatar]];
 }
 
-/// Ids of externally controlled avatars. Throws InputError for others.
-std::vector<uint32_t> external_ids(const SteppedRun& run, const Numbers& ids) {
+std::vector<uint32_t> agent_ids(const Numbers& ids) {
   std::vector<uint32_t> out;
   for (py::ssize_t i = 0; i < ids.size(); ++i) {
     const int64_t id = ids.data()[i];
-    if (id < 0 || id > UINT32_MAX || !run.is_external(static_cast<uint32_t>(id)))
-      throw InputError(fmt::format("ids[{}]", i), "an externally controlled avatar",
-                       fmt::format("avatar {}", id));
-    if (!run.is_present(static_cast<uint32_t>(id)))
-      throw InputError(fmt::format("ids[{}]", i), "an avatar that is in the scene",
-                       fmt::format("avatar {}, which is not", id));
+    if (id < 0 || id > UINT32_MAX)
+      throw InputError(fmt::format("ids[{}]", i), "the id of an agent", fmt::format("{}", id));
     out.push_back(static_cast<uint32_t>(id));
   }
   return out;
 }
 
-void check_poses(const SteppedRun& run, const PoseArrays& poses, std::span<const uint32_t> ids,
-                 bool gait) {
+/// Throws InputError unless all are externally controlled and in the scene.
+void require_external(const Simulation& simulation, std::span<const uint32_t> ids) {
+  for (size_t i = 0; i < ids.size(); ++i) {
+    if (simulation.external_pose(ids[i]) == nullptr)
+      throw InputError(fmt::format("ids[{}]", i), "an externally controlled avatar",
+                       fmt::format("avatar {}", ids[i]));
+    if (!simulation.is_present(ids[i]))
+      throw InputError(fmt::format("ids[{}]", i), "an avatar that is in the scene",
+                       fmt::format("avatar {}, which is not", ids[i]));
+  }
+}
+
+void check_poses(const Simulation& simulation, const PoseArrays& poses,
+                 std::span<const uint32_t> ids, bool gait) {
   size_t joints = 0;
   for (size_t i = 0; i < ids.size(); ++i) {
-    joints += static_cast<size_t>(model_of(run, ids[i]).kinematics.column_count());
-    if (!poses.has_height() && !(gait && run.can_walk(ids[i])))
+    joints += static_cast<size_t>(model_of(simulation, ids[i]).kinematics.column_count());
+    if (!poses.has_height() && !(gait && simulation.can_walk(ids[i])))
       throw InputError(fmt::format("positions_m[{}]", i),
                        "3 numbers x, y, z for an avatar that does not walk by its gait", "2");
   }
@@ -246,9 +254,11 @@ int set_pose(SteppedRun& run, const Numbers& ids_in, const DoubleArray& position
              const DoubleArray& rotations_xyzw, const DoubleArray& joint_positions,
              const DoubleArray& velocities_mps, bool gait) {
   const PoseArrays poses{ids_in, positions_m, rotations_xyzw, joint_positions, velocities_mps};
-  const std::vector<uint32_t> ids = external_ids(run, ids_in);
+  Simulation& simulation = run.simulation();
+  const std::vector<uint32_t> ids = agent_ids(ids_in);
+  require_external(simulation, ids);
   gait = gait && joint_positions.size() == 0;
-  check_poses(run, poses, ids, gait);
+  check_poses(simulation, poses, ids, gait);
   std::vector<Eigen::Quaternionf> rotations;
   for (size_t i = 0; i < ids.size() && rotations_xyzw.size() > 0; ++i)
     rotations.push_back(rotation_of(rotations_xyzw.data() + 4 * i));
@@ -259,12 +269,12 @@ int set_pose(SteppedRun& run, const Numbers& ids_in, const DoubleArray& position
     const Eigen::Vector2d place_m = row_of(positions_m, i, width);
     std::optional<Eigen::Vector2d> velocity_mps, heading;
     if (velocities_mps.size() > 0) velocity_mps = row_of(velocities_mps, i, 2);
-    if (gait && run.can_walk(ids[i])) {
+    if (gait && simulation.can_walk(ids[i])) {
       if (!rotations.empty())
         heading = (rotations[i].cast<double>().normalized() * Eigen::Vector3d::UnitX())
                       .head<2>()
                       .normalized();
-      clamped += run.walk_to(ids[i], place_m, heading, velocity_mps);
+      clamped += simulation.walk_to(ids[i], place_m, heading, velocity_mps);
       continue;
     }
     ExternalPose pose;
@@ -272,24 +282,21 @@ int set_pose(SteppedRun& run, const Numbers& ids_in, const DoubleArray& position
     pose.root.world_from_root = rotations.empty() ? Eigen::Quaternionf::Identity() : rotations[i];
     pose.velocity_mps = velocity_mps.value_or(Eigen::Vector2d::Zero());
     if (joint_positions.size() > 0) {
-      const auto columns = static_cast<size_t>(model_of(run, ids[i]).kinematics.column_count());
+      const auto columns =
+          static_cast<size_t>(model_of(simulation, ids[i]).kinematics.column_count());
       pose.joints = {joints, columns};
       joints += columns;
     }
-    clamped += run.set_pose(ids[i], pose);
+    clamped += simulation.set_pose(ids[i], pose);
   }
   return clamped;
 }
 
-std::vector<uint32_t> agent_ids(const Numbers& ids) {
-  std::vector<uint32_t> out;
-  for (py::ssize_t i = 0; i < ids.size(); ++i) {
-    const int64_t id = ids.data()[i];
-    if (id < 0 || id > UINT32_MAX)
-      throw InputError(fmt::format("ids[{}]", i), "the id of an agent", fmt::format("{}", id));
-    out.push_back(static_cast<uint32_t>(id));
-  }
-  return out;
+/// Throws RuntimeError after the end of the run.
+Simulation& changeable(SteppedRun& run) {
+  if (run.is_over())
+    throw std::runtime_error("this simulation is finished; its people cannot be changed");
+  return run.simulation();
 }
 
 /// `headings_rad` has no elements if they are not given.
@@ -302,27 +309,27 @@ py::array add(SteppedRun& run, const std::string& group, const DoubleArray& posi
     entries[i].speed_mps = speeds_mps.data()[i];
     if (headings_rad.size() > 0) entries[i].heading_rad = headings_rad.data()[i];
   }
-  CrowdChange change{
-      .kind = CrowdChange::Kind::kAdd, .group = group, .entries = std::move(entries)};
-  run.change(change);
-  return array_of(std::vector<int64_t>(change.ids.begin(), change.ids.end()));
+  const uint32_t first = changeable(run).add(group, entries);
+  std::vector<int64_t> ids(entries.size());
+  std::iota(ids.begin(), ids.end(), int64_t{first});
+  return array_of(std::move(ids));
 }
 
-void remove(SteppedRun& run, const Numbers& ids) {
-  CrowdChange change{.kind = CrowdChange::Kind::kRemove, .ids = agent_ids(ids)};
-  run.change(change);
-}
+void remove(SteppedRun& run, const Numbers& ids) { changeable(run).remove(agent_ids(ids)); }
 
 void set_goal(SteppedRun& run, const Numbers& ids, const std::string& goal) {
-  CrowdChange change{.kind = CrowdChange::Kind::kSetGoal, .ids = agent_ids(ids), .goal = goal};
-  run.change(change);
+  changeable(run).set_goal(agent_ids(ids), goal);
 }
 
 void set_desired_speed(SteppedRun& run, const Numbers& ids, const DoubleArray& mps) {
-  CrowdChange change{.kind = CrowdChange::Kind::kSetDesiredSpeed,
-                     .ids = agent_ids(ids),
-                     .desired_mps = {mps.data(), mps.data() + mps.size()}};
-  run.change(change);
+  changeable(run).set_desired_speed(agent_ids(ids), {mps.data(), static_cast<size_t>(mps.size())});
+}
+
+/// Number of people without a path to their goal.
+int stranded(SteppedRun& run) {
+  int people = 0;
+  for (const Stranding& stranding : run.simulation().strandings()) people += stranding.people;
+  return people;
 }
 
 }  // namespace
@@ -380,7 +387,7 @@ void bind_simulation(py::module_& module) {
       .def_property_readonly("frames", &SteppedRun::frames)
       .def_property_readonly("next_frame", &SteppedRun::next_frame)
       .def_property_readonly("notes", &SteppedRun::notes)
-      .def_property_readonly("stranded", &SteppedRun::stranded)
+      .def_property_readonly("stranded", stranded)
       .def_property_readonly("writes_files", &SteppedRun::writes_files)
       .def_property_readonly("step_ms", &SteppedRun::step_ms)
       .def_property_readonly("joint_offsets", joint_offsets)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <exception>
 #include <functional>
 #include <stdexcept>
 
@@ -92,13 +93,6 @@ void SteppedRun::close_files() {
   if (error) std::rethrow_exception(error);
 }
 
-int SteppedRun::stranded() const {
-  expect_idle();
-  int people = 0;
-  for (const Stranding& stranding : simulation_->strandings()) people += stranding.people;
-  return people;
-}
-
 void SteppedRun::expect_idle() const {
   if (is_busy_)
     throw std::runtime_error(
@@ -131,24 +125,6 @@ void SteppedRun::finish() {
   for (const PairEvent& event : end_->events) last_ends_.push_back(event_row(end_->frames, event));
   frame_ = nullptr;
   if (files_) close_files();
-}
-
-int SteppedRun::set_pose(uint32_t avatar, const ExternalPose& pose) {
-  expect_idle();
-  return simulation_->set_pose(avatar, pose);
-}
-
-int SteppedRun::walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
-                        const std::optional<Eigen::Vector2d>& heading,
-                        const std::optional<Eigen::Vector2d>& velocity_mps) {
-  expect_idle();
-  return simulation_->walk_to(avatar, position_m, heading, velocity_mps);
-}
-
-void SteppedRun::change(CrowdChange& change) {
-  expect_idle();
-  if (end_) throw std::runtime_error("this simulation is finished; its people cannot be changed");
-  simulation_->change(change);
 }
 
 std::vector<uint8_t> SteppedRun::saved() {

@@ -53,13 +53,11 @@ class SteppedRun {
   /// steps. After Ctrl-C a long step completes alone, and `run` is busy until then.
   static int64_t step(const std::shared_ptr<SteppedRun>& run);
   void finish();
-  int set_pose(uint32_t avatar, const ExternalPose& pose);
-  int walk_to(uint32_t avatar, const Eigen::Vector2d& position_m,
-              const std::optional<Eigen::Vector2d>& heading,
-              const std::optional<Eigen::Vector2d>& velocity_mps);
-  bool can_walk(uint32_t avatar) const { return simulation_->can_walk(avatar); }
-  void change(CrowdChange& change);
-  bool is_external(uint32_t avatar) const { return simulation_->external_pose(avatar) != nullptr; }
+  /// The simulation between two steps.
+  Simulation& simulation() {
+    expect_idle();
+    return *simulation_;
+  }
   std::vector<uint8_t> saved();
   void resume(std::span<const uint8_t> state);
 
@@ -82,12 +80,6 @@ class SteppedRun {
   bool has_postures() const { return request_.simulation.postures; }
   const std::vector<std::string>& notes() const { return notes_; }
   bool writes_files() const { return throng::writes_files(request_); }
-  bool is_present(uint32_t avatar) const {
-    const std::span<const uint8_t> now = simulation_->present();
-    return now.empty() || now[avatar] != 0;
-  }
-  /// Number of people without a path to their goal.
-  int stranded() const;
   uint64_t hash() const;
   /// Wall time of the last step in the library, in ms.
   double step_ms() const;

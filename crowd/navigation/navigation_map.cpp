@@ -116,9 +116,10 @@ void NavigationMap::build_set_goal(size_t index) {
   std::vector<Stop>& route = routes_[groups() + index];
   if (known != goals_.end()) {
     route = {stop_at(set.goal, static_cast<uint32_t>(known - goals_.begin()))};
+    set.field.reset();
     return;
   }
-  put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)), set.field);
+  put(field_to(set.goal.areas), set.field);
   route = {{set.goal, set.field.get(), Stop::kNoNumber, pieces_of(*nav_mesh_, set.goal), 0, 0, {}}};
 }
 
@@ -226,7 +227,7 @@ void NavigationMap::build_queues(Workers& workers) {
       const auto index = static_cast<size_t>(block);
       if (index < areas) {
         const std::span<const Area> area(&queue.plan.areas[index], 1);
-        put(FlowField(grid_, area, closed_, penalise_other_goals(area)), queue.to_areas[index]);
+        put(field_to(area), queue.to_areas[index]);
         return;
       }
       const Eigen::Vector2d half = Eigen::Vector2d::Constant(grid_.cell_m());
@@ -236,6 +237,11 @@ void NavigationMap::build_queues(Workers& workers) {
           queue.to_corners[index - areas]);
     });
   }
+}
+
+/// Field to areas for the current doors, off the areas where others are served.
+FlowField NavigationMap::field_to(std::span<const Area> areas) const {
+  return FlowField(grid_, areas, closed_, penalise_other_goals(areas));
 }
 
 /// Policies that keep paths off the areas where others are served; empty without queues.
@@ -267,13 +273,11 @@ void NavigationMap::build_fields(Workers& workers) {
       return;
     }
     const auto goal = static_cast<size_t>(block - 1);
-    put(FlowField(grid_, goals_[goal], closed_, penalise_other_goals(goals_[goal])), fields_[goal]);
+    put(field_to(goals_[goal]), fields_[goal]);
   });
   workers.for_blocks(static_cast<int>(set_goals_.size()), [&](int block, int) {
     SetGoal& set = set_goals_[static_cast<size_t>(block)];
-    if (set.field != nullptr)
-      put(FlowField(grid_, set.goal.areas, closed_, penalise_other_goals(set.goal.areas)),
-          set.field);
+    if (set.field != nullptr) put(field_to(set.goal.areas), set.field);
   });
   if (!queues_.empty()) build_queues(workers);
   if (first_exits_.empty()) find_exits(workers);

@@ -152,6 +152,7 @@ class NavigationMap {
   uint32_t queue_of(const Goal& goal) const;
   void add_queues(const CrowdPlan& plan);
   void build_queues(Workers& workers);
+  FlowField field_to(std::span<const Area> areas) const;
   std::vector<CellPolicy> penalise_other_goals(std::span<const Area> areas) const;
   void find_exits(Workers& workers);
   void build_exits(Workers& workers);
@@ -173,7 +174,7 @@ class NavigationMap {
   struct SetGoal {
     size_t group = 0;
     Goal goal;
-    std::unique_ptr<FlowField> field;  ///< unused for areas of a goal of the scene
+    std::unique_ptr<FlowField> field;  ///< null for areas of a goal of the scene
   };
   std::vector<std::vector<Stop>> routes_;  ///< per group, then per set goal
   std::vector<SetGoal> set_goals_;

@@ -20,12 +20,7 @@ constexpr int kGoalsPerFrame = 20;
 }  // namespace
 
 CrowdChangeReceiver::CrowdChangeReceiver(const RunInfo& run, const std::string& url)
-    : run_(run), lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
-  if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(
-        fmt::format("LCM cannot listen on {} for changes of the crowd; {}", url, remedy(url)));
-  subscribe();
-}
+    : CrowdChangeReceiver(run, listening(url, " for changes of the crowd")) {}
 
 CrowdChangeReceiver::CrowdChangeReceiver(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm)
     : run_(run), lcm_(std::move(lcm)) {

@@ -1,6 +1,7 @@
 #include "lcm_io/wire/lcm_url.h"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -9,6 +10,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <lcm/lcm-cpp.hpp>
 
 #include "base/errors.h"
 
@@ -91,6 +93,15 @@ bool is_usable(const std::string& url) {
 
 std::string_view remedy(const std::string& url) {
   return is_tcpq(url) ? "start its server first, for example lcm-tcpq-server" : kMulticastRemedy;
+}
+
+std::shared_ptr<lcm::LCM> listening(const std::string& url, std::string_view purpose,
+                                    std::string_view option) {
+  std::shared_ptr<lcm::LCM> lcm = is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr;
+  if (!lcm || !lcm->good())
+    throw EnvironmentError(
+        fmt::format("{}LCM cannot listen on {}{}; {}", option, url, purpose, remedy(url)));
+  return lcm;
 }
 
 }  // namespace throng

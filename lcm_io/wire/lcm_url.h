@@ -2,8 +2,13 @@
 // unusable one.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
+
+namespace lcm {
+class LCM;
+}
 
 namespace throng {
 
@@ -22,6 +27,11 @@ bool has_server(const std::string& url);
 /// liblcm would abort a program that waits for its messages.
 bool is_usable(const std::string& url);
 std::string_view remedy(const std::string& url);
+
+/// Returns a connection to listen on. Throws EnvironmentError with the remedy if liblcm cannot use
+/// the URL. `purpose` and `option` are parts of its text: " for replies" and "--lockstep: ".
+std::shared_ptr<lcm::LCM> listening(const std::string& url, std::string_view purpose = "",
+                                    std::string_view option = "");
 
 /// Remedy if has_route() is false.
 inline constexpr std::string_view kMulticastRemedy =

@@ -35,11 +35,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 Lockstep::Lockstep(const RunInfo& run, const std::string& url, double timeout_s)
-    : Lockstep(run, is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr, timeout_s) {
-  if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(
-        fmt::format("--lockstep: LCM cannot listen on {} for replies; {}", url, remedy(url)));
-}
+    : Lockstep(run, listening(url, " for replies", "--lockstep: "), timeout_s) {}
 
 Lockstep::Lockstep(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm, double timeout_s)
     : run_(run), lcm_(std::move(lcm)), timeout_s_(timeout_s) {

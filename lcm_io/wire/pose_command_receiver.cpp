@@ -1,11 +1,8 @@
 #include "lcm_io/wire/pose_command_receiver.h"
 
-#include <fmt/format.h>
-
 #include <lcm/lcm-cpp.hpp>
 
 #include "base/console.h"
-#include "base/errors.h"
 #include "lcm_io/codec/message_validation.h"
 #include "lcm_io/wire/external_poses.h"
 #include "lcm_io/wire/lcm_url.h"
@@ -21,12 +18,7 @@ constexpr std::chrono::seconds kRestart{1};
 }  // namespace
 
 PoseCommandReceiver::PoseCommandReceiver(const RunInfo& run, const std::string& url)
-    : run_(run), lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
-  if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(
-        fmt::format("LCM cannot listen on {} for pose commands; {}", url, remedy(url)));
-  subscribe();
-}
+    : PoseCommandReceiver(run, listening(url, " for pose commands")) {}
 
 PoseCommandReceiver::PoseCommandReceiver(const RunInfo& run, std::shared_ptr<lcm::LCM> lcm)
     : run_(run), lcm_(std::move(lcm)) {

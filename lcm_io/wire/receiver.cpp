@@ -1,11 +1,8 @@
 #include "lcm_io/wire/receiver.h"
 
-#include <fmt/format.h>
-
 #include <lcm/lcm-cpp.hpp>
 #include <utility>
 
-#include "base/errors.h"
 #include "lcm_io/wire/lcm_url.h"
 
 namespace throng {
@@ -18,12 +15,7 @@ constexpr int kMaxMessagesPerCall = 4096;
 
 }  // namespace
 
-Receiver::Receiver(const std::string& url)
-    : lcm_(is_usable(url) ? std::make_shared<lcm::LCM>(url) : nullptr) {
-  if (!lcm_ || !lcm_->good())
-    throw EnvironmentError(fmt::format("LCM cannot listen on {}; {}", url, remedy(url)));
-  subscribe();
-}
+Receiver::Receiver(const std::string& url) : Receiver(listening(url)) {}
 
 Receiver::Receiver(std::shared_ptr<lcm::LCM> lcm) : lcm_(std::move(lcm)) { subscribe(); }
 

@@ -23,7 +23,7 @@ _FORMS = {"integer": r"[+-]?\d{1,18}", "number": r"[+-]?(\d+\.?\d*|\.\d+)([eE][+
 # Arguments of study() that are no keys of a study file.
 _OF_STUDIES = ("scenes", "threads", "out", "progress")
 # Columns of text in tables of logs.
-_TEXTS = ("kind", "name", "name_a", "name_b", "part_a", "part_b", "region")
+_TEXTS = ("kind", "name", "name_a", "name_b", "part_a", "part_b", "region", "group", "goal")
 
 
 class Study(Table):
@@ -201,7 +201,7 @@ def export(log, channel=None, *, out=None, mcap=None, poses_hz=None, progress=No
 
     Args:
         log: path of the log.
-        channel: "events", "states", "touching", "proximity", "contact_points", "separation" or "frame_stats". Columns
+        channel: "events", "states", "touching", "proximity", "contact_points", "separation", "changes" or "frame_stats". Columns
             have the names of the messages; bodies and parts also have names.
         out: CSV file to write in place of a Table [none].
         mcap: MCAP file to write [none].

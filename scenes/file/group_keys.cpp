@@ -9,7 +9,6 @@
 #include "scenes/file/key_tables.h"
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/file/start_values.h"
 
 namespace throng {
 namespace {

@@ -41,6 +41,12 @@ void require_lines(const ReadContext& context);
 SocialGroupRule read_social_groups(ReadContext& context, const std::string& file,
                                    const YamlNode& node);
 
+/// Reads `positions_m` of a group, with the columns of its file if it names one.
+void read_positions(ReadContext& context, const Fields& fields, Group& group);
+/// Rows of `positions_m`, `headings_rad` and `speeds_mps`. read_positions() comes first.
+std::vector<Key<Group>> rows_of_starts();
+MapText starts_text();
+
 template <typename T>
 void read_items(const KeyTable<T>& table, const std::string& key, bool required,
                 ReadContext& context, const Fields& fields, std::vector<T>& out) {

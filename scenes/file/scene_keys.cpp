@@ -14,7 +14,6 @@
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/recorded_scene.h"
 #include "scenes/file/scene_values.h"
-#include "scenes/file/start_values.h"
 
 namespace throng {
 namespace {

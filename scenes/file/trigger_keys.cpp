@@ -208,7 +208,7 @@ void require_triggers(const ReadContext& context) {
     if (group->is_external() || group->recorded > 0)
       throw InputError(
           where, "a group that walks to goals",
-          fmt::format("'{}', which follows a recording or a control channel", trigger.group));
+          fmt::format("'{}', which is recorded or externally controlled", trigger.group));
     if (trigger.goal > static_cast<int>(group->goals.size()))
       throw InputError(where,
                        fmt::format("one of the {} goals of '{}'", group->goals.size(), group->name),

@@ -29,7 +29,8 @@ void check_entry(const AgentEntry& entry, size_t index, const Scene& scene, cons
                                  at(scene.ground.max_m)),
                      at(point));
   // Externally controlled agents may be anywhere.
-  if (const double gap_m = crowd.min_clearance_m(id), clearance_m = crowd.clearance_m(point);
+  if (const double gap_m = min_clearance_m(crowd.radius_m(id)),
+      clearance_m = crowd.clearance_m(point);
       !is_external && !(clearance_m >= gap_m))
     throw InputError(where(), fmt::format("a point at least {:.2f} m from walls", gap_m),
                      clearance_m > 0
@@ -39,7 +40,7 @@ void check_entry(const AgentEntry& entry, size_t index, const Scene& scene, cons
       other && !is_external)
     throw InputError(where(),
                      fmt::format("a point at least {:.2f} m from other agents",
-                                 0.5 * (crowd.radius_m(id) + crowd.radius_m(*other))),
+                                 min_apart_m(crowd.radius_m(id), crowd.radius_m(*other))),
                      fmt::format("{}, {:.2f} m from agent {}", at(point),
                                  (crowd.positions_m()[*other] - point).norm(), *other));
   if (std::abs(entry.heading_rad) > kMaxHeading_rad)
@@ -72,7 +73,7 @@ void require_apart(std::span<const AgentEntry> entries, uint32_t first, const Cr
     for (size_t k = i + 1; k < by_x.size(); ++k) {
       const uint32_t a = std::min(by_x[i], by_x[k]), b = std::max(by_x[i], by_x[k]);
       if (std::abs(x(b) - x(a)) > crowd.max_radius_m()) break;
-      const double min_m = 0.5 * (crowd.radius_m(first + a) + crowd.radius_m(first + b));
+      const double min_m = min_apart_m(crowd.radius_m(first + a), crowd.radius_m(first + b));
       const double apart_m = (entries[a].position_m - entries[b].position_m).norm();
       if (apart_m < min_m)
         throw InputError(fmt::format("positions_m[{}]", b),

@@ -411,7 +411,7 @@ int Simulation::unplaced() const { return state_->motion->unplaced(); }
 const SteeringCounters& Simulation::steering() const { return state_->motion->steering(); }
 const PopulationCounters& Simulation::population() const { return state_->motion->population(); }
 std::vector<Stranding> Simulation::strandings() const { return state_->motion->strandings(); }
-std::span<const uint8_t> Simulation::present() const { return state_->motion->present(); }
+bool Simulation::is_present(uint32_t avatar) const { return state_->is_present(avatar); }
 const BodyStates& Simulation::bodies() const { return state_->bodies; }
 FrameTimes& Simulation::times() { return state_->times; }
 

@@ -64,8 +64,8 @@ class Simulation {
   /// Agents without a path to their goal, as of now.
   std::vector<Stranding> strandings() const;
 
-  /// Per avatar, 0: not in the scene now, also after changes since the latest step; empty: all are.
-  std::span<const uint8_t> present() const;
+  /// Returns whether an avatar is in the scene now, also after changes since the latest step.
+  bool is_present(uint32_t avatar) const;
   /// Inputs of the poses, as of the latest step: avatars, then obstacles.
   const BodyStates& bodies() const;
 

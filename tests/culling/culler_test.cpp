@@ -13,6 +13,7 @@
 #include "culling/culling.h"
 #include "tests/culling/random_bodies.h"
 #include "tests/culling/truth.h"
+#include "tests/error_of.h"
 
 namespace throng::culler_test {
 namespace {
@@ -237,17 +238,6 @@ TEST(Culler, TestsFewerPairsWithAGridThanByBruteForce) {
   EXPECT_LT(grid * 20, brute);
 }
 
-/// Message of the InputError, or "" if none is thrown.
-template <typename Function>
-std::string error_of(const Function& function) {
-  try {
-    function();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Culler, RejectsScalesOutsideTheRangeOfFloats) {
   const RandomBodies whole(3, 20, 2, {0, 0, 0});
   Workers workers(1);
@@ -257,7 +247,7 @@ TEST(Culler, RejectsScalesOutsideTheRangeOfFloats) {
     for (size_t pose = world.first_pose[7]; pose < world.first_pose[8]; ++pose)
       for (auto& row : world.all_poses[pose].rows) row[3] *= scale / whole.scales[7];
     Culler culler(world.types, {}, workers);
-    return error_of([&] { culler.step(world.view(), world); });
+    return test::error_of([&] { culler.step(world.view(), world); });
   };
   for (const float scale : {1e-6F, 0.1F, 1.F, 1e3F, 1e6F}) EXPECT_EQ(step(scale), "") << scale;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -272,7 +262,7 @@ TEST(Culler, RejectsPartsOutsideTheRangeOfFloats) {
     const PartShape fine{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {}};
     PartShape wrong = fine;
     wrong.points[2].y() = at_m;
-    EXPECT_EQ(error_of([&] {
+    EXPECT_EQ(test::error_of([&] {
                 BodyType({fine, wrong}, {}, false);
               }),
               fmt::format("parts[1]: expected coordinates of at most 1e+06 m, found {:g}", at_m));
@@ -316,7 +306,7 @@ TEST(Culler, RejectsASphereSmallerThanAPart) {
   EXPECT_EQ(Cubes({{0, 0, 0}, 0.35f}).contacts({}), 1u);
   const Cubes small({{0, 0, 0}, 0.05f});
   EXPECT_EQ(small.contacts({.check_spheres = false}), 0u) << "the pair is lost";
-  EXPECT_EQ(error_of([&] { small.contacts({}); }),
+  EXPECT_EQ(test::error_of([&] { small.contacts({}); }),
             "types[0]: expected a root sphere of at least 0.3464 m, which part 0 needs in any "
             "pose, found a radius of 0.05 m");
 }
@@ -324,11 +314,11 @@ TEST(Culler, RejectsASphereSmallerThanAPart) {
 TEST(Culler, RejectsAPartOutsideTheSphereOfItsBody) {
   Cubes cubes({{0, 0, 0}, 0.35f});
   cubes.lift_m = 0.3;
-  EXPECT_EQ(error_of([&] { cubes.contacts({}); }),
+  EXPECT_EQ(test::error_of([&] { cubes.contacts({}); }),
             "body 7: expected parts within 0.35 m of the centre of its sphere (RootSphere of type "
             "0), found part 0 at 0.5745 m");
   EXPECT_EQ(Cubes({{0.1f, 0, 0}, 0.4125f}).contacts({}, 2), 1u) << "spheres are scaled";
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(test::error_of([&] {
               Cubes({{0.1f, 0, 0}, 0.4f}).contacts({});
             }),
             "body 4: expected parts within 0.4 m of the centre of its sphere (RootSphere of type "
@@ -337,7 +327,7 @@ TEST(Culler, RejectsAPartOutsideTheSphereOfItsBody) {
 
 TEST(Culler, RejectsAPartOutsideTheCylinderOfAnUprightBody) {
   Cubes cubes({{0, 0, 0}, 1, 0.25f});
-  EXPECT_EQ(error_of([&] { cubes.contacts({}); }),
+  EXPECT_EQ(test::error_of([&] { cubes.contacts({}); }),
             "body 4: expected parts within 0.25 m of the root's z axis (RootSphere of type 0), "
             "found part 0 at 0.2828 m");
   for (RootPose& root : cubes.roots)
@@ -359,8 +349,9 @@ TEST(Culler, AcceptsSpheresThatFitExactly) {
     cloud.types = {
         std::make_shared<BodyType>(std::vector{shape}, RootSphere{{0, 0, 0}, radius_m}, false)};
     cloud.roots[1].position_m = 1e4 * draw.vector(1);
-    EXPECT_EQ(error_of([&] { cloud.contacts({}, static_cast<float>(draw.uniform(0.01, 100))); }),
-              "");
+    EXPECT_EQ(
+        test::error_of([&] { cloud.contacts({}, static_cast<float>(draw.uniform(0.01, 100))); }),
+        "");
   }
 }
 

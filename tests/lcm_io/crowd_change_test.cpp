@@ -97,7 +97,7 @@ groups:
     spawn: {min_m: [3, -2], max_m: [4, 2]}
     externally_controlled: true
 )",
-    // A floor that is no rectangle; nobody would enter or leave by itself.
+    // A floor that is no rectangle; no agent enters or leaves by itself.
     R"(name: hall
 seed: 4
 step_s: 0.05

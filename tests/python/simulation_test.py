@@ -382,6 +382,9 @@ class Steps(Case):
         command("export", log, "--csv", "changes", "--out", rows, folder=self.folder)
         lines = rows.read_text().splitlines()
         self.assertEqual(len(lines), 7, "two agents each")
+        changes = throng.export(log, "changes")
+        self.assertEqual(list(changes["group"]), ["people", "people", "", "", "", ""])
+        self.assertEqual(list(changes["avatar"][:2]), list(ids))
         self.assertEqual(len(throng.run(log).people), len(simulation.people))
 
     def test_reject_options_of_complete_runs(self):

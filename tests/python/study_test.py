@@ -57,7 +57,7 @@ class Studies(Case):
         self.assertEqual(list(study["scene"]), ["corridor"] * 4 + ["bottleneck"] * 4)
         self.assertEqual(study["seed"].dtype, numpy.int64)
         self.assertEqual(study["mean_speed_mps"].dtype, float)
-        self.assertTrue(numpy.isnan(study["mean_stay_s"]).all())  # nobody left
+        self.assertTrue(numpy.isnan(study["mean_stay_s"]).all())  # no agent left
         self.assertIn("<td>bottleneck</td>", study._repr_html_())
         self.assertIs(type(study[:3]), throng.Table)
         self.assertEqual(len(study.times), len(study))
@@ -90,12 +90,12 @@ class Studies(Case):
         self.assertGreater(turns, 20)
 
     def test_name_the_argument_or_the_line_of_an_error(self):
-        nobody = throng.Scene(ground=[[0, 0], [9, 0], [9, 9]], groups=[throng.Group(count=-3)])
+        invalid = throng.Scene(ground=[[0, 0], [9, 0], [9, 9]], groups=[throng.Group(count=-3)])
         for work, where in [
             (lambda: throng.study("plaza", parameters={"groups.1.count": [1, -1]}), "parameters.groups.1.count"),
             (lambda: throng.study(hall(), parameters={"groups.x.count": [1]}), "parameters.groups.x.count"),
             (lambda: throng.study(["plaza", "plazza"]), "scenes"),
-            (lambda: throng.study([hall(), nobody]), "scenes[1].groups[0].count"),
+            (lambda: throng.study([hall(), invalid]), "scenes[1].groups[0].count"),
             (lambda: throng.study(3), "scenes"),
             (lambda: throng.study("plaza", parameters=[1]), "parameters"),
             (lambda: throng.study("plaza", seeds=["a"]), "seeds"),

@@ -5,19 +5,10 @@
 #include <algorithm>
 
 #include "scenes/scenes.h"
+#include "tests/error_of.h"
 
 namespace throng::distance_test {
 namespace {
-
-template <typename Function>
-std::string error_of(const Function& function) {
-  try {
-    function();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 Scene robot_scene(bool exact) {
   Scene scene = load_scene("robot_in_crowd");
@@ -94,26 +85,27 @@ TEST(Distance, ReachesObstacles) {
 
 TEST(Distance, RejectsWhatTheFrameDoesNotHave) {
   Simulation simulation(robot_scene(false), {});
-  EXPECT_EQ(error_of([&] { simulation.distance(0, "", 1, ""); }),
+  EXPECT_EQ(test::error_of([&] { simulation.distance(0, "", 1, ""); }),
             "distance: expected a step before it, found none");
   const Frame& frame = simulation.step();
   const size_t bodies = frame.roots.size() + simulation.scene().obstacles.size();
-  EXPECT_EQ(error_of([&] { simulation.distance(0, "", static_cast<uint32_t>(bodies), ""); }),
+  EXPECT_EQ(test::error_of([&] { simulation.distance(0, "", static_cast<uint32_t>(bodies), ""); }),
             fmt::format("b: expected a body number from 0 to {}, found {}", bodies - 1, bodies));
-  EXPECT_EQ(error_of([&] { simulation.distance(1, "", 1, ""); }),
+  EXPECT_EQ(test::error_of([&] { simulation.distance(1, "", 1, ""); }),
             "b: expected another body than a, found 1");
   const auto& models = simulation.info().models;
   uint32_t person = 0;
   while (!models[simulation.info().model_of_avatar[person]]->is_person) ++person;
   const uint32_t other = person == 0 ? 1 : 0;
-  const std::string unknown = error_of([&] { simulation.distance(person, "hamd", other, ""); });
+  const std::string unknown =
+      test::error_of([&] { simulation.distance(person, "hamd", other, ""); });
   EXPECT_EQ(unknown.rfind("part_a: expected a part number up to ", 0), 0u) << unknown;
   EXPECT_NE(unknown.find("leftHand"), std::string::npos) << unknown;
   EXPECT_NE(unknown.find("found 'hamd' (did you mean 'hand'?)"), std::string::npos) << unknown;
-  EXPECT_NE(error_of([&] { simulation.distance(other, "", person, 99); }).find("found '99'"),
+  EXPECT_NE(test::error_of([&] { simulation.distance(other, "", person, 99); }).find("found '99'"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { simulation.distance(other, "", person, -1); }), "");
-  EXPECT_NE(error_of([&] { simulation.distance(other, "", person, "--"); }), "");
+  EXPECT_NE(test::error_of([&] { simulation.distance(other, "", person, -1); }), "");
+  EXPECT_NE(test::error_of([&] { simulation.distance(other, "", person, "--"); }), "");
 }
 
 TEST(Distance, RejectsAbsentPeople) {
@@ -126,7 +118,7 @@ TEST(Distance, RejectsAbsentPeople) {
       if (absent == frame.present.end() || there == frame.present.end()) continue;
       const auto a = static_cast<uint32_t>(absent - frame.present.begin()),
                  b = static_cast<uint32_t>(there - frame.present.begin());
-      EXPECT_EQ(error_of([&] { simulation.distance(a, "", b, ""); }),
+      EXPECT_EQ(test::error_of([&] { simulation.distance(a, "", b, ""); }),
                 fmt::format("a: expected a body in the scene in frame {}, found avatar {}, which "
                             "is not",
                             frame.number, a));

@@ -26,7 +26,7 @@ groups:
                          "scene");
 }
 
-/// Moves everybody on a circle, at about 1.2 m/s.
+/// Moves all people on circles, at about 1.2 m/s.
 void walk_in_circles(Simulation& run) {
   const double turn = 1.2 / 3 * run.info().step_s * static_cast<double>(run.next_frame());
   for (uint32_t id = 0; id < static_cast<uint32_t>(run.info().avatar_count()); ++id) {

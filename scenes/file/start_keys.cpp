@@ -1,5 +1,3 @@
-#include "scenes/file/start_values.h"
-
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -7,6 +5,7 @@
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/readers/text_lines.h"
+#include "scenes/file/key_tables.h"
 #include "scenes/file/polygon_values.h"
 #include "scenes/file/scene_values.h"
 
