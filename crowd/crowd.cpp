@@ -137,6 +137,7 @@ void Crowd::archive(Archive& a) {
         a.reject("a place on the ground", "one outside");
     std::fill(state_.slot_of.begin(), state_.slot_of.end(), SteeringState::kNowhere);
     state_.grid.rebuild_as_read(state_.positions_m);
+    for (const uint32_t id : added_) state_.grid.insert(id, state_.positions_m[id]);
     assign_slots();
   }
   state_.archive_agents(a);
@@ -159,12 +160,12 @@ void Crowd::step() {
     block_displacements_m_[begin / kAgentsPerBlock] = farthest_m;
   });
   const auto blocks = static_cast<size_t>(block_count(state_.grid.order().size()));
-  move_added();
+  block_displacements_m_[blocks] = move_added();
   for (size_t block = 0; block < blocks; ++block)
     counters_.turned_rad += state_.block_values[block];
   state_.grid.add_slack_m(
       *std::max_element(block_displacements_m_.begin(),
-                        block_displacements_m_.begin() + static_cast<ptrdiff_t>(blocks)));
+                        block_displacements_m_.begin() + static_cast<ptrdiff_t>(blocks) + 1));
   counters_.walked_s += state_.step_s * static_cast<double>(state_.grid.order().size());
   ++state_.steps;
 }
@@ -283,7 +284,10 @@ void Crowd::override_motion(uint32_t id, const Eigen::Vector2d& position_m,
   state_.headings[id] = heading;
   state_.velocities_mps[id] = velocity_mps;
   const uint32_t slot = state_.slot_of[id];
-  if (slot == SteeringState::kNowhere) return;
+  if (slot == SteeringState::kNowhere) {
+    state_.grid.insert(id, position_m);
+    return;
+  }
   AgentState& w = state_.agents[slot];
   w.position_m = position_m;
   w.heading = heading;
@@ -327,6 +331,7 @@ uint32_t Crowd::add(size_t group, std::span<const AgentEntry> entries) {
     state_.velocities_mps[id] = entry.speed_mps * state_.headings[id];
     enters_mps_[id] = static_cast<float>(entry.speed_mps);
     added_.push_back(id);
+    state_.grid.insert(id, entry.position_m);
   }
   return first;
 }
@@ -334,12 +339,11 @@ uint32_t Crowd::add(size_t group, std::span<const AgentEntry> entries) {
 std::optional<uint32_t> Crowd::find_overlapping(const Eigen::Vector2d& point,
                                                 double radius_m) const {
   std::optional<uint32_t> found;
-  const auto look_at = [&](uint32_t id) {
+  state_.grid.visit_near(point, min_apart_m(radius_m, max_radius_m()), [&](uint32_t id) {
     const double apart_m = min_apart_m(radius_m, state_.radii_m[id]);
-    if (journeys_.is_present(id) && (state_.positions_m[id] - point).norm() < apart_m) found = id;
-  };
-  state_.grid.visit_near(point, min_apart_m(radius_m, max_radius_m()), look_at);
-  for (const uint32_t id : added_) look_at(id);
+    if (journeys_.is_present(id) && (state_.positions_m[id] - point).norm() < apart_m)
+      found = std::min(id, found.value_or(id));
+  });
   return found;
 }
 
@@ -349,10 +353,7 @@ void Crowd::remove(uint32_t id) {
   journeys_.leave(id);
   exits_.forget(id);
   const uint32_t slot = state_.slot_of[id];
-  if (slot == SteeringState::kNowhere) {
-    std::erase(added_, id);
-    return;
-  }
+  if (slot == SteeringState::kNowhere) return;
   AgentState& w = state_.agents[slot];
   w.old_mps = w.next_mps = w.velocity_mps = w.drift_mps = Eigen::Vector2d::Zero();
 }
@@ -384,14 +385,18 @@ void Crowd::set_desired_speed(uint32_t id, double mps) {
   exits_.set_desired_speed(id, mps);
 }
 
-/// Agents without a slot walk straight on.
-void Crowd::move_added() {
+/// Agents without a slot walk straight on. Returns the largest displacement (m).
+double Crowd::move_added() {
+  double farthest_m = 0;
   for (const uint32_t id : added_) {
+    if (!journeys_.is_present(id)) continue;
     const Eigen::Vector2d from = state_.positions_m[id];
     state_.positions_m[id] = map_.walkable().slide(
         from, from + state_.step_s * state_.velocities_mps[id], tuning::kWallGap_m);
     state_.displacements_m[id] = (state_.positions_m[id] - from).norm();
+    farthest_m = std::max(farthest_m, state_.displacements_m[id]);
   }
+  return farthest_m;
 }
 
 void Crowd::archive_added(Archive& a) {

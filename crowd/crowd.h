@@ -134,7 +134,7 @@ class Crowd {
 
   void begin_period();
   Eigen::Vector2d heading_of(uint32_t id, const AgentEntry& entry) const;
-  void move_added();
+  double move_added();
   void archive_added(Archive& a);
   void update_population();
   void rebuild_slots();

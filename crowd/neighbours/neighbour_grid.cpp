@@ -31,6 +31,8 @@ NeighbourGrid::NeighbourGrid(const Rectangle& ground, size_t people, SimdTarget 
   shape_.low_y = static_cast<float>(-0.5 * size.y());
   shape_.slack_m = 1e-4f + 1e-6f * static_cast<float>(size.maxCoeff());
   starts_.resize(cell_count() + 2);  // see counting_sort()
+  latest_in_.resize(cell_count(), kNone);
+  inserted_.reserve(people / 8);
   search_ = neighbour_search_on(target);
 }
 
@@ -50,16 +52,27 @@ void NeighbourGrid::rebuild(std::span<const Eigen::Vector2d> positions_m,
   for (size_t id = 0; id < positions_m.size(); ++id) {
     cells_[id] = kAbsent;
     if (!present.empty() && present[id] == 0) continue;
-    const Eigen::Vector2f place = local(positions_m[id]);
-    cells_[id] =
-        static_cast<uint32_t>(row_of(shape_, place.y())) * static_cast<uint32_t>(shape_.columns) +
-        static_cast<uint32_t>(column_of(shape_, place.x()));
+    cells_[id] = static_cast<uint32_t>(cell_of(positions_m[id]));
   }
   sort(positions_m);
 }
 
+size_t NeighbourGrid::cell_of(const Eigen::Vector2d& position_m) const {
+  const Eigen::Vector2f place = local(position_m);
+  return static_cast<size_t>(row_of(shape_, place.y())) * static_cast<size_t>(shape_.columns) +
+         static_cast<size_t>(column_of(shape_, place.x()));
+}
+
+void NeighbourGrid::insert(uint32_t id, const Eigen::Vector2d& position_m) {
+  uint32_t& latest = latest_in_[cell_of(position_m)];
+  inserted_.push_back({id, latest});
+  latest = static_cast<uint32_t>(inserted_.size() - 1);
+}
+
 void NeighbourGrid::sort(std::span<const Eigen::Vector2d> positions_m) {
   const size_t count = cells_.size();
+  if (!inserted_.empty()) std::fill(latest_in_.begin(), latest_in_.end(), kNone);
+  inserted_.clear();
   // Full capacity from the start: agents that enter later must not make a step allocate.
   order_.resize(count);
   x_.resize(count + kPadding);

@@ -30,6 +30,13 @@ struct GridView {
   float slack_m = 0;  ///< maximum distance of agents to their cells
 };
 
+inline int column_of(const GridView& grid, float x) {
+  return std::clamp(static_cast<int>((x - grid.low_x) * grid.cells_per_m), 0, grid.columns - 1);
+}
+inline int row_of(const GridView& grid, float y) {
+  return std::clamp(static_cast<int>((y - grid.low_y) * grid.cells_per_m), 0, grid.rows - 1);
+}
+
 class NeighbourGrid {
  public:
   /// Maximum number of neighbours per agent.
@@ -51,6 +58,11 @@ class NeighbourGrid {
     x_[slot] = place.x();
     y_[slot] = place.y();
   }
+  /// Adds a point without a slot until the next rebuild(): visit_near() finds it, nearest() does
+  /// not. An id may be inserted again, at another point.
+  void insert(uint32_t id, const Eigen::Vector2d& position_m);
+  /// Number of points that insert() takes without allocating.
+  size_t free_insertions() const { return inserted_.capacity() - inserted_.size(); }
   /// Declares that no agent has moved farther than this since the latest call, or rebuild().
   /// Searches extend to as many more cells.
   void add_slack_m(double max_m) { slack_m_ += max_m; }
@@ -67,27 +79,25 @@ class NeighbourGrid {
   /// Origin of x() and y().
   const Eigen::Vector2d& middle_m() const { return middle_m_; }
 
-  /// Calls visit(id) for all agents within `reach_m` of a point, and for some just beyond.
+  /// Calls visit(id) for all agents within `reach_m` of a point, and for some beyond. Agents that
+  /// were inserted may come twice.
   template <typename Visit>
   void visit_near(const Eigen::Vector2d& point, double reach_m, const Visit& visit) const {
     const Eigen::Vector2f place = local(point);
     const auto reach = static_cast<float>(reach_m + slack_m_) + shape_.slack_m;
-    const auto column = [&](float x) {
-      return std::clamp(static_cast<int>((x - shape_.low_x) * shape_.cells_per_m), 0,
-                        shape_.columns - 1);
-    };
-    const auto row = [&](float y) {
-      return std::clamp(static_cast<int>((y - shape_.low_y) * shape_.cells_per_m), 0,
-                        shape_.rows - 1);
-    };
-    const auto limit_m = static_cast<float>(reach_m) + shape_.slack_m;
-    const int first = column(place.x() - reach), last = column(place.x() + reach);
-    for (int r = row(place.y() - reach); r <= row(place.y() + reach); ++r) {
+    const int first = column_of(shape_, place.x() - reach);
+    const int last = column_of(shape_, place.x() + reach);
+    for (int r = row_of(shape_, place.y() - reach); r <= row_of(shape_, place.y() + reach); ++r) {
       const auto begin = static_cast<size_t>(r) * static_cast<size_t>(shape_.columns);
       const uint32_t end = starts_[begin + static_cast<size_t>(last) + 1];
       for (uint32_t slot = starts_[begin + static_cast<size_t>(first)]; slot < end; ++slot)
-        if ((Eigen::Vector2f(x_[slot], y_[slot]) - place).squaredNorm() <= limit_m * limit_m)
+        if ((Eigen::Vector2f(x_[slot], y_[slot]) - place).squaredNorm() <= reach * reach)
           visit(order_[slot]);
+      if (inserted_.empty()) continue;
+      for (auto cell = begin + static_cast<size_t>(first);
+           cell <= begin + static_cast<size_t>(last); ++cell)
+        for (uint32_t i = latest_in_[cell]; i != kNone; i = inserted_[i].before)
+          visit(inserted_[i].id);
     }
   }
 
@@ -99,7 +109,11 @@ class NeighbourGrid {
 
  private:
   using Search = void (*)(const GridView&, std::span<const uint32_t>, float, uint32_t*, uint8_t*);
-  static constexpr uint32_t kAbsent = UINT32_MAX;
+  static constexpr uint32_t kAbsent = UINT32_MAX, kNone = UINT32_MAX;
+  struct Inserted {
+    uint32_t id;
+    uint32_t before;  ///< index of the point inserted before it into its cell, or kNone
+  };
 
   GridView view() const;
   size_t cell_count() const {
@@ -108,6 +122,7 @@ class NeighbourGrid {
   Eigen::Vector2f local(const Eigen::Vector2d& position_m) const {
     return (position_m - middle_m_).cast<float>();
   }
+  size_t cell_of(const Eigen::Vector2d& position_m) const;
   void sort(std::span<const Eigen::Vector2d> positions_m);
 
   Eigen::Vector2d middle_m_;
@@ -118,6 +133,8 @@ class NeighbourGrid {
   std::vector<uint32_t> cells_;  ///< per id, or kAbsent
   std::vector<uint32_t> order_;
   std::vector<float> x_, y_;
+  std::vector<Inserted> inserted_;
+  std::vector<uint32_t> latest_in_;  ///< per cell, index in inserted_, or kNone
 };
 
 }  // namespace throng

@@ -9,13 +9,6 @@
 
 namespace throng {
 
-inline int column_of(const GridView& grid, float x) {
-  return std::clamp(static_cast<int>((x - grid.low_x) * grid.cells_per_m), 0, grid.columns - 1);
-}
-inline int row_of(const GridView& grid, float y) {
-  return std::clamp(static_cast<int>((y - grid.low_y) * grid.cells_per_m), 0, grid.rows - 1);
-}
-
 /// The square of cells around a point, ring by ring.
 struct Rings {
   Rings(const GridView& grid, size_t slot)

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <tuple>
 
 #include "avatars/stepping/standing.h"
 #include "base/portable_math.h"
+#include "crowd/steering_state.h"
 
 namespace throng {
 namespace {
@@ -75,9 +77,11 @@ BodyAvoidanceStage::BodyAvoidanceStage(const Scene& scene, const Posing& posing,
       targets_(avatars),
       foot_targets_(avatars),
       surroundings_(avatars),
+      farthest_m_(blocks_.size() + 1),
       slots_(avatars),
       found_(avatars * NeighbourGrid::kMaxNeighbours),
       counts_(avatars) {
+  fresh_.reserve(avatars);
   middle_m_ = grid_.middle_m();
   size_t max_columns = 0, max_links = 0;
   for (size_t model = 0; model < posing.model_count(); ++model) {
@@ -124,6 +128,7 @@ void BodyAvoidanceStage::archive(Archive& a, BodyStates& bodies) {
     numbers(posture.landing_m);
   }
   check_read(a, bodies);
+  if (a.is_reading()) grid_.rebuild(last_m_, presence_);
 }
 
 void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const {
@@ -158,7 +163,9 @@ void BodyAvoidanceStage::check_read(Archive& a, const BodyStates& bodies) const 
   }
 }
 
-void BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint32_t end) {
+/// Returns the largest displacement (m) of avatars that have not jumped.
+double BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint32_t end) {
+  double farthest_m2 = 0;
   const float share = step_s_ / (step_s_ + kMean_s);
   const float long_share = step_s_ / (step_s_ + kLongMean_s);
   const float cadence_share = step_s_ / (step_s_ + kCadenceMean_s);
@@ -212,6 +219,7 @@ void BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint3
       presence_[id] = kFresh;
       continue;
     }
+    farthest_m2 = std::max(farthest_m2, moved_m.squaredNorm());
     state.cadence_hz +=
         cadence_share * ((cycles - std::floor(cycles)) / step_s_ - state.cadence_hz);
     const Eigen::Vector2f now_mps = moved_m.cast<float>() / step_s_;
@@ -224,53 +232,87 @@ void BodyAvoidanceStage::observe(const BodyStates& bodies, uint32_t first, uint3
     }
     mean_velocities_mps_[id] += long_share * (now_mps - mean_velocities_mps_[id]);
   }
+  return std::sqrt(farthest_m2);
 }
 
-void BodyAvoidanceStage::search(std::span<const uint32_t> slots, const BodyStates& bodies) {
+/// Searches for all avatars, neighbours in space together.
+void BodyAvoidanceStage::search_all() {
+  grid_.rebuild(last_m_, presence_);
   const std::span<const uint32_t> order = grid_.order();
-  constexpr size_t kBlock = 256;
-  const auto blocks = static_cast<int>((slots.size() + kBlock - 1) / kBlock);
-  workers_.for_blocks(blocks, [&](int block, int) {
-    const size_t begin = static_cast<size_t>(block) * kBlock;
-    const auto some = slots.subspan(begin, std::min(kBlock, slots.size() - begin));
-    grid_.nearest(some, kSearch_m, found_.data(), counts_.data());
-    for (const uint32_t slot : some) {
+  std::iota(slots_.begin(), slots_.begin() + static_cast<ptrdiff_t>(order.size()), 0u);
+  const std::span<const uint32_t> slots(slots_.data(), order.size());
+  for_blocks_of(workers_, slots.size(), [&](size_t begin, size_t end, int) {
+    grid_.nearest(slots.subspan(begin, end - begin), kSearch_m, found_.data(), counts_.data());
+    for (size_t slot = begin; slot < end; ++slot) {
       Surroundings& surroundings = surroundings_[order[slot]];
       surroundings.people_count = counts_[slot];
       for (size_t i = 0; i < counts_[slot]; ++i)
         surroundings.people[i] = order[found_[NeighbourGrid::kMaxNeighbours * slot + i]];
-      find_walls(bodies.roots[order[slot]].position_m.head<2>(), surroundings);
+      find_walls(last_m_[order[slot]], surroundings);
     }
   });
 }
 
-void BodyAvoidanceStage::search_all(std::span<const uint8_t> present, const BodyStates& bodies) {
-  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
-  slots_.resize(grid_.order().size());
-  std::iota(slots_.begin(), slots_.end(), 0u);
-  search(slots_, bodies);
+/// Searches for avatars that have entered or jumped, and for their neighbours.
+void BodyAvoidanceStage::search_fresh() {
+  fresh_.clear();
+  for (uint32_t id = 0; id < presence_.size(); ++id)
+    if (presence_[id] == kFresh) fresh_.push_back(id);
+  if (fresh_.empty()) return;
+  const size_t count = fresh_.size();
+  if (count * (NeighbourGrid::kMaxNeighbours + 1) > presence_.size()) return search_all();
+  if (count > grid_.free_insertions())
+    grid_.rebuild(last_m_, presence_);
+  else
+    for (const uint32_t id : fresh_) grid_.insert(id, last_m_[id]);
+  const auto search = [this](std::span<const uint32_t> ids) {
+    for_blocks_of(workers_, ids.size(), [&](size_t begin, size_t end, int) {
+      for (const uint32_t id : ids.subspan(begin, end - begin)) find_neighbours(id);
+    });
+  };
+  search(fresh_);
+  for (size_t i = 0; i < count; ++i)
+    for (const uint32_t other : surroundings_[fresh_[i]].neighbours())
+      if (presence_[other] != kFresh) fresh_.push_back(other);
+  const auto neighbours = fresh_.begin() + static_cast<ptrdiff_t>(count);
+  std::sort(neighbours, fresh_.end());  // avatars next to several are searched once
+  fresh_.erase(std::unique(neighbours, fresh_.end()), fresh_.end());
+  search(std::span(fresh_).subspan(count));
 }
 
-void BodyAvoidanceStage::search_fresh(std::span<const uint8_t> present, const BodyStates& bodies) {
-  const auto fresh = static_cast<size_t>(std::count(presence_.begin(), presence_.end(), kFresh));
-  if (fresh == 0) return;
-  if (fresh * (NeighbourGrid::kMaxNeighbours + 1) > presence_.size())
-    return search_all(present, bodies);
-  grid_.rebuild({last_m_.data(), last_m_.size()}, present);
-  const std::span<const uint32_t> order = grid_.order();
-  slots_.clear();
-  for (uint32_t slot = 0; slot < order.size(); ++slot)
-    if (presence_[order[slot]] == kFresh) slots_.push_back(slot);
-  search(slots_, bodies);
-  for (size_t i = 0; i < fresh; ++i) {
-    const uint32_t* const found = found_.data() + NeighbourGrid::kMaxNeighbours * slots_[i];
-    for (size_t k = 0; k < counts_[slots_[i]]; ++k)
-      if (presence_[order[found[k]]] != kFresh) slots_.push_back(found[k]);
-  }
-  const auto neighbours = slots_.begin() + static_cast<std::ptrdiff_t>(fresh);
-  std::sort(neighbours, slots_.end());  // avatars next to several are searched once
-  slots_.erase(std::unique(neighbours, slots_.end()), slots_.end());
-  search(std::span(slots_).subspan(fresh), bodies);
+/// Finds what search_all() would, without sorting all avatars into cells.
+void BodyAvoidanceStage::find_neighbours(uint32_t id) {
+  struct Candidate {
+    float square_m2;
+    uint32_t id;
+    bool operator<(const Candidate& other) const {
+      return std::tie(square_m2, id) < std::tie(other.square_m2, other.id);
+    }
+  };
+  constexpr size_t kMaxNeighbours = NeighbourGrid::kMaxNeighbours;
+  std::array<Candidate, kMaxNeighbours> nearest;
+  size_t count = 0;
+  const auto local = [this](uint32_t body) -> Eigen::Vector2f {
+    return (last_m_[body] - middle_m_).cast<float>();
+  };
+  const Eigen::Vector2f own = local(id);
+  grid_.visit_near(last_m_[id], kSearch_m, [&](uint32_t other) {
+    if (other == id || presence_[other] == kAway) return;
+    const Eigen::Vector2f offset = local(other) - own;
+    const Candidate candidate{offset.x() * offset.x() + offset.y() * offset.y(), other};
+    if (candidate.square_m2 > kSearch_m * kSearch_m) return;
+    const auto end = nearest.begin() + static_cast<ptrdiff_t>(count);
+    const auto place = std::lower_bound(nearest.begin(), end, candidate);
+    if (place == nearest.end() || (place != end && place->id == other)) return;
+    count = std::min(count + 1, kMaxNeighbours);
+    std::copy_backward(place, nearest.begin() + static_cast<ptrdiff_t>(count) - 1,
+                       nearest.begin() + static_cast<ptrdiff_t>(count));
+    *place = candidate;
+  });
+  Surroundings& surroundings = surroundings_[id];
+  surroundings.people_count = static_cast<uint8_t>(count);
+  for (size_t i = 0; i < count; ++i) surroundings.people[i] = nearest[i].id;
+  find_walls(last_m_[id], surroundings);
 }
 
 void BodyAvoidanceStage::find_walls(const Eigen::Vector2d& position_m,
@@ -474,14 +516,16 @@ void BodyAvoidanceStage::extend_bounds(std::span<const uint32_t> ids, int worker
 void BodyAvoidanceStage::step(std::span<const uint8_t> present, BodyStates& bodies) {
   workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int) {
     const BodyBlock& block = blocks_[static_cast<size_t>(index)];
-    observe(bodies, block.first, block.first + block.count);
+    farthest_m_[static_cast<size_t>(index)] =
+        observe(bodies, block.first, block.first + block.count);
   });
   for (size_t id = 0; !present.empty() && id < presence_.size(); ++id)
     if (present[id] == 0) presence_[id] = kAway;
+  grid_.add_slack_m(*std::max_element(farthest_m_.begin(), farthest_m_.end()));
   if (steps_++ % steps_per_search_ == 0)
-    search_all(present, bodies);
+    search_all();
   else
-    search_fresh(present, bodies);
+    search_fresh();
   workers_.for_blocks(static_cast<int>(blocks_.size()), [&](int index, int worker) {
     const BodyBlock& block = blocks_[static_cast<size_t>(index)];
     if (!upper_bounds_[bodies.types[block.first]]) return;

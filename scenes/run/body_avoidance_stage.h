@@ -50,10 +50,10 @@ class BodyAvoidanceStage {
     std::array<float, 4> landing_m{};
   };
 
-  void observe(const BodyStates& bodies, uint32_t first, uint32_t end);
-  void search(std::span<const uint32_t> slots, const BodyStates& bodies);
-  void search_all(std::span<const uint8_t> present, const BodyStates& bodies);
-  void search_fresh(std::span<const uint8_t> present, const BodyStates& bodies);
+  double observe(const BodyStates& bodies, uint32_t first, uint32_t end);
+  void search_all();
+  void search_fresh();
+  void find_neighbours(uint32_t id);
   void find_walls(const Eigen::Vector2d& position_m, Surroundings& surroundings) const;
   void check_read(Archive& a, const BodyStates& bodies) const;
   AvoidanceMotion target_of(uint32_t id) const;
@@ -99,10 +99,12 @@ class BodyAvoidanceStage {
   std::vector<AvoidanceMotion> motions_, targets_;
   std::vector<FootTargets> foot_targets_;
   std::vector<Surroundings> surroundings_;
-  // Buffers of a search: slots of the grid and their neighbours.
+  std::vector<double> farthest_m_;  ///< per block, largest displacement in the latest step
+  // Buffers of a search: neighbours by slot of the grid; avatars that are searched alone.
   std::vector<uint32_t> slots_;
   std::vector<uint32_t> found_;
   std::vector<uint8_t> counts_;
+  std::vector<uint32_t> fresh_;
 };
 
 }  // namespace throng

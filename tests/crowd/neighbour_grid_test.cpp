@@ -104,6 +104,46 @@ TEST(NeighbourGrid, FindsMovedAgents) {
     }
 }
 
+TEST(NeighbourGrid, VisitsAllAgentsWithinReachAfterMovesAndInsertions) {
+  for (uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Rectangle ground{{-10, 3}, {-10 + static_cast<double>(seed), 15}};
+    std::vector<Eigen::Vector2d> points = scatter(seed, 150, ground);
+    std::vector<uint8_t> present(points.size(), 1);
+    for (size_t id = 100; id < points.size(); ++id) present[id] = 0;
+    NeighbourGrid grid(ground, points.size());
+    for (uint64_t step = 0; step < 6; ++step) {
+      const auto draw = [&](size_t id, uint32_t index, double max) {
+        return random_uniform({seed, id, step, Purpose::kBoxWorld}, -max, max, index);
+      };
+      if (step % 4 == 0) grid.rebuild(points, present);
+      for (auto& point : points) {
+        const auto id = static_cast<size_t>(&point - points.data());
+        point += Eigen::Vector2d(draw(id, 0, 0.2), draw(id, 1, 0.2));
+      }
+      grid.add_slack_m(0.29);
+      // Two absent agents enter, two jump.
+      for (const size_t id : {100 + 2 * step, 101 + 2 * step, step, step / 2}) {
+        present[id] = 1;
+        points[id] += Eigen::Vector2d(draw(id, 2, 8), draw(id, 3, 8));
+        grid.insert(static_cast<uint32_t>(id), points[id]);
+      }
+      for (const double reach_m : {0.3, 2.0, 30.0})
+        for (size_t own = 0; own < points.size(); own += 7) {
+          std::vector<uint8_t> is_visited(points.size());
+          grid.visit_near(points[own], reach_m, [&](uint32_t id) { is_visited[id] = 1; });
+          for (size_t id = 0; id < points.size(); ++id) {
+            if (present[id] == 0) {
+              ASSERT_EQ(is_visited[id], 0) << id << " is absent";
+            } else if ((points[id] - points[own]).norm() <= reach_m) {
+              ASSERT_EQ(is_visited[id], 1) << id << " from " << own << " in step " << step;
+            }
+          }
+        }
+    }
+  }
+}
+
 TEST(NeighbourGrid, OmitsAbsentAgents) {
   const Rectangle ground{{0, 0}, {30, 20}};
   NeighbourGrid grid(ground, 300);
