@@ -12,6 +12,7 @@
 #include "lcm_io/wire/lcm_sink.h"
 #include "tests/lcm_io/memory_bus.h"
 #include "tests/lcm_io/synthetic_run.h"
+#include "tests/viewer/contacts_message.h"
 #include "tests/viewer/web_socket.h"
 
 namespace throng::live_view_test {
@@ -42,6 +43,11 @@ class LiveCrowd : public testing::Test {
     FrameHead head;
     if (message.size() >= sizeof head) std::memcpy(&head, message.data(), sizeof head);
     return head;
+  }
+
+  static ContactsMessage ask(TestSocket& browser, const std::string& query) {
+    browser.send_frame(Opcode::kText, query);
+    return contacts_of(next(browser, kContactsMessage));
   }
 
   std::shared_ptr<lcm::LCM> lcm_;
@@ -114,6 +120,63 @@ TEST_F(LiveCrowd, ShowsRunsStartedBeforeAndAfterThePage) {
     EXPECT_EQ(head.avatars, 30u);
     EXPECT_GE(head.frame, 0);
   }
+}
+
+TEST_F(LiveCrowd, ServesTheContactsOfAllPairs) {
+  SyntheticRun run({.avatars = 30, .pairs = 50});
+  LcmSink sink({.url = "memq://"}, lcm_);
+  TestSocket browser(view_.server().port());
+  browser.open();
+  EXPECT_EQ(ask(browser, R"({"contacts": 0})").head.frame, -1);
+  sink.begin(run.info());
+  std::vector<PairEvent> expected;
+  std::vector<int64_t> frames;
+  const auto step = [&](uint64_t received) {
+    const Frame& frame = run.step();
+    expected.insert(expected.end(), frame.events.begin(), frame.events.end());
+    frames.resize(expected.size(), frame.number);
+    sink.frame(run.info(), frame);
+    for (int i = 0; i < 1000 && view_.frames_received() < received; ++i)
+      std::this_thread::sleep_for(5ms);
+  };
+  // A page asks from the last known change on.
+  uint64_t known = 0;
+  for (uint64_t number = 1; number <= 20; ++number) {
+    step(number);
+    if (number % 4 != 0) continue;
+    const ContactsMessage piece =
+        ask(browser, R"({"contacts": )" + std::to_string(known) + R"(, "since": 0})");
+    EXPECT_EQ(piece.head.first, static_cast<double>(known));
+    EXPECT_EQ(piece.head.frame, static_cast<double>(number - 1));
+    ASSERT_EQ(piece.head.known, static_cast<double>(expected.size()));
+    ASSERT_EQ(piece.records.size(), expected.size() - known);
+    for (const ContactRecord& record : piece.records) {
+      const PairEvent& event = expected[known];
+      EXPECT_EQ(record.frame, frames[known]);
+      EXPECT_EQ(PairKey(record.a, record.b, record.part_a, record.part_b), event.pair);
+      EXPECT_EQ(record.kind, event.kind == EventKind::kBegin ? 0 : 1);
+      EXPECT_EQ(record.began == record.frame, event.kind == EventKind::kBegin);
+      ++known;
+    }
+  }
+  EXPECT_GT(known, 50u);
+  // Another run counts from 0.
+  SyntheticRun other({.avatars = 10, .seed = 2, .pairs = 5});
+  other.set_instance(77);
+  LcmSink other_sink({.url = "memq://"}, lcm_);
+  sink.end(run.info(), run.finish());
+  other_sink.begin(other.info());
+  other_sink.frame(other.info(), other.step());
+  ASSERT_NE(next(browser, kRunMessage), "");
+  for (int i = 0; i < 1000 && view_.frames_received() < 21; ++i) std::this_thread::sleep_for(5ms);
+  const ContactsMessage fresh = ask(browser, R"({"contacts": )" + std::to_string(known) + "}");
+  EXPECT_LT(fresh.head.known, static_cast<double>(known));
+  EXPECT_EQ(fresh.head.count, 0u);
+  EXPECT_EQ(fresh.head.frame, 0);
+  const ContactsMessage start = ask(browser, R"({"contacts": 0})");
+  EXPECT_EQ(start.head.first, 0);
+  EXPECT_GT(start.head.count, 0u);
+  EXPECT_EQ(start.head.known, start.head.count);
 }
 
 // The run's process only sends. A browser that stops reading must not delay the viewer's reception:

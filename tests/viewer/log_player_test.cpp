@@ -3,14 +3,19 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <tuple>
 
 #include "base/errors.h"
 #include "base/random.h"
 #include "lcm_io/codec/log_format.h"
 #include "tests/lcm_io/synthetic_run.h"
+#include "tests/viewer/contacts_message.h"
+#include "tests/viewer/web_socket.h"
 #include "viewer/server/log_view.h"
 
 namespace throng::log_player_test {
@@ -290,6 +295,32 @@ TEST(PairBegins, BoundsBeginsAfterLostEvents) {
   EXPECT_GT(doubted, 0);
 }
 
+TEST(PairBegins, EndsAContactBeforeItBeginsAgain) {
+  SyntheticRun sender({.avatars = 20, .seed = 9, .pairs = 50});
+  RunReader run;
+  PairBegins begins;
+  std::map<PairKey, int64_t> open;
+  int64_t lost = 0;
+  for (const MessageList::Message& message : messages_of(sender, kFrames)) {
+    MessageHeader header;
+    ASSERT_EQ(read_header(message.channel, message.bytes, header), "");
+    if (message.channel == Channel::kEvents && header.frame % 40 == 20) continue;
+    begins.take(run, run.take(name_of(message.channel), message.bytes));
+    for (const PairBegins::Change& change : begins.changes()) {
+      if (change.kind == PairBegins::ChangeKind::kBegan) {
+        ASSERT_TRUE(open.emplace(change.pair, change.began).second) << "frame " << header.frame;
+        continue;
+      }
+      lost += change.kind == PairBegins::ChangeKind::kLost ? 1 : 0;
+      ASSERT_TRUE(open.contains(change.pair)) << "frame " << header.frame;
+      ASSERT_EQ(open[change.pair], change.began) << "frame " << header.frame;
+      open.erase(change.pair);
+    }
+    ASSERT_EQ(open, begins.all()) << "frame " << header.frame;
+  }
+  EXPECT_GT(lost, 0);
+}
+
 TEST_F(RecordedCrowd, ContinuesAfterATornLength) {
   record({.avatars = 10, .pairs = 30});
   std::vector<uint8_t> bytes = bytes_of(log_.path());
@@ -374,6 +405,153 @@ TEST_F(RecordedCrowd, ListsThePairsOfAPerson) {
   std::sort(found.begin(), found.end());
   EXPECT_FALSE(expected.empty());
   EXPECT_EQ(found, expected);
+}
+
+/// Frame, begin frame, pair and kind of a change.
+using ChangeRow = std::tuple<int64_t, int64_t, PairKey, int>;
+
+ChangeRow row_of(const ContactRecord& record) {
+  EXPECT_EQ(record.zero, 0);
+  return {record.frame, record.began, PairKey(record.a, record.b, record.part_a, record.part_b),
+          record.kind};
+}
+
+std::vector<ChangeRow> rows_of(const ContactsMessage& message) {
+  std::vector<ChangeRow> rows;
+  for (const ContactRecord& record : message.records) rows.push_back(row_of(record));
+  return rows;
+}
+
+/// Returns the changes of a run, derived from its events. All contacts end after the last frame.
+std::vector<ChangeRow> changes_by_hand(const SyntheticRun::Options& options) {
+  SyntheticRun run(options);
+  std::map<PairKey, int64_t> open;
+  std::vector<ChangeRow> rows;
+  for (int64_t number = 0; number < kFrames; ++number)
+    for (const PairEvent& event : run.step().events) {
+      const bool begins = event.kind == EventKind::kBegin;
+      if (begins) open[event.pair] = number;
+      rows.emplace_back(number, open[event.pair], event.pair, begins ? 0 : 1);
+      if (!begins) open.erase(event.pair);
+    }
+  for (const auto& [pair, begin] : open) rows.emplace_back(kFrames, begin, pair, 1);
+  return rows;
+}
+
+/// Returns the next binary message of a kind.
+std::string next(TestSocket& browser, uint32_t kind) {
+  for (;;) {
+    const auto message = browser.read_message();
+    if (!message) return "";
+    uint32_t found = 0;
+    if (message->opcode == Opcode::kBinary && message->payload.size() >= sizeof found)
+      std::memcpy(&found, message->payload.data(), sizeof found);
+    if (found == kind) return message->payload;
+  }
+}
+
+ContactsMessage ask(TestSocket& browser, const std::string& query) {
+  browser.send_frame(Opcode::kText, query);
+  return contacts_of(next(browser, kContactsMessage));
+}
+
+TEST_F(RecordedCrowd, ServesTheContactsOfAllPairs) {
+  const SyntheticRun::Options options{.avatars = 30, .seed = 5, .pairs = 60, .comings = true};
+  record(options, 3);
+  LogView view(log_.path(), {}, "<!doctype html>");
+  view.index().wait();
+  TestSocket browser(view.server().port());
+  browser.open();
+  const ContactsMessage all = ask(browser, R"({"contacts": 0})");
+  const std::vector<ChangeRow> expected = changes_by_hand(options);
+  ASSERT_GT(expected.size(), 1000u);
+  EXPECT_EQ(rows_of(all), expected);
+  EXPECT_EQ(all.head.first, 0);
+  EXPECT_EQ(all.head.known, static_cast<double>(expected.size()));
+  EXPECT_EQ(all.head.frame, static_cast<double>(view.index().last_frame()));
+
+  const ContactsMessage rest = ask(browser, R"({"contacts": 500})");
+  EXPECT_EQ(rest.head.first, 500);
+  EXPECT_EQ(rows_of(rest), std::vector(expected.begin() + 500, expected.end()));
+  const auto late = std::find_if(expected.begin(), expected.end(),
+                                 [](const ChangeRow& row) { return std::get<0>(row) >= 150; });
+  const ContactsMessage since = ask(browser, R"({"contacts": 3, "since": 150})");
+  EXPECT_EQ(since.head.first, static_cast<double>(late - expected.begin()));
+  EXPECT_EQ(rows_of(since), std::vector(late, expected.end()));
+  const ContactsMessage none = ask(browser, R"({"contacts": 100000})");
+  EXPECT_EQ(none.head.count, 0u);
+  EXPECT_EQ(none.head.first, none.head.known);
+}
+
+TEST_F(RecordedCrowd, MarksContactsOfLostEvents) {
+  const SyntheticRun::Options options{.avatars = 30, .seed = 5, .pairs = 60};
+  record(options);
+  std::vector<uint8_t> bytes = bytes_of(log_.path());
+  LogReader reader(log_.path());
+  LogEvent event;
+  while (reader.next(event) == LogReader::Status::kEvent &&
+         (event.offset < bytes.size() / 2 || event.channel != name_of(Channel::kEvents)))
+    continue;
+  MessageHeader header;
+  ASSERT_EQ(read_header(Channel::kEvents, event.data, header), "");
+  bytes[event.offset] ^= 1;  // the reader skips a message that begins like none
+  write_bytes(log_.path(), bytes);
+  LogView view(log_.path(), {}, "<!doctype html>");
+  view.index().wait();
+  TestSocket browser(view.server().port());
+  browser.open();
+  const std::vector<ChangeRow> found = rows_of(ask(browser, R"({"contacts": 0})"));
+  const std::vector<ChangeRow> expected = changes_by_hand(options);
+  const auto before = std::count_if(expected.begin(), expected.end(), [&](const ChangeRow& row) {
+    return std::get<0>(row) < header.frame;
+  });
+  ASSERT_GT(before, 0);
+  ASSERT_TRUE(std::equal(expected.begin(), expected.begin() + before, found.begin()));
+  // Each touching pair is lost, and begins again at an unknown frame if it still touches.
+  std::map<PairKey, int64_t> open;
+  int lost = 0;
+  for (const auto& [frame, began, pair, kind] : found) {
+    if (kind == 0) {
+      EXPECT_FALSE(open.contains(pair)) << "frame " << frame;
+      open[pair] = began;
+      continue;
+    }
+    ASSERT_TRUE(open.contains(pair)) << "frame " << frame;
+    EXPECT_EQ(began, open[pair]) << "frame " << frame;
+    open.erase(pair);
+    if (kind != 2) continue;
+    ++lost;
+    EXPECT_GT(frame, header.frame);
+  }
+  EXPECT_GT(lost, 10);
+  EXPECT_TRUE(open.empty()) << "the run's end ends all pairs";
+}
+
+// Contacts are never dropped like frames: the number of waiting messages is bounded.
+TEST_F(RecordedCrowd, DisconnectsAPageThatReadsNoContacts) {
+  record({.avatars = 30, .pairs = 60});
+  LogView view(log_.path(), {.send_buffer_bytes = 4096}, "<!doctype html>");
+  view.index().wait();
+  TestSocket stalled(view.server().port(), 4096);
+  stalled.open();
+  for (int i = 0; i < 80; ++i) stalled.send_frame(Opcode::kText, R"({"contacts": 0})");
+  for (int i = 0; i < 1000 && view.server().client_count() > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(view.server().client_count(), 0u);
+}
+
+TEST_F(RecordedCrowd, TellsPeopleFromRobots) {
+  record({.avatars = 9});
+  LogIndex index(log_.path());
+  RunReader run = described(index);
+  const Bytes message = run_message(run, RunGeometry(run), ViewMode::kLog);
+  uint32_t size;
+  std::memcpy(&size, message.data() + 4, sizeof size);
+  const auto text = nlohmann::json::parse(message.begin() + 8, message.begin() + 8 + size);
+  std::map<std::string, bool> is_person;
+  for (const auto& model : text["models"]) is_person[model["name"]] = model["is_person"];
+  EXPECT_EQ(is_person,
+            (std::map<std::string, bool>{{adult()->name, true}, {rover()->name, false}}));
 }
 
 }  // namespace

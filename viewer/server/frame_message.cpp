@@ -119,11 +119,6 @@ struct PairRecord {
 };
 static_assert(sizeof(PairRecord) == 16);
 
-/// Saturates damaged numbers.
-int32_t to_int32(BeginFrame began) {
-  return static_cast<int32_t>(std::clamp<int64_t>(began, INT32_MIN, INT32_MAX));
-}
-
 int16_t to_int16(float value) {
   return static_cast<int16_t>(std::lrintf(std::clamp(value, -kUnit, kUnit)));
 }

@@ -63,6 +63,9 @@ void LiveView::on_text(WebClient& client, std::string_view text) {
   const ViewQuery query = parse_view_query(text);
   if (query.person)
     client.send_text(history_.of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));
+  if (query.contacts)
+    client.send_binary(std::make_shared<Bytes>(
+        history_.changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
 }
 
 void LiveView::begin_run() {
@@ -103,6 +106,7 @@ void LiveView::take(const ReceivedMessage& message) {
     case RunReader::Update::kFrameStats:
       last_touching_.clear();
       last_begins_.clear();
+      history_.complete(run.frame_stats()->frame);
       ++received_;
       is_fresh_ = true;
       break;

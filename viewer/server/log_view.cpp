@@ -47,6 +47,7 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
     begins_.take(run_, run_.take(event.channel, event.data));
     history_.add(begins_.changes());
   }
+  if (channel == Channel::kStates) run_.take(event.channel, event.data);
   const std::lock_guard lock(mutex_);
   const auto mark = [&](std::vector<Mark>& marks) {
     if (header.chunk == 0 && (marks.empty() || marks.back().frame < header.frame))
@@ -59,6 +60,7 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
     if (!decode(event.data, stats).empty() || header.frame <= last_frame_) return;
     samples_.push_back({header.frame, static_cast<int32_t>(stats.touching),
                         static_cast<float>(stats.frame_ns * 1e-6)});
+    history_.complete(header.frame);
     last_frame_ = header.frame;
   }
 }
@@ -210,6 +212,9 @@ void LogView::on_text(WebClient& client, std::string_view text) {
   auto& player = *static_cast<Player*>(client.state.get());
   const ViewQuery query = parse_view_query(text);
   if (query.index) client.send_text(index_.to_json(kIndexSamples));
+  if (query.contacts)
+    client.send_binary(std::make_shared<Bytes>(
+        index_.history().changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
   if (query.person) {
     client.send_text(
         index_.history().of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));

@@ -17,7 +17,7 @@
 
 namespace throng {
 
-/// LogIndex finds the messages of each frame while the page is already open. It decodes no states.
+/// LogIndex finds the messages of each frame while the page is already open.
 /// Answers cover the part of the log that has been read so far. Thread-safe.
 class LogIndex {
  public:
@@ -67,7 +67,7 @@ class LogIndex {
   LogReader reader_;
   LogGaps gaps_;
   std::vector<std::vector<uint8_t>> description_;
-  RunReader run_;  // for the pairs only: states are not decoded
+  RunReader run_;
   PairBegins begins_;
   PairHistory history_;
   mutable std::mutex mutex_;

@@ -6,6 +6,10 @@
 
 namespace throng {
 
+int32_t to_int32(int64_t frame) {
+  return static_cast<int32_t>(std::clamp<int64_t>(frame, INT32_MIN, INT32_MAX));
+}
+
 void PairBegins::set(Begins begins, const RunReader& run) {
   begins_ = std::move(begins);
   changes_.clear();
@@ -46,6 +50,18 @@ void PairBegins::match(const RunReader::Touching& touching, int64_t frame) {
 bool PairBegins::take(const RunReader& run, RunReader::Update update) {
   changes_.clear();
   if (run.header() == nullptr) return false;
+  const bool is_new = update_begins(run, update);
+  const std::vector<RootPose>& roots = run.state().roots;
+  for (Change& change : changes_) {
+    const uint32_t a = change.pair.a(), b = change.pair.b();
+    if (a >= roots.size()) continue;
+    const Eigen::Vector3d& other_m = roots[b < roots.size() ? b : a].position_m;
+    change.place_m = (0.5 * (roots[a].position_m + other_m)).head<2>().cast<float>();
+  }
+  return is_new;
+}
+
+bool PairBegins::update_begins(const RunReader& run, RunReader::Update update) {
   const bool is_new = !has_run_ || run.run_id() != run_id_ || run.instance() != instance_;
   if (is_new) {
     *this = {};
@@ -58,9 +74,12 @@ bool PairBegins::take(const RunReader& run, RunReader::Update update) {
     match(run.touching(), frame);
   if (update != RunReader::Update::kEvents) return is_new;
   for (const PairEvent& event : run.new_events()) {
+    const auto known = begins_.find(event.pair);
     if (event.kind == EventKind::kBegin) {
+      if (known != begins_.end())  // its end was not received
+        changes_.push_back({event.pair, ChangeKind::kLost, frame, known->second});
       begin(event.pair, frame, frame);
-    } else if (const auto known = begins_.find(event.pair); known != begins_.end()) {
+    } else if (known != begins_.end()) {
       changes_.push_back({event.pair, ChangeKind::kEnded, frame, known->second});
       begins_.erase(known);
     }
@@ -91,10 +110,16 @@ void PairHistory::add(std::span<const PairBegins::Change> changes) {
   }
 }
 
+void PairHistory::complete(int64_t frame) {
+  const std::lock_guard lock(mutex_);
+  complete_ = frame;
+}
+
 void PairHistory::clear() {
   const std::lock_guard lock(mutex_);
   entries_.clear();
   discarded_ = 0;
+  complete_ = -1;
   known_from_ = 0;
 }
 
@@ -119,6 +144,31 @@ std::string PairHistory::of(uint32_t body, int64_t frame, size_t max) const {
   return nlohmann::json{
       {"history", body}, {"frame", frame}, {"pairs", pairs}, {"discarded", discarded_}}
       .dump();
+}
+
+Bytes PairHistory::changes_from(uint64_t first, int64_t since, size_t max) const {
+  Bytes out;
+  const std::lock_guard lock(mutex_);
+  const uint64_t skipped = first - std::min(first, discarded_);
+  // A loss is dated one frame ahead of messages that follow it: no binary search.
+  const auto begin = std::find_if(
+      entries_.begin() + static_cast<std::ptrdiff_t>(std::min<uint64_t>(skipped, entries_.size())),
+      entries_.end(), [since](const PairBegins::Change& entry) { return entry.frame >= since; });
+  const size_t count = std::min(max, static_cast<size_t>(entries_.end() - begin));
+  out.reserve(sizeof(ContactsHead) + count * sizeof(ContactRecord));
+  put(out, ContactsHead{.count = static_cast<uint32_t>(count),
+                        .first = static_cast<double>(
+                            discarded_ + static_cast<uint64_t>(begin - entries_.begin())),
+                        .known = static_cast<double>(discarded_ + entries_.size()),
+                        .frame = static_cast<double>(complete_)});
+  std::for_each_n(begin, count, [&out](const PairBegins::Change& entry) {
+    const PairKey& pair = entry.pair;
+    put(out,
+        ContactRecord{to_int32(entry.frame), to_int32(entry.began), pair.a(), pair.b(),
+                      static_cast<uint8_t>(pair.part_a()), static_cast<uint8_t>(pair.part_b()),
+                      static_cast<uint8_t>(entry.kind), 0, entry.place_m.x(), entry.place_m.y()});
+  });
+  return out;
 }
 
 PairBegins::Begins PairHistory::begins_at(int64_t frame,

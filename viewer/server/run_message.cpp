@@ -105,9 +105,10 @@ json add_hull(MeshSection& section, std::span<const Eigen::Vector3f> points, int
 
 json to_json(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
-json describe_model(const model_t& model, const AvatarSphere& sphere, float part_step_m, int k,
-                    MeshSection& section) {
+json describe_model(const model_t& model, bool is_person, const AvatarSphere& sphere,
+                    float part_step_m, int k, MeshSection& section) {
   json out = {{"name", model.name},
+              {"is_person", is_person},
               {"height_m", model.height_m},
               {"sphere", {{"centre_z_m", sphere.centre_z_m}, {"radius_m", sphere.radius_m}}},
               {"part_step_m", part_step_m}};
@@ -240,8 +241,9 @@ Bytes run_message(RunReader& run, const RunGeometry& geometry, ViewMode mode) {
                {"avatars", description.avatar_count}};
   text["models"] = json::array();
   for (size_t m = 0; m < description.models.size(); ++m)
-    text["models"].push_back(describe_model(description.models[m], geometry.spheres[m],
-                                            geometry.part_step_m[m], k, section));
+    text["models"].push_back(describe_model(description.models[m], run.model(m)->is_person,
+                                            geometry.spheres[m], geometry.part_step_m[m], k,
+                                            section));
   text["obstacles"] = describe_obstacles(description, section);
   Bytes tail = section.bytes();
   align(tail, 4);

@@ -15,7 +15,13 @@ ViewQuery parse_view_query(std::string_view text) {
     if (value < 0 || value > max) return std::nullopt;
     return value;
   };
-  query.frame = number("frame", int64_t{1} << 40);
+  constexpr int64_t kMaxFrame = int64_t{1} << 40;
+  query.frame = number("frame", kMaxFrame);
+  query.since = number("since", kMaxFrame);
+  // Without a valid frame the answer would list the whole run.
+  if (query.since || !json.contains("since"))
+    if (const auto contacts = number("contacts", int64_t{1} << 53))
+      query.contacts = static_cast<uint64_t>(*contacts);
   if (const auto person = number("history", UINT32_MAX))
     query.person = static_cast<uint32_t>(*person);
   query.index = json.contains("index");

@@ -12,10 +12,17 @@ struct ViewQuery {
   std::optional<int64_t> frame;    ///< {"frame": n}
   std::optional<uint32_t> person;  ///< {"history": id, "frame": n}: contacts known at frame n
   bool index = false;              ///< {"index": true}
+  /// {"contacts": n}: the changes of all pairs from sequence number n on, as ContactsHead states.
+  /// {"contacts": n, "since": frame}: those in this frame or later.
+  std::optional<uint64_t> contacts;
+  std::optional<int64_t> since;
 };
 
 /// Maximum number of pairs in an answer about one person.
 inline constexpr size_t kHistoryPairs = 40;
+/// Maximum number of changes in a contacts message, which takes up to 1 MB. A page requests the
+/// rest with another query. WebClient bounds the number of answers that wait for a slow page.
+inline constexpr size_t kMaxContacts = 50'000;
 
 /// Returns an empty query if the text is none of these.
 ViewQuery parse_view_query(std::string_view text);
