@@ -1,19 +1,13 @@
 // Tests the page in a real browser with the real program: a log, a live run, a file.
 import assert from 'node:assert/strict';
-import {type ChildProcess, spawn, spawnSync} from 'node:child_process';
-import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
-import {tmpdir} from 'node:os';
+import {spawn, spawnSync} from 'node:child_process';
+import {readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import type {Browser, Page} from 'playwright-core';
+import {before, test} from 'node:test';
+import type {Page} from 'playwright-core';
+import {browser, children, folder, open, stopped, throng, until, view} from './driver.ts';
 
-const {chromium} = createRequire(`${process.env.NPM}/`)('playwright-core') as typeof import('playwright-core');
-const throng = process.env.THRONG!;
-const folder = mkdtempSync(join(tmpdir(), 'throng-page-'));
 const log = join(folder, 'plaza.lcmlog');
-const children: ChildProcess[] = [];
-let browser: Browser;
 
 interface Begun {
   frame: number;
@@ -36,68 +30,9 @@ const position = (page: Page, id: number): Promise<number[]> => page.evaluate(`w
 
 const pairs = (page: Page): Promise<number> => page.evaluate('window.throng.state().pairs');
 
-function start(...args: string[]): ChildProcess {
-  const child = spawn(throng, args, {cwd: folder, stdio: ['ignore', 'pipe', 'inherit']});
-  children.push(child);
-  return child;
-}
-
-/** Polls an expression. The page's policy forbids evaluating text later, as waitForFunction would. */
-async function until(page: Page, expression: string, limit_ms = 60_000): Promise<void> {
-  for (const end = Date.now() + limit_ms; !(await page.evaluate(expression)); await page.waitForTimeout(30))
-    assert.ok(Date.now() < end, `not true within ${limit_ms} ms: ${expression}`);
-}
-
-/** Starts `throng view`; resolves with its URL once it listens. */
-async function view(...args: string[]): Promise<{child: ChildProcess; url: string}> {
-  const child = start('view', ...args);
-  const url = await new Promise<string>((found, failed) => {
-    child.once('exit', (code) => failed(new Error(`throng view ended with ${code}`)));
-    child.stdout!.on('data', (text) => {
-      const address = /http:\S+/.exec(String(text));
-      if (address) found(address[0]);
-    });
-  });
-  return {child, url};
-}
-
-function stopped(child: ChildProcess): Promise<void> {
-  return new Promise((done) => {
-    if (child.exitCode !== null) return done();
-    child.once('exit', () => done());
-    child.kill('SIGTERM');
-  });
-}
-
-/** Opens a page; page errors and outside addresses fail the test. */
-async function open(url: string): Promise<{page: Page; addresses: string[]; close: () => Promise<void>}> {
-  const page = await browser.newPage({viewport: {width: 800, height: 560}});
-  const addresses: string[] = [];
-  const errors: string[] = [];
-  page.on('request', (request) => addresses.push(request.url()));
-  page.on('pageerror', (error) => errors.push(String(error)));
-  await page.goto(url);
-  await until(page, 'window.throng && window.throng.state().frame >= 0');
-  const close = async (): Promise<void> => {
-    await page.close();
-    assert.deepEqual(errors, [], 'errors on the page');
-  };
-  return {page, addresses, close};
-}
-
-before(async () => {
+before(() => {
   const run = spawnSync(throng, ['run', 'plaza', '--avatars', '40', '--seconds', '4', '--lcm', 'off', '--log', log]);
   assert.equal(run.status, 0, String(run.stderr));
-  browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM,
-    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  });
-});
-
-after(async () => {
-  await browser?.close();
-  for (const child of children) child.kill('SIGKILL');
-  rmSync(folder, {recursive: true, force: true});
 });
 
 test('plays, steps and scrubs a log', async () => {
@@ -135,12 +70,48 @@ test('plays, steps and scrubs a log', async () => {
   await stopped(child);
 });
 
+/** Returns how many people and corners of the ground lie outside the free rectangle. */
+const outside = (page: Page): Promise<number> =>
+  page.evaluate(`(() => {
+    const {stage, run, frame} = window.throng;
+    const free = stage.freeRect();
+    const isOutside = ([x, y, z]) => {
+      const p = stage.project(x, y, z);
+      const [across, down] = [((p[0] + 1) / 2) * innerWidth, ((1 - p[1]) / 2) * innerHeight];
+      return across < free.left || across > free.right || down < free.top || down > free.bottom;
+    };
+    const {min_m, max_m} = run.ground;
+    const points = [min_m, max_m, [min_m[0], max_m[1]], [max_m[0], min_m[1]]].map(([x, y]) => [x, y, 0]);
+    for (let id = 0; id < run.avatars; ++id) if (frame.people[4 * id + 3] & 1) points.push(window.throng.positionOf(id));
+    return points.filter(isOutside).length;
+  })()`);
+
+test('the first view and the top view show the whole scene beside the panels, in any window', async () => {
+  const {child, url} = await view(log, '--port', '0');
+  const {page, close} = await open(url);
+  await page.keyboard.press('Space');
+  await page.evaluate('window.throng.stage.freeRect = () => ({left: 20, top: 60, right: innerWidth - 100, bottom: innerHeight - 80})');
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    await page.setViewportSize({width, height});
+    await until(page, `window.throng.stage.camera.aspect === ${width} / ${height}`);
+    await page.evaluate('window.throng.stage.overview()');
+    assert.equal(await outside(page), 0, `in a window of ${width} x ${height}`);
+    assert.equal(await page.evaluate('window.throng.stage.topView()'), true);
+    assert.equal(await outside(page), 0, `from above in a window of ${width} x ${height}`);
+    assert.equal(await page.evaluate('window.throng.stage.topView()'), false);
+    assert.equal(await outside(page), 0);
+  }
+  await close();
+  await stopped(child);
+});
+
 test('draws layers on request and describes the selected person', async () => {
   const {child, url} = await view(log, '--port', '0');
   const {page, close} = await open(url);
   await page.keyboard.press('Space');
   await page.waitForTimeout(600);
   const drawn = (): Promise<{calls: number; triangles: number}> => page.evaluate('window.throng.stage.drawn');
+  await page.locator('#viewTab').click();
   for (const layer of ['spheres', 'hulls', 'boxes']) {
     const {calls} = await drawn();
     await page.locator(`#layer-${layer}`).check();
@@ -153,7 +124,7 @@ test('draws layers on request and describes the selected person', async () => {
   const where = await page.evaluate(`(() => {
     for (let id = 0; id < 40; ++id) {
       const at = window.throng.screenPosition(id);
-      if (at && at[0] > 60 && at[0] < 560 && at[1] > 140 && at[1] < 480) return [id, ...at];
+      if (at && at[0] > 20 && at[0] < 400 && at[1] > 140 && at[1] < 480) return [id, ...at];
     }
   })()`) as number[];
   assert.ok(where, 'no person is in the picture');

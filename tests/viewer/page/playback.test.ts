@@ -1,7 +1,7 @@
 // Tests the clock of a recorded run.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {clock, lasted, Playback, since, SPEEDS} from '../../../viewer/page/src/playback.ts';
+import {clock, Playback, since, SPEEDS, whenOf} from '../../../viewer/page/src/playback.ts';
 
 function tenSeconds(): Playback {
   const playback = new Playback(1 / 60);
@@ -75,6 +75,11 @@ test('formats since when a contact lasts', () => {
   assert.equal(since(30, 93, 1 / 60), '1.05 s');
   assert.equal(since(~634, 700, 1 / 60), 'before 10.57 s');
   assert.equal(since(~0, 700, 1 / 60), 'before 0.00 s');
-  assert.equal(lasted(30, 93, 1 / 60), '1.05 s');
-  assert.equal(lasted(~634, 694, 1 / 60), 'over 1.00 s');
+});
+
+test('formats when a contact was', () => {
+  const contact = {begin: 634, end: 667, isOlder: false, isLost: false};
+  assert.equal(whenOf(contact, 700, 1 / 60), '10.57-11.12 s (0.55 s)');
+  assert.equal(whenOf({...contact, end: -1}, 666, 1 / 60), 'from 10.57 s (at least 0.55 s)');
+  assert.equal(whenOf({...contact, isOlder: true}, 700, 1 / 60), 'before 10.57-11.12 s (at least 0.55 s)');
 });

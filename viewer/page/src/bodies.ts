@@ -7,7 +7,7 @@ import {
   InstancedBufferAttribute,
   InstancedBufferGeometry,
 } from 'three';
-import type {Model, Mesh, Part, Run} from './protocol.ts';
+import type {Box, Model, Mesh, Part, Run, Vec3} from './protocol.ts';
 import {diamond, simplified, sleeve, vertexNormals} from './simplify.ts';
 import {slotOf} from './theme.ts';
 
@@ -153,6 +153,18 @@ export class Instances {
     this.attribute.addUpdateRange(0, 3 * this.count);
     this.attribute.needsUpdate = true;
   }
+}
+
+/** Returns the axis-aligned box of a mesh in its own frame. */
+export function boxOf(mesh: Mesh): Box {
+  const low: Vec3 = [Infinity, Infinity, Infinity];
+  const high: Vec3 = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < mesh.positions.length; ++i) {
+    low[i % 3] = Math.min(low[i % 3], mesh.positions[i]);
+    high[i % 3] = Math.max(high[i % 3], mesh.positions[i]);
+  }
+  const half = (sign: number): Vec3 => [0, 1, 2].map((axis) => (high[axis] + sign * low[axis]) / 2) as Vec3;
+  return {centre_m: half(1), half_m: half(-1)};
 }
 
 /** Returns the mesh of an obstacle. Corners are not shared, which keeps flat faces flat. */

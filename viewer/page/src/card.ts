@@ -1,6 +1,6 @@
 // Card shows the selected person: its present contacts from the frame, past ones from the source.
 import {el, make, setText} from './dom.ts';
-import {lasted, since} from './playback.ts';
+import {since, whenOf} from './playback.ts';
 import {nameOf, pairsOf, partNameOf, personOf, type Frame, type Pair, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
 
@@ -60,9 +60,10 @@ export class Card {
       fill('cardPairs', now.map((pair) => this.row(run, pair)));
       fill(
         'cardHistory',
-        before.map(([began, end, a, b, partA, partB]) =>
-          this.row(run, {a, b, partA, partB, level: -1, began}, lasted(began, end, run.step_s)),
-        ),
+        before.map(([began, end, a, b, partA, partB]) => {
+          const when = {begin: began < 0 ? ~began : began, end, isOlder: began < 0, isLost: false};
+          return this.row(run, {a, b, partA, partB, level: -1, began}, whenOf(when, frame.number, run.step_s));
+        }),
       );
     }
     el('cardPairs')

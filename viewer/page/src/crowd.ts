@@ -19,6 +19,7 @@ import {
   RGBAIntegerFormat,
   RawShaderMaterial,
   Sphere,
+  UnsignedByteType,
   UnsignedIntType,
   Vector2,
 } from 'three';
@@ -47,15 +48,19 @@ type Uniforms = Record<string, {value: unknown}>;
 const USEFUL_M = [9, 25, 60, 120];
 const BIN_M = 0.5;
 const TINT = 0.24;
+/** Bits of a person's looks. */
+const COLOURED = 1;
+const FADED = 2;
 /** Up to this level the shadow is that of the mesh; beyond it, that of the coarse SHADOW_LEVEL. */
 const MAX_LEVEL_WITH_MESH_SHADOWS = 1;
 const SHADOW_LEVEL = 3;
 
-function texelMap(texels: number): DataTexture {
+function texelMap(texels: number, Data: typeof Uint32Array | typeof Uint8Array): DataTexture {
   const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
-  const data = new Uint32Array(TEXTURE_WIDTH * height * 4);
-  const map = new DataTexture(data, TEXTURE_WIDTH, height, RGBAIntegerFormat, UnsignedIntType);
-  map.internalFormat = 'RGBA32UI';
+  const data = new Data(TEXTURE_WIDTH * height * 4);
+  const type = Data === Uint8Array ? UnsignedByteType : UnsignedIntType;
+  const map = new DataTexture(data, TEXTURE_WIDTH, height, RGBAIntegerFormat, type);
+  map.internalFormat = Data === Uint8Array ? 'RGBA8UI' : 'RGBA32UI';
   map.minFilter = map.magFilter = NearestFilter;
   map.needsUpdate = true;
   return map;
@@ -82,6 +87,7 @@ export class Crowd {
   budget = 300_000;
   private readonly people: DataTexture;
   private readonly parts: DataTexture;
+  private readonly looks: DataTexture; // by avatar: colour, then the bits below
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
   private readonly own: Uniforms;
@@ -99,14 +105,16 @@ export class Crowd {
   ) {
     this.visible = new Uint32Array(run.avatars);
     this.binOf = new Uint16Array(run.avatars);
-    this.people = texelMap(run.avatars);
-    this.parts = texelMap(run.firstPart[run.avatars]);
+    this.people = texelMap(run.avatars, Uint32Array);
+    this.parts = texelMap(run.firstPart[run.avatars], Uint32Array);
+    this.looks = texelMap(run.avatars, Uint8Array);
     this.own = {
       uPeople: {value: this.people},
       uParts: {value: this.parts},
+      uLooks: {value: this.looks},
       uMarks: {value: MARK_COLORS},
       uCalm: {value: new Color('#5b6878')},
-      uSelected: {value: -1},
+      uSelected: {value: new Vector2(-1, -1)},
       uTint: {value: TINT},
     };
     for (const [name, colors] of Object.entries(CLOTHES)) this.own[name] = {value: colors};
@@ -171,8 +179,27 @@ export class Crowd {
     else this.byLayer[layer].visible = visible;
   }
 
-  select(id: number): void {
-    this.own.uSelected.value = id;
+  /** Highlights up to two people; -1 for none. */
+  select(first: number, second: number): void {
+    (this.own.uSelected.value as Vector2).set(first, second);
+  }
+
+  /** Fades people whose flag is 0; null fades nobody. */
+  setFocus(flags: Uint8Array | null): void {
+    const looks = this.looks.image.data as unknown as Uint8Array;
+    for (let id = 0; id < this.run.avatars; ++id)
+      looks[4 * id + 3] = (looks[4 * id + 3] & ~FADED) | (flags && flags[id] === 0 ? FADED : 0);
+    this.looks.needsUpdate = true;
+  }
+
+  /** Replaces clothes by sRGB colours, four bytes a person, where the fourth is 255; null restores all clothes. */
+  setColors(rgba: Uint8Array | null): void {
+    const looks = this.looks.image.data as unknown as Uint8Array;
+    for (let at = 0; at < 4 * this.run.avatars; at += 4) {
+      for (let i = 0; i < 3; ++i) looks[at + i] = rgba ? rgba[at + i] : 0;
+      looks[at + 3] = (looks[at + 3] & ~COLOURED) | (rgba && rgba[at + 3] === 255 ? COLOURED : 0);
+    }
+    this.looks.needsUpdate = true;
   }
 
   setCalm(color: string): void {
@@ -257,6 +284,7 @@ export class Crowd {
   dispose(): void {
     this.people.dispose();
     this.parts.dispose();
+    this.looks.dispose();
     this.group.traverse((object) => {
       if (object instanceof Mesh || object instanceof LineSegments) {
         object.geometry.dispose();

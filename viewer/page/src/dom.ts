@@ -43,6 +43,30 @@ export function nounOf(value: number, noun: string, plural = `${noun}s`): string
   return Math.round(value) === 1 ? noun : plural;
 }
 
+/** Shows the pane of a tab: #NAMETab and #NAMEPane. */
+export function selectTab<Name extends string>(names: readonly Name[], shown: Name): void {
+  for (const name of names) {
+    el(`${name}Pane`).hidden = name !== shown;
+    el(`${name}Tab`).setAttribute('aria-selected', String(name === shown));
+    el(`${name}Tab`).tabIndex = name === shown ? 0 : -1;
+  }
+}
+
+/** Tabs react to clicks and arrow keys. */
+export function bindTabs<Name extends string>(names: readonly Name[], show: (name: Name) => void): void {
+  names.forEach((name, index) => {
+    el(`${name}Tab`).onclick = () => show(name);
+    el(`${name}Tab`).onkeydown = (event) => {
+      const move = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+      if (move === 0) return;
+      event.stopPropagation();
+      const next = names[(index + move + names.length) % names.length]!;
+      show(next);
+      el(`${next}Tab`).focus();
+    };
+  });
+}
+
 // Notices report waiting, errors and missing parts of a run.
 // Invariant: a repeated notice is not shown again; a screen reader reads it once.
 

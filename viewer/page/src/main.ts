@@ -1,25 +1,21 @@
 // Page connects source, stage, panel and input. Live runs, logs and recordings differ in the timeline only.
-import {Raycaster, Vector2} from 'three';
+import {Raycaster, Vector2, Vector3} from 'three';
 import {Card} from './card.ts';
 import {Chart, type ChartStyle} from './chart.ts';
-import type {Layer} from './crowd.ts';
-import {counted, el, keyRow, make, nounOf, setText, showNotice, showProblem, thousands} from './dom.ts';
+import type {Contact} from './contacts.ts';
+import {ContactsPanel} from './contacts_panel.ts';
+import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNotice, showProblem, thousands} from './dom.ts';
+import {choosesPeople, choosesPerson, matches, type Bodies} from './filter.ts';
+import {Finder, type Finding} from './find.ts';
+import {readLink, writeLink, type View} from './link.ts';
 import {pick, poseOf} from './picking.ts';
 import {clock, SPEEDS} from './playback.ts';
 import {nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
-import {MARKS, type ThemeName} from './theme.ts';
-
-const LAYER_ROWS: [Layer, string, string, boolean][] = [
-  ['meshes', 'Bodies', '1', true],
-  ['spheres', 'Avatar spheres', '2', false],
-  ['hulls', 'or-DOPs of parts', '3', false],
-  ['boxes', 'AABBs of parts', '4', false],
-  ['shadows', 'Shadows', '5', true],
-  ['tint', 'Tint candidates', '6', true],
-];
+import type {ThemeName} from './theme.ts';
+import {ViewPane} from './view_pane.ts';
 
 const KEYS: [string[], string][] = [
   [['Space'], 'play or pause; hold a live picture'],
@@ -27,9 +23,11 @@ const KEYS: [string[], string][] = [
   [['↑', '↓'], 'faster or slower'],
   [['Home', 'End'], 'to the first or last frame'],
   [['1', '…', '6'], 'layers'],
+  [['/'], 'find a person, group, robot or obstacle'],
+  [['N', 'P'], 'next or previous contact of the list'],
   [['F'], 'follow the selected person'],
-  [['R'], 'the whole scene'],
-  [['L'], 'layers and charts'],
+  [['R', 'V'], 'the whole scene; from above and back'],
+  [['L', 'K'], 'the panel; copy a link to this view'],
   [['T'], 'light or dark'],
   [['Esc'], 'clear the selection'],
 ];
@@ -37,6 +35,9 @@ const KEYS: [string[], string][] = [
 const HISTORY_MS = 700;
 const PANEL_MS = 120;
 const FPS_MS = 500;
+const LINK_MS = 1000;
+const TABS = ['contacts', 'view', 'charts'] as const;
+type Tab = (typeof TABS)[number];
 
 /** Same width as in the style sheet. */
 const isNarrow = (): boolean => innerWidth <= 720;
@@ -44,10 +45,12 @@ const isNarrow = (): boolean => innerWidth <= 720;
 class Page {
   private readonly stage = new Stage(el<HTMLCanvasElement>('stage'));
   private readonly card = new Card((id) => this.choose(id));
+  private readonly contacts = new ContactsPanel((contact) => this.showContact(contact), () => this.refocus());
+  private readonly finder = new Finder((finding) => this.showFinding(finding));
   private readonly pairChart = new Chart(el<HTMLCanvasElement>('pairChart'));
   private readonly timeChart = new Chart(el<HTMLCanvasElement>('timeChart'));
   private readonly scrubChart = new Chart(el<HTMLCanvasElement>('scrubChart'));
-  private readonly layers = new Map<Layer, HTMLInputElement>();
+  private readonly look = new ViewPane(this.stage, () => this.recolor());
   private source: Source | null = null;
   private run: Run | null = null;
   private frame: Frame | null = null;
@@ -63,12 +66,18 @@ class Page {
   private panelAt = 0;
   private isPanelOld = true;
   private frames = 0;
+  private selected: number[] = [];
+  private focus = '';
+  private linkAt = 0;
+  /** What the address asks for, until it is shown. */
+  private link: Partial<View> | null = readLink(location.hash);
 
   constructor() {
-    this.buildLayers();
-    this.buildLegend();
+    bindTabs(TABS, (tab) => this.showTab(tab));
     this.bindTimeline();
     this.bindPointer();
+    this.stage.freeRect = freeRect;
+    this.stage.marks.accepts = (frame, pair) => this.run === null || matches(this.run, {...this.contacts.filter, ofParts: true}, pairAt(frame, pair));
     el('keys').append(...KEYS.map(([keys, about]) => keyRow(keys, about)));
     el('panelButton').onclick = () => this.togglePanel();
     el('themeButton').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
@@ -77,6 +86,9 @@ class Page {
     el('closeBanner').onclick = () => (el('banner').hidden = true);
     el('follow').onclick = () => this.toggleFollow();
     el('livePause').onclick = () => this.togglePaused();
+    el('linkButton').onclick = () => void this.copyLink();
+    el('cardContacts').onclick = () => this.listContactsOf(this.card.id);
+    addEventListener('hashchange', () => this.openLink(readLink(location.hash)));
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('resize', () => this.resize());
     for (const type of ['keydown', 'click', 'input']) addEventListener(type, () => (this.isPanelOld = true), true);
@@ -120,7 +132,10 @@ class Page {
     this.run = run;
     this.stage.setRun(run);
     this.stage.setTheme(this.theme);
-    for (const [layer, box] of this.layers) this.stage.show(layer, box.checked);
+    this.finder.setRun(run);
+    this.focus = '';
+    if (this.source) this.openContacts(run, this.source);
+    this.look.showLayers();
     setText(el('scene'), run.scene);
     document.title = `${run.scene} – Throng`;
     this.updateMode();
@@ -128,16 +143,22 @@ class Page {
     el('pauseBar').hidden = run.mode !== 'live';
     this.historyOf = '';
     if (isNew) this.choose(-1);
+    this.stage.recentre();
     this.notice('');
     this.frame = null;
   }
 
   private take(frame: Frame): void {
     if (this.paused && this.frame) return;
+    const isFirst = this.frame === null;
     this.frame = frame;
     ++this.frames;
     this.stage.take(frame);
+    this.recolor();
+    this.updateFocus();
     this.updateCard();
+    if (isFirst && this.link) this.openLink(this.link);
+    if (isFirst) this.link = null;
   }
 
   private notice(title: string, detail = '', retry?: () => void): void {
@@ -185,21 +206,38 @@ class Page {
     const {frame, run, source} = this;
     this.isPanelOld = false;
     if (!frame || !run || !source) return;
-    setText(el('people'), thousands(frame.present));
-    setText(el('peopleNoun'), nounOf(frame.present, 'person', 'people'));
-    setText(el('pairs'), thousands(frame.pairs));
-    setText(el('pairsNoun'), nounOf(frame.pairs, 'pair'));
     setText(el('liveClock'), clock(frame.time_s));
     el('drops').hidden = source.dropped === 0;
     setText(el('drops'), `${thousands(source.dropped)} dropped`);
     el('lost').hidden = frame.lost === 0;
     setText(el('lost'), `${thousands(frame.lost)} lost`);
-    this.updateLegend(frame);
+    this.look.updateCounts(run, frame);
     this.updateTimeline();
     this.drawCharts();
+    this.contacts.update();
+    this.updateHeat();
+    this.updateCounts(frame, run);
+    this.updateFocus();
+    this.updateLink(now);
     this.requestHistory(now, frame, source);
     this.updateCard();
     this.updateFacts(frame, run);
+  }
+
+  /** The counts of the header are those of the filter. */
+  private updateCounts(frame: Frame, run: Run): void {
+    const {filter} = this.contacts;
+    let people = 0;
+    for (let id = 0; id < run.avatars; ++id)
+      if ((frame.people[4 * id + 3] & 1) !== 0 && choosesPerson(run, filter, id)) ++people;
+    let pairs = 0;
+    for (let i = 0; i < frame.pairs; ++i) if (matches(run, {...filter, ofParts: true}, pairAt(frame, i))) ++pairs;
+    const of = (count: number, all: number): string =>
+      count === all ? thousands(all) : `${thousands(count)} of ${thousands(all)}`;
+    setText(el('people'), of(people, frame.present));
+    setText(el('peopleNoun'), nounOf(frame.present, 'person', 'people'));
+    setText(el('pairs'), of(pairs, frame.pairs));
+    setText(el('pairsNoun'), nounOf(frame.pairs, 'pair'));
   }
 
   /** Requests the history of each frame that rests on the screen, and regularly while playing. */
@@ -249,41 +287,172 @@ class Page {
     if (playback) this.scrubChart.draw(series.pairs, () => '', style);
   }
 
-  // Layers and legend
+  private recolor(): void {
+    const {run, frame, source} = this;
+    if (this.look.coloring === 'contacts' || this.look.heat) source?.loadContacts();
+    if (!run || !frame || !source) return;
+    this.look.updateColors(run, frame, source.contacts);
+    this.updateHeat();
+  }
 
-  private buildLayers(): void {
-    for (const [layer, title, key, on] of LAYER_ROWS) {
-      const box = make('input', {type: 'checkbox', role: 'switch', id: `layer-${layer}`}) as HTMLInputElement;
-      box.checked = on;
-      box.onchange = () => this.stage.show(layer, box.checked);
-      this.layers.set(layer, box);
-      el('layers').append(make('label', {class: 'layer'}, make('span', {}, title), make('kbd', {}, key), box));
+  private updateHeat(): void {
+    if (this.run && this.source) this.look.updateHeat(this.run, this.contacts.filter, this.source.contacts);
+  }
+
+  // Contacts
+
+  private openContacts(run: Run, source: Source): void {
+    this.contacts.setRun(run, source.contacts);
+    if (!el('contactsPane').hidden) source.loadContacts();
+  }
+
+  private showTab(shown: Tab): void {
+    selectTab(TABS, shown);
+    if (shown === 'contacts') this.source?.loadContacts();
+    this.isPanelOld = true;
+  }
+
+  private listContactsOf(id: number): void {
+    this.togglePanel(true);
+    this.showTab('contacts');
+    this.contacts.set({body: id, order: 'length', isDescending: true});
+  }
+
+  /** Seeks a contact, selects both bodies and moves the camera to them. */
+  private showContact(contact: Contact): void {
+    const {run, source} = this;
+    if (!run || !source) return;
+    if (source.playback) {
+      source.playback.playing = false;
+      source.playback.seek(contact.begin);
+      source.tick(0);
     }
+    this.selectBodies([contact.a, contact.b], this.contacts.filter.ofParts ? contact : null);
+    this.follow(-1);
+    this.whenFrame(source.playback ? contact.begin : -1, () => this.lookAt([contact.a, contact.b]));
   }
 
-  private toggleLayer(layer: Layer): void {
-    const box = this.layers.get(layer)!;
-    box.checked = !box.checked;
-    this.stage.show(layer, box.checked);
+  /** Calls `then` as soon as a frame is shown; -1: at once. */
+  private whenFrame(number: number, then: () => void, tries = 200): void {
+    if (number < 0 || this.frame?.number === number) return then();
+    if (tries > 0) setTimeout(() => this.whenFrame(number, then, tries - 1), 25);
   }
 
-  private buildLegend(): void {
-    MARKS.forEach((mark, index) => {
-      const row = make('li', {id: `mark-${index}`}, make('i', {style: `background:${mark.color}`}), make('span', {}, mark.name), make('output', {}), make('small', {}, mark.about));
-      el('legend').append(row);
+  private lookAt(bodies: number[]): void {
+    const {run, frame} = this;
+    if (!run || !frame) return;
+    const points = bodies.filter((body) => body < run.avatars).flatMap((body) => {
+      const [x, y, z] = personOf(frame, body).position_m;
+      const height_m = run.models[run.modelOfAvatar[body]].height_m * run.scaleOfAvatar[body];
+      return [new Vector3(x, y, z), new Vector3(x, y, z + height_m)];
     });
+    if (points.length > 0) this.stage.showBodies(points);
   }
 
-  /** Hides levels that do not occur in this run. */
-  private updateLegend(frame: Frame): void {
-    const counts = [frame.crowded, 0, 0, 0, 0];
-    for (let i = 0; i < frame.pairs; ++i) ++counts[pairAt(frame, i).level + 1];
-    const decided = this.run!.exact ? 4 : 3;
-    counts.forEach((count, index) => {
-      const row = el(`mark-${index}`);
-      row.hidden = index > 0 && index !== decided && count === 0;
-      setText(row.querySelector('output')!, thousands(count));
-    });
+  /** An unchanged picture is not drawn again. */
+  private updateFocus(): void {
+    const {run, frame} = this;
+    if (!run || !frame) return;
+    const focus = this.focusOf(run, frame);
+    const state = focus ? focus.join('') : '';
+    if (state === this.focus) return;
+    this.focus = state;
+    this.stage.setFocus(focus);
+  }
+
+  /** People outside the filter fade, and while the picture rests those without a contact; null: nobody does. */
+  private focusOf(run: Run, frame: Frame): Uint8Array | null {
+    const {filter} = this.contacts;
+    const isResting = this.source?.playback ? !this.source.playback.playing : this.paused;
+    const choosesSome = choosesPeople(filter);
+    if (!isResting && !choosesSome) return null;
+    const flags = new Uint8Array(run.avatars);
+    for (let i = 0; i < frame.pairs; ++i) {
+      const pair = pairAt(frame, i);
+      if (!matches(run, {...filter, ofParts: true}, pair)) continue;
+      flags[pair.a] = 1;
+      if (pair.b < run.avatars) flags[pair.b] = 1;
+    }
+    // The people that a filter names stay, also without a contact: few robots, or one person.
+    const staysWithout = !isResting || filter.with === 'robots' || filter.body >= 0;
+    for (let id = 0; id < run.avatars && staysWithout; ++id) if (choosesPerson(run, filter, id)) flags[id] = 1;
+    for (const id of this.selected) if (id < run.avatars) flags[id] = 1;
+    return flags;
+  }
+
+  private refocus(): void {
+    this.isPanelOld = true;
+    this.stage.select(...this.selected); // draws the marks of the filter
+    this.updateFocus();
+  }
+
+  private showFinding(finding: Finding): void {
+    if ('group' in finding) {
+      this.togglePanel(true);
+      this.showTab('contacts');
+      return this.contacts.set({group: finding.group, body: -1});
+    }
+    const {run, frame} = this;
+    if (!run || !frame) return;
+    if (finding.body >= run.avatars) {
+      this.selectBodies([finding.body]);
+      const [x, y] = run.obstacles[finding.body - run.avatars].centre_m;
+      return this.stage.showBodies([new Vector3(x, y, 0), new Vector3(x, y, 2)]);
+    }
+    this.choose(finding.body);
+    this.lookAt([finding.body]);
+  }
+
+  // Links
+
+  private view(): View {
+    const {position} = this.stage.camera;
+    return {
+      frame: this.source?.playback?.frame ?? null,
+      selected: this.selected,
+      camera: [...position.toArray(), ...this.stage.controls.target.toArray()],
+      layers: this.look.layers,
+      coloring: this.look.coloring,
+      heat: this.look.heat,
+      filter: this.contacts.filter,
+    };
+  }
+
+  private openLink(view: Partial<View>): void {
+    const playback = this.source?.playback;
+    if (view.layers) this.look.showLayers(view.layers);
+    if (view.coloring) this.look.setColoring(view.coloring);
+    if (view.heat !== undefined) this.look.setHeat(view.heat);
+    if (view.filter) this.contacts.set(view.filter);
+    if (view.selected) this.selectBodies(view.selected);
+    if (view.camera) this.stage.setCamera(view.camera);
+    if (view.frame === undefined || view.frame === null || !playback) return;
+    playback.playing = false;
+    playback.frames = Math.max(playback.frames, view.frame + 1); // the log may not be read so far yet
+    playback.seek(view.frame);
+  }
+
+  /** Keeps the address up to date while the picture rests; browsers limit how often it may change. */
+  private updateLink(now: number): void {
+    if (now < this.linkAt || this.link) return;
+    this.linkAt = now + LINK_MS;
+    const playback = this.source?.playback;
+    if (playback?.playing) return;
+    const text = `#${writeLink(this.view())}`;
+    if (text !== location.hash) history.replaceState(null, '', text);
+  }
+
+  private async copyLink(): Promise<void> {
+    const link = `${location.href.split('#')[0]}#${writeLink(this.view())}`;
+    history.replaceState(null, '', link);
+    const button = el('linkButton');
+    try {
+      await navigator.clipboard.writeText(link);
+      setText(button, 'Copied');
+    } catch {
+      setText(button, 'In the address bar');
+    }
+    setTimeout(() => setText(button, 'Copy link'), 2000);
   }
 
   // Time
@@ -345,23 +514,33 @@ class Page {
     if (!this.run || !this.frame) return;
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), this.stage.camera);
-    this.choose(pick(this.run, this.frame, caster.ray, slack_m));
+    const mark = this.stage.marks.at(x, y);
+    if (mark < 0) return this.choose(pick(this.run, this.frame, caster.ray, slack_m));
+    const pair = pairAt(this.frame, mark);
+    this.selectBodies([pair.a, pair.b], pair);
   }
 
   private choose(id: number): void {
+    this.selectBodies(id < 0 ? [] : [id]);
+    if (id < 0) this.follow(-1);
+    else if (this.stage.followed >= 0) this.follow(id);
+  }
+
+  /** Selects up to two bodies, and one contact of them; the card shows the first body. */
+  private selectBodies(bodies: number[], contact: Bodies | null = null): void {
+    this.stage.marks.contact = contact;
     this.historyAt = 0;
     this.historyOf = '';
     this.isPanelOld = true;
-    this.stage.select(id);
-    if (id < 0 || !this.run) {
-      this.card.close();
-      this.follow(-1);
-      return;
-    }
-    if (isNarrow()) this.togglePanel(false);
-    this.card.open(this.run, id);
+    const {run} = this;
+    this.selected = run ? bodies.filter((body) => body < run.avatars + run.obstacles.length) : [];
+    this.stage.select(...this.selected);
+    this.updateFocus();
+    const person = this.selected.find((body) => run && body < run.avatars);
+    if (person === undefined || !run) return this.card.close();
+    if (isNarrow() && this.selected.length === 1) this.togglePanel(false);
+    this.card.open(run, person);
     this.updateCard();
-    if (this.stage.followed >= 0) this.follow(id);
   }
 
   private toggleFollow(): void {
@@ -392,6 +571,13 @@ class Page {
     el('panelButton').setAttribute('aria-expanded', String(open));
     // On a phone the panel covers the card.
     el('card').classList.toggle('covered', open && isNarrow());
+    this.stage.recentre();
+  }
+
+  private stepContact(direction: number): void {
+    this.togglePanel(true);
+    this.showTab('contacts');
+    this.contacts.step(direction);
   }
 
   private resize(): void {
@@ -400,11 +586,12 @@ class Page {
 
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || el<HTMLDialogElement>('help').open) return;
+    // Fields and lists use these keys themselves.
+    if (event.target instanceof HTMLElement && event.target.matches('select, input:not([type=range]):not([type=checkbox])')) return;
     const onButton = event.target instanceof HTMLButtonElement && (event.key === ' ' || event.key === 'Enter');
     if (onButton) return;
     const playback = this.source?.playback;
     const far = event.shiftKey && playback ? Math.round(1 / playback.step_s) : 1;
-    const layer = LAYER_ROWS.find(([, , key]) => key === event.key);
     const actions: Record<string, () => void> = {
       ' ': () => (playback ? playback.toggle() : this.togglePaused()),
       arrowleft: () => playback?.step(-far),
@@ -418,13 +605,21 @@ class Page {
         this.follow(-1);
         this.stage.overview();
       },
+      v: () => {
+        this.follow(-1);
+        this.stage.topView();
+      },
+      n: () => this.stepContact(1),
+      p: () => this.stepContact(-1),
+      '/': () => this.finder.focus(),
+      k: () => void this.copyLink(),
       l: () => this.togglePanel(),
       t: () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark'),
       '?': () => el<HTMLDialogElement>('help').showModal(),
       h: () => el<HTMLDialogElement>('help').showModal(),
       escape: () => this.choose(-1),
     };
-    const action = layer ? () => this.toggleLayer(layer[0]) : actions[event.key.toLowerCase()];
+    const action = actions[event.key.toLowerCase()] ?? (/^[1-9]$/.test(event.key) ? () => this.look.toggle(event.key) : null);
     if (!action) return;
     event.preventDefault();
     action();
@@ -474,6 +669,22 @@ class Page {
   positionOf(id: number): number[] {
     return this.frame ? personOf(this.frame, id).position_m : [];
   }
+}
+
+/** Returns the part of the window that no panel covers, in CSS pixels. */
+function freeRect(): {left: number; top: number; right: number; bottom: number} {
+  const GAP = 10;
+  const header = document.querySelector('.bar')!.getBoundingClientRect();
+  const panel = el('panel');
+  const footer = [el('timeline'), el('pauseBar')].find((bar) => !bar.hidden)?.getBoundingClientRect();
+  const isOpen = !panel.classList.contains('closed');
+  const bottom = footer ? footer.top : innerHeight;
+  return {
+    left: GAP,
+    top: header.bottom + GAP,
+    right: (isOpen && !isNarrow() ? innerWidth - panel.offsetWidth - GAP : innerWidth) - GAP,
+    bottom: (isOpen && isNarrow() ? bottom - panel.offsetHeight - GAP : bottom) - GAP,
+  };
 }
 
 const page = new Page();

@@ -10,16 +10,19 @@ export interface PartPose {
   rotation: Quaternion;
 }
 
-/** Returns the world pose of a part, read from the frame's texels. */
-export function poseOf(run: Run, frame: Frame, avatar: number, part: number): PartPose {
+const newPose = (): PartPose => ({origin: new Vector3(), rotation: new Quaternion()});
+
+/** Returns the world pose of a part, read from the frame's texels, in `out`. */
+export function poseOf(run: Run, frame: Frame, avatar: number, part: number, out = newPose()): PartPose {
   const at = 4 * (run.firstPart[avatar] + part);
   const [x, y, z, w] = [frame.parts[at], frame.parts[at + 1], frame.parts[at + 2], frame.parts[at + 3]];
   const step = run.models[run.modelOfAvatar[avatar]].part_step_m;
-  const origin = new Vector3(low(x), high(x), low(y)).multiplyScalar(step);
-  origin.x += frame.positions[4 * avatar];
-  origin.y += frame.positions[4 * avatar + 1];
-  origin.z += frame.positions[4 * avatar + 2];
-  return {origin, rotation: new Quaternion(low(z), high(z), low(w), high(w)).normalize()};
+  out.origin.set(low(x), high(x), low(y)).multiplyScalar(step);
+  out.origin.x += frame.positions[4 * avatar];
+  out.origin.y += frame.positions[4 * avatar + 1];
+  out.origin.z += frame.positions[4 * avatar + 2];
+  out.rotation.set(low(z), high(z), low(w), high(w)).normalize();
+  return out;
 }
 
 /** Returns the distance along the ray to a box around the origin, or Infinity. */

@@ -1,4 +1,5 @@
 // Playback is the clock of a recorded run: its position and speed.
+import type {Contact} from './contacts.ts';
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8];
 
@@ -70,9 +71,16 @@ export function since(began: number, frame: number, step_s: number): string {
   return began >= 0 ? seconds((frame - began) * step_s) : `before ${seconds(~began * step_s)}`;
 }
 
-/** Formats the duration of a contact that ended in frame `end`. */
-export function lasted(began: number, end: number, step_s: number): string {
-  return began >= 0 ? seconds((end - began) * step_s) : `over ${seconds((end - ~began) * step_s)}`;
+type When = Pick<Contact, 'begin' | 'end' | 'isOlder' | 'isLost'>;
+
+/** Formats when a contact was: "10.57-11.12 s (0.55 s)", "from 10.57 s (at least 0.55 s)" while it lasts. */
+export function whenOf(contact: When, lastFrame: number, step_s: number): string {
+  const {begin, end, isOlder, isLost} = contact;
+  const lasts = end < 0;
+  const length = seconds(((lasts ? lastFrame + 1 : end) - begin) * step_s);
+  const from = `${isOlder ? 'before ' : ''}${(begin * step_s).toFixed(2)}`;
+  const when = lasts ? `from ${from} s` : `${from}-${(end * step_s).toFixed(2)} s`;
+  return `${when} (${isOlder || lasts || isLost ? 'at least ' : ''}${length})`;
 }
 
 function seconds(time_s: number): string {

@@ -3,7 +3,10 @@
 
 const RUN_MESSAGE = 0x31525454;
 const FRAME_MESSAGE = 0x31465454;
+const CONTACTS_MESSAGE = 0x31435454;
 const HEAD_BYTES = 64;
+const CONTACTS_HEAD_BYTES = 32;
+const CHANGE_WORDS = 7;
 
 export const AVATAR_WORDS = 4;
 export const PART_WORDS = 4;
@@ -47,6 +50,7 @@ export interface Joint {
 
 export interface Model {
   name: string;
+  is_person: boolean;
   height_m: number;
   sphere: {centre_z_m: number; radius_m: number};
   part_step_m: number;
@@ -116,10 +120,18 @@ function meshAt(place: MeshPlace, buffer: ArrayBuffer, base: number): Mesh {
 }
 
 /** Returns the kind of a binary message; '' for unknown ones. */
-export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | '' {
+export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | '' {
   if (buffer.byteLength < 8) return '';
-  const kind = new DataView(buffer).getUint32(0, true);
-  return kind === RUN_MESSAGE ? 'run' : kind === FRAME_MESSAGE ? 'frame' : '';
+  switch (new DataView(buffer).getUint32(0, true)) {
+    case RUN_MESSAGE:
+      return 'run';
+    case FRAME_MESSAGE:
+      return 'frame';
+    case CONTACTS_MESSAGE:
+      return 'contacts';
+    default:
+      return '';
+  }
 }
 
 /** Throws a RangeError or SyntaxError if the bytes are no run message. */
@@ -173,6 +185,49 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     parts: new Uint32Array(buffer, partsAt, parts * PART_WORDS),
     pairWords: new Uint32Array(buffer, pairsAt, pairs * PAIR_WORDS),
   };
+}
+
+/** A begin or end of a contact of two parts. */
+export interface ContactChange {
+  kind: 'began' | 'ended' | 'lost';
+  frame: number;
+  /** Of a begin: its frame; ~f if it is only known to be before frame f. */
+  began: number;
+  a: number;
+  b: number;
+  partA: number;
+  partB: number;
+  /** The middle between both people, as far as their states are known; of an obstacle, the person's place. */
+  x_m: number;
+  y_m: number;
+}
+
+export interface ContactChanges {
+  /** Number of the first change since the run began, and of the one after the newest. */
+  first: number;
+  known: number;
+  /** The newest frame that the changes cover; -1: none. */
+  frame: number;
+  changes: ContactChange[];
+}
+
+const CHANGE_KINDS = ['began', 'ended', 'lost'] as const;
+
+/** Throws a RangeError if the length contradicts the head. */
+export function decodeContacts(buffer: ArrayBuffer): ContactChanges {
+  if (kindOf(buffer) !== 'contacts') throw new RangeError('not a contacts message');
+  const head = new DataView(buffer, 0, CONTACTS_HEAD_BYTES);
+  const count = head.getUint32(4, true);
+  const words = new Int32Array(buffer, CONTACTS_HEAD_BYTES);
+  const floats = new Float32Array(buffer, CONTACTS_HEAD_BYTES);
+  if (words.length !== count * CHANGE_WORDS) throw new RangeError('contacts message has a wrong length');
+  const changes = Array.from({length: count}, (_, i): ContactChange => {
+    const at = i * CHANGE_WORDS;
+    const [frame, began, a, b, rest] = words.subarray(at, at + 5);
+    const kind = CHANGE_KINDS[(rest >>> 16) & 0xff] ?? 'lost';
+    return {kind, frame, began, a, b, partA: rest & 0xff, partB: (rest >>> 8) & 0xff, x_m: floats[at + 5], y_m: floats[at + 6]};
+  });
+  return {first: head.getFloat64(8, true), known: head.getFloat64(16, true), frame: head.getFloat64(24, true), changes};
 }
 
 export interface Person {
@@ -236,6 +291,10 @@ export function displayName(name: string): string {
     .replace(/[A-Z]/g, (capital) => capital.toLowerCase())
     .replace(/^ | $/g, '');
   return words || name;
+}
+
+export function isPerson(run: Run, body: number): boolean {
+  return body < run.avatars && run.models[run.modelOfAvatar[body]].is_person;
 }
 
 export function nameOf(run: Run, body: number): string {

@@ -1,6 +1,6 @@
 // Replay decodes a recording inside the page and rebuilds a frame at any time from ten keys per second.
 // Invariant: its frames have the form of the server's frames; the rest of the page sees no difference.
-import {decodeRun, PAIR_WORDS, type Frame, type Joint, type Model, type Run} from './protocol.ts';
+import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type Joint, type Model, type Run} from './protocol.ts';
 
 // Forward kinematics of one person: joint positions to part poses, with the conventions of the server.
 
@@ -303,6 +303,41 @@ export class Replay {
     return candidates.map((i) => this.intervals[i]).filter((s) => s.begin <= frame && frame < s.end);
   }
 
+  /** Returns all begins and ends in the order of frames. */
+  changes(): ContactChange[] {
+    const changes = this.intervals.flatMap(({a, b, partA, partB, begin, end, began, isLost}): ContactChange[] => {
+      const [x_m, y_m] = this.placeOf(a, b, begin);
+      const pair = {began, a, b, partA, partB, x_m, y_m};
+      return [
+        {kind: 'began', frame: begin, ...pair},
+        {kind: isLost ? 'lost' : 'ended', frame: end, ...pair},
+      ];
+    });
+    // A pair may end and begin again in one frame.
+    return changes.sort((p, q) => p.frame - q.frame || Number(p.kind === 'began') - Number(q.kind === 'began'));
+  }
+
+  /** Returns the middle between two people at the key before a frame; of an obstacle, the person's place. */
+  private placeOf(a: number, b: number, frame: number): [number, number] {
+    const key = this.keyAt(frame) * this.run.avatars;
+    const at = (body: number, axis: number): number => this.roots[(key + body) * 8 + axis];
+    const other = b < this.run.avatars ? b : a;
+    return [(at(a, 0) + at(other, 0)) / 2, (at(a, 1) + at(other, 1)) / 2];
+  }
+
+  /** Returns the index of the key at or before a position between frames. */
+  private keyAt(position: number): number {
+    const keys = this.head.keys;
+    let low = 0;
+    let high = keys.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (keys[middle] <= position) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+
   /** Returns the newest pairs of a body that began at or before a frame, newest first. */
   history(body: number, frame: number, max: number): ContactInterval[] {
     return this.intervals
@@ -315,13 +350,7 @@ export class Replay {
   frameAt(position: number): Frame {
     const number = Math.min(this.frames - 1, Math.max(0, Math.floor(position)));
     const keys = this.head.keys;
-    let k = 0;
-    let high = keys.length - 1;
-    while (k < high) {
-      const middle = (k + high + 1) >> 1;
-      if (keys[middle] <= position) k = middle;
-      else high = middle - 1;
-    }
+    const k = this.keyAt(position);
     const next = Math.min(k + 1, keys.length - 1);
     const t = next === k ? 0 : Math.min(1, Math.max(0, (position - keys[k]) / (keys[next] - keys[k])));
     return this.build(number, [Math.max(0, k - 1), k, next, Math.min(keys.length - 1, next + 1)], t);

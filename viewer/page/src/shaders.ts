@@ -10,6 +10,7 @@ precision highp int;
 precision highp usampler2D;
 uniform usampler2D uPeople;
 uniform usampler2D uParts;
+uniform usampler2D uLooks;
 uniform float uPartStep;
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
@@ -24,6 +25,12 @@ vec3 turned(vec4 q, vec3 v) {
 float low(uint word) { return float(int(word << 16u) >> 16); }
 float high(uint word) { return float(int(word) >> 16); }
 
+/** A colour (sRGB) instead of the clothes, and whether the person is out of focus. */
+struct Looks { vec3 color; bool coloured; bool faded; };
+Looks looks() {
+  uvec4 t = texel(uLooks, uint(instance.x));
+  return Looks(pow(vec3(t.rgb) / 255.0, vec3(2.2)), (t.a & 1u) != 0u, (t.a & 2u) != 0u);
+}
 struct Person { vec3 root; bool there; bool crowded; uint mark; };
 Person person() {
   uvec4 t = texel(uPeople, uint(instance.x));
@@ -38,6 +45,7 @@ Pose pose(float part) {
 vec3 placed(Person who, Pose p, vec3 local) {
   return who.root + p.origin + turned(p.q, local * instance.z);
 }
+const float FADED_LINES = 0.25;
 const vec4 OUTSIDE_CLIP = vec4(2.0, 2.0, 2.0, 1.0);
 `;
 
@@ -76,12 +84,13 @@ export const BODY_VERTEX = POSES + CLOTHES + /* glsl */ `
 in vec3 position;
 in vec3 normal;
 in vec2 partSlot;
-uniform float uSelected;
+uniform vec2 uSelected;
 out vec3 vNormal;
 out vec3 vColor;
 out vec3 vWorld;
 out float vMarked;
 out float vSelected;
+out float vFaded;
 void main() {
   Person who = person();
   if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
@@ -91,10 +100,14 @@ void main() {
   vWorld = world;
   uint mark = max(p.mark, who.mark == 1u || who.mark == 2u ? who.mark : 0u);
   vec3 cloth = clothes(partSlot.y, uint(instance.x));
-  if (who.crowded) cloth = mix(cloth, uMarks[0], uTint);
+  Looks look = looks();
+  // Shades of trousers would not match the legend, but without any difference people look like pawns.
+  if (look.coloured && partSlot.y < 1.5) cloth = look.color * (partSlot.y < 0.5 ? 1.0 : 0.85);
+  else if (who.crowded) cloth = mix(cloth, uMarks[0], uTint);
   vMarked = mark > 0u ? 1.0 : 0.0;
   vColor = mark > 0u ? uMarks[mark] : cloth;
-  vSelected = instance.x == uSelected ? 1.0 : 0.0;
+  vSelected = instance.x == uSelected.x || instance.x == uSelected.y ? 1.0 : 0.0;
+  vFaded = look.faded ? 1.0 : 0.0;
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
 }`;
 
@@ -131,6 +144,9 @@ in vec3 vColor;
 in vec3 vWorld;
 in float vMarked;
 in float vSelected;
+in float vFaded;
+uniform vec3 uFaded;
+uniform vec3 uChosen;
 out vec4 fragment;
 ` + LIGHT + /* glsl */ `
 void main() {
@@ -140,7 +156,10 @@ void main() {
   vec3 color = lit(vColor, n, vWorld);
   // Touching parts glow a little, so that shadow does not hide them in a crowd.
   color += vColor * vMarked * 0.28 + uSky * rim * 0.16;
-  if (vSelected > 0.5) color = mix(color, vec3(1.0), 0.08 + 0.7 * rim);
+  // Some light remains, which keeps people recognisable as people.
+  if (vFaded > 0.5) color = mix(color, uFaded * (0.88 + 0.24 * n.z * n.z), 0.8);
+  // Touching parts of a selected person keep most of their colour.
+  if (vSelected > 0.5) color = mix(color, uChosen, (0.04 + 0.85 * pow(rim, 0.7)) * (1.0 - 0.6 * vMarked));
   fragment = shown(fogged(color, vWorld), 1.0);
 }`;
 
@@ -188,7 +207,7 @@ void main() {
   vWorld = centre + position * uSphere.y * instance.z;
   vNormal = position;
   vColor = who.crowded ? uMarks[0] : uCalm;
-  vStrength = who.crowded ? 1.0 : 0.6;
+  vStrength = (who.crowded ? 1.0 : 0.6) * (looks().faded ? FADED_LINES : 1.0);
   gl_Position = projectionMatrix * viewMatrix * vec4(vWorld, 1.0);
 }`;
 
@@ -219,6 +238,7 @@ void main() {
   Pose p = pose(part);
   vec3 world = placed(who, p, position);
   vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.55);
+  if (looks().faded) vColor.a *= FADED_LINES;
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
 }`;
 
@@ -240,6 +260,7 @@ void main() {
   vec3 reach = abs(x) * halfSize.x + abs(y) * halfSize.y + abs(z) * halfSize.z;
   vec3 world = who.root + p.origin + (turned(p.q, centre) + position * reach) * instance.z;
   vColor = p.mark > 0u ? vec4(uMarks[p.mark], 1.0) : vec4(uCalm, 0.4);
+  if (looks().faded) vColor.a *= FADED_LINES;
   gl_Position = projectionMatrix * viewMatrix * vec4(world, 1.0);
 }`;
 
@@ -271,10 +292,11 @@ precision highp float;
 in vec3 vNormal;
 in vec3 vWorld;
 uniform vec3 uColor;
+uniform float uAlpha;
 out vec4 fragment;
 ` + LIGHT + /* glsl */ `
 void main() {
-  fragment = shown(fogged(lit(uColor, normalize(vNormal), vWorld), vWorld), 1.0);
+  fragment = shown(fogged(lit(uColor, normalize(vNormal), vWorld), vWorld), uAlpha);
 }`;
 
 /** Lines every metre and every ten metres, as sharp as pixels allow; the scene's ground is a little lighter. */

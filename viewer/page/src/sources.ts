@@ -1,7 +1,8 @@
 // Sources of frames: a live run or a log behind the server, or a recording in this page.
 import type {PastContact} from './card.ts';
+import {ContactLog} from './contacts.ts';
 import {clock, Playback} from './playback.ts';
-import {decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
+import {decodeContacts, decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
 import {Replay} from './replay.ts';
 
 // The connection to `throng view` sends requests, receives messages and reconnects after a loss.
@@ -96,9 +97,16 @@ export interface Source {
   /** Called before every picture, with the time since the previous one. */
   tick(dt_s: number): void;
   requestHistory(id: number, frame: number): void;
+  /** All contacts of a recorded run, those of the latest LIVE_S of a live one. */
+  readonly contacts: ContactLog;
+  /** Begins to fill `contacts`. */
+  loadContacts(): void;
 }
 
 const ANSWER_MS = 2000;
+/** Time between two requests for new contacts. */
+const CONTACTS_MS = 500;
+const LIVE_S = 60;
 const SAMPLES = 600;
 
 /** ServerSource provides the live run or log of the server. */
@@ -117,8 +125,14 @@ export class ServerSource implements Source {
   private receivedAt = 0;
   private indexAt = 0;
   isEnded = false;
+  readonly contacts = new ContactLog();
   private readonly pairs: number[] = [];
   private readonly frame_ms: number[] = [];
+  private wantsContacts = false;
+  private nextChange = 0;
+  private contactsAt = 0;
+  /** Whether the log was read completely when contacts were requested last. */
+  private wasComplete = false;
 
   constructor(
     url: string,
@@ -127,7 +141,7 @@ export class ServerSource implements Source {
     this.connection = new Connection(url, {
       connected: () => {
         this.requested = -1;
-        this.lastSeq = 0;
+        this.lastSeq = this.contactsAt = 0;
         events.notice('');
       },
       lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
@@ -143,6 +157,7 @@ export class ServerSource implements Source {
   tick(dt_s: number): void {
     const {playback, connection} = this;
     const now = performance.now();
+    this.requestContacts(now);
     if (!playback) {
       if (connection.open && this.run && !this.isEnded && this.receivedAt > 0 && now - this.receivedAt > 2500)
         this.events.notice('No frames', 'waiting for the next frame');
@@ -167,6 +182,7 @@ export class ServerSource implements Source {
 
   private binary(buffer: ArrayBuffer): void {
     const start = performance.now();
+    if (kindOf(buffer) === 'contacts') return this.takeContacts(buffer);
     if (kindOf(buffer) === 'run') {
       const run = decodeRun(buffer);
       const isSame = this.run !== null && this.run.run_id === run.run_id && this.run.mode === run.mode;
@@ -175,6 +191,8 @@ export class ServerSource implements Source {
       this.isEnded = false;
       this.lastTime_s = -1;
       this.pairs.length = this.frame_ms.length = 0;
+      this.contacts.clear();
+      this.nextChange = this.contactsAt = 0;
       if (run.mode === 'log' && !(isSame && this.playback)) this.playback = new Playback(run.step_s);
       if (run.mode === 'live') this.playback = null;
       this.events.run(run);
@@ -196,6 +214,30 @@ export class ServerSource implements Source {
     }
     this.events.frame(frame);
     this.decode_ms = performance.now() - start;
+  }
+
+  loadContacts(): void {
+    this.wantsContacts = true;
+  }
+
+  /** A request without an answer is repeated. */
+  private requestContacts(now: number): void {
+    if (!this.wantsContacts || !this.run || !this.connection.open || now < this.contactsAt) return;
+    this.contactsAt = now + ANSWER_MS;
+    this.wasComplete = this.complete;
+    const since = this.playback || this.lastTime_s < LIVE_S ? {} : {since: Math.floor((this.lastTime_s - LIVE_S) / this.run.step_s)};
+    this.connection.send({contacts: this.nextChange, ...since});
+  }
+
+  private takeContacts(buffer: ArrayBuffer): void {
+    const {first, known, frame, changes} = decodeContacts(buffer);
+    // An answer to a repeated request has come before.
+    if (!this.run || first < this.nextChange) return;
+    this.nextChange = first + changes.length;
+    this.contacts.take(changes, frame);
+    if (!this.playback) this.contacts.forget(frame - LIVE_S / this.run.step_s);
+    const isAll = this.nextChange >= known;
+    this.contactsAt = !isAll ? 0 : this.playback && this.wasComplete ? Infinity : performance.now() + CONTACTS_MS;
   }
 
   private remember(frame: Frame): void {
@@ -237,6 +279,7 @@ export class FileSource implements Source {
   readonly playback: Playback;
   readonly dropped = 0;
   readonly isEnded = false;
+  readonly contacts = new ContactLog();
   private shown = -1;
 
   constructor(
@@ -245,9 +288,12 @@ export class FileSource implements Source {
   ) {
     this.playback = new Playback(replay.run.step_s);
     this.playback.frames = replay.frames;
-    events.run(replay.run);
-    const {frames, pairs, frame_ms, problem} = replay;
-    events.series({frames, pairs, frame_ms, problem});
+    // The page must know its source first.
+    queueMicrotask(() => {
+      events.run(replay.run);
+      const {frames, pairs, frame_ms, problem} = replay;
+      events.series({frames, pairs, frame_ms, problem});
+    });
   }
 
   tick(dt_s: number): void {
@@ -255,6 +301,10 @@ export class FileSource implements Source {
     if (this.playback.position === this.shown) return;
     this.shown = this.playback.position;
     this.events.frame(this.replay.frameAt(this.shown));
+  }
+
+  loadContacts(): void {
+    if (this.contacts.lastFrame < 0) this.contacts.take(this.replay.changes(), this.replay.frames - 1);
   }
 
   requestHistory(id: number, frame: number): void {

@@ -2,7 +2,6 @@
 // Invariant: it redraws only if something has changed.
 import {
   Color,
-  DoubleSide,
   GLSL3,
   Group,
   Mesh,
@@ -19,18 +18,30 @@ import {
   WebGLRenderer,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
-import {solidGeometry} from './bodies.ts';
-import {Crowd, oncePerPixel, type Layer} from './crowd.ts';
+import {Crowd, type Layer} from './crowd.ts';
+import {around, CHEST, fit, pointOf, scenePoints, type Rect, type View} from './framing.ts';
+import {Marks} from './marks.ts';
+import {HeatMap, type HeatCells} from './heat.ts';
 import {personOf, type Frame, type Run} from './protocol.ts';
-import {
-  FLAT_SHADOW_VERTEX,
-  GROUND_FRAGMENT,
-  SHADOW_FRAGMENT,
-  SOLID_FRAGMENT,
-  SOLID_VERTEX,
-} from './shaders.ts';
+import {GROUND_FRAGMENT, SOLID_VERTEX} from './shaders.ts';
 import {THEMES, type ThemeName} from './theme.ts';
+import {Walls} from './walls.ts';
 
+const UP = new Vector3(0, 0, 1);
+const NORTH = new Vector3(0, 1, 0);
+const DOWN = new Vector3(0, 0, -1);
+/** Views of the whole scene: from south-west and above; the other one where that makes it larger. */
+const OVERVIEWS = [new Vector3(0.36, 0.78, -0.52).normalize(), new Vector3(0.78, 0.36, -0.52).normalize()];
+const MUCH_NEARER = 0.8;
+/** Shares of the free rectangle that the whole scene and single bodies fill. */
+const SCENE_SHARE = 0.95;
+const BODIES_SHARE = 0.6;
+/** Half the width shown at least around bodies, in metres. */
+const AROUND_BODIES_M = 1.6;
+const STEEP_RAD = (15 * Math.PI) / 180;
+const PITCH_RAD = (30 * Math.PI) / 180;
+const MAX_DISTANCE_M = 1500;
+const FAR_M = 4000;
 const SUN = new Vector3(-0.45, -0.55, 1).normalize();
 const SLOW_MS = 30;
 const FAST_MS = 18;
@@ -56,12 +67,23 @@ export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
+  readonly marks: Marks;
   /** The avatar that the camera follows; -1: none. */
   followed = -1;
+  /** The part of the window, in pixels, that no panel covers; call recentre() when it changes. */
+  freeRect: () => Rect = () => ({left: 0, top: 0, right: this.size[0], bottom: this.size[1]});
   private readonly scene = new Scene();
-  private readonly solids = new Group();
+  private readonly heat = new HeatMap();
+  private readonly floors = new Group();
   private readonly ground: Mesh;
   private crowd: Crowd | null = null;
+  private walls: Walls | null = null;
+  private selected: readonly number[] = [];
+  private readonly sights = [new Vector3(), new Vector3()];
+  /** What the camera was fitted to and still shows, so that another window size fits it again. */
+  private framed: '' | 'scene' | 'top' = '';
+  private viewBefore: View | null = null; // of the top view
+  private frame: Frame | null = null;
   private run: Run | null = null;
   private size: [number, number] = [1, 1];
   private pixels = 1;
@@ -79,6 +101,8 @@ export class Stage {
     uFogRange: {value: new Vector2(100, 300)},
     uEye: {value: new Vector3()},
     uShadow: {value: new Vector4()},
+    uFaded: {value: new Color()},
+    uChosen: {value: new Color()},
   };
   private readonly groundColors = {
     uGround: {value: new Color()},
@@ -88,7 +112,7 @@ export class Stage {
   };
   /** All of the floor is inside the bounds. */
   private readonly floorColors = {...this.groundColors, uBounds: {value: new Vector4(-3e5, -3e5, 3e5, 3e5)}};
-  private readonly solidColor = {uColor: {value: new Color()}};
+  private readonly wallColors = {solid: {value: new Color()}, chosen: {value: new Color()}};
 
   constructor(canvas: HTMLCanvasElement) {
     const antialias = !this.isSlow;
@@ -97,21 +121,23 @@ export class Stage {
     this.renderer.debug.checkShaderErrors = false;
     document.documentElement.classList.toggle('slow', this.isSlow);
     canvas.addEventListener('webglcontextrestored', () => (this.isChanged = true));
-    this.camera.up.set(0, 0, 1);
+    this.marks = new Marks(canvas);
+    this.camera.up.copy(UP);
     this.camera.position.set(-10, -16, 9);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.maxPolarAngle = Math.PI * 0.495;
     this.controls.minDistance = 0.8;
-    this.controls.maxDistance = 1500;
+    this.controls.maxDistance = MAX_DISTANCE_M;
     this.controls.zoomToCursor = true;
+    this.controls.addEventListener('start', () => (this.framed = ''));
     const ground = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors);
     // Drawn first and behind everything: shadows lie in its plane, where depth values are equal.
     ground.depthWrite = false;
     this.ground = new Mesh(new PlaneGeometry(1, 1), ground);
     this.ground.renderOrder = -1;
-    this.scene.add(this.ground, this.solids);
+    this.scene.add(this.ground, this.floors, this.heat.mesh);
   }
 
   private material(vertexShader: string, fragmentShader: string, own: object): RawShaderMaterial {
@@ -129,19 +155,42 @@ export class Stage {
     this.groundColors.uGround.value.set(theme.ground);
     this.groundColors.uBeyond.value.set(theme.beyond);
     this.groundColors.uLine.value.set(theme.line);
-    this.solidColor.uColor.value.set(theme.solid);
+    this.shared.uFaded.value.set(theme.faded);
+    this.shared.uChosen.value.set(theme.chosen);
+    this.wallColors.solid.value.set(theme.solid);
+    // A wall is large: a hint of the colour suffices.
+    this.wallColors.chosen.value.set(theme.solid).lerp(this.shared.uChosen.value, 0.35);
     this.renderer.setClearColor(new Color(theme.fog));
     this.crowd?.setCalm(theme.calm);
     this.isChanged = true;
   }
 
   setRun(run: Run): void {
-    this.crowd?.group.removeFromParent();
-    this.crowd?.dispose();
+    this.clear();
     this.run = run;
     this.crowd = new Crowd(run, this.shared);
     if (this.isSlow) this.crowd.budget = MIN_TRIANGLES;
-    this.scene.add(this.crowd.group);
+    this.walls = new Walls(run, this.shared, this.wallColors);
+    this.scene.add(this.crowd.group, this.walls.group);
+    this.addGround(run);
+    this.addFloor(run);
+    this.select(...this.selected);
+    this.overview();
+    // Submits all shaders before waiting for the first one.
+    this.renderer.compile(this.scene, this.camera);
+    this.isChanged = true;
+  }
+
+  private clear(): void {
+    for (const drawn of [this.crowd, this.walls]) {
+      drawn?.group.removeFromParent();
+      drawn?.dispose();
+    }
+    this.floors.clear();
+    this.frame = null;
+  }
+
+  private addGround(run: Run): void {
     const {min_m, max_m} = run.ground;
     const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
     if (run.ground.floor.length > 0) this.groundColors.uBounds.value.set(3e5, 3e5, -3e5, -3e5);
@@ -149,31 +198,6 @@ export class Stage {
     this.ground.scale.setScalar(20 * size + 800);
     this.ground.position.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2, 0);
     this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
-    this.addSolids(run);
-    this.addFloor(run);
-    this.overview();
-    // Submits all shaders before waiting for the first one.
-    this.renderer.compile(this.scene, this.camera);
-    this.isChanged = true;
-  }
-
-  private addSolids(run: Run): void {
-    this.solids.clear();
-    const solid = this.material(SOLID_VERTEX, SOLID_FRAGMENT, this.solidColor);
-    const shadow = oncePerPixel(this.material(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, {}));
-    shadow.transparent = true;
-    shadow.depthWrite = false;
-    shadow.side = DoubleSide;
-    for (const obstacle of run.obstacles) {
-      const geometry = solidGeometry(obstacle.mesh);
-      for (const material of [solid, shadow]) {
-        const mesh = new Mesh(geometry, material);
-        mesh.position.set(...obstacle.centre_m);
-        mesh.rotation.z = obstacle.heading_rad;
-        mesh.renderOrder = material === shadow ? 1 : 0;
-        this.solids.add(mesh);
-      }
-    }
   }
 
   private addFloor(run: Run): void {
@@ -188,22 +212,96 @@ export class Stage {
     material.depthWrite = false;
     const floor = new Mesh(new ShapeGeometry(shapes), material);
     floor.renderOrder = -0.5;
-    this.solids.add(floor);
+    this.floors.add(floor);
   }
 
-  /** Moves the camera to see the whole ground, from south-west and above. */
+  /** Shows the whole scene from above at a slant, as large as the free rectangle allows. */
   overview(): void {
     if (!this.run) return;
-    const {min_m, max_m} = this.run.ground;
-    const width = max_m[0] - min_m[0];
-    const depth = max_m[1] - min_m[1];
-    const radius = Math.max(3, 0.5 * Math.hypot(width, depth));
-    const half = Math.tan((this.camera.fov * Math.PI) / 360) * Math.min(1.35, this.camera.aspect);
-    const distance = (0.62 * radius) / half;
-    this.controls.target.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2 - 0.06 * depth, 0.6);
-    const back = new Vector3(-0.36, -0.78, 0.52).normalize();
-    this.camera.position.copy(this.controls.target).addScaledVector(back, distance);
+    const points = scenePoints(this.run, this.frame);
+    const [first, second] = OVERVIEWS.map((direction) => this.fitted(points, direction, UP));
+    const distance = (view: View): number => view.position.distanceTo(view.target);
+    this.place(distance(second) < MUCH_NEARER * distance(first) ? second : first);
     this.followed = -1;
+    this.framed = 'scene';
+    this.viewBefore = null;
+  }
+
+  /** Shows the scene from straight above, north up, or the view before; returns whether from above. */
+  topView(on = this.viewBefore === null): boolean {
+    if (!this.run || on === (this.viewBefore !== null)) return on;
+    const before = this.viewBefore;
+    this.followed = -1;
+    if (before) {
+      this.place(before);
+      this.viewBefore = null;
+      this.framed = '';
+    } else {
+      this.viewBefore = {position: this.camera.position.clone(), target: this.controls.target.clone()};
+      this.fitFromTop(this.run);
+    }
+    return on;
+  }
+
+  private fitFromTop(run: Run): void {
+    this.place(this.fitted(scenePoints(run, this.frame), DOWN, NORTH));
+    this.framed = 'top';
+  }
+
+  /** Shows points, such as the chests and feet of two people, from near and in the direction of the present view. */
+  showBodies(points: Vector3[]): void {
+    if (points.length === 0) return;
+    const direction = this.slanted();
+    const across = new Vector3().crossVectors(direction, UP).setLength(AROUND_BODIES_M);
+    const centre = points.reduce((sum, point) => sum.add(point), new Vector3()).divideScalar(points.length);
+    const all = [...points, centre.clone().add(across), centre.clone().sub(across)];
+    this.place(this.fitted(all, direction, UP, BODIES_SHARE));
+    this.framed = '';
+    this.viewBefore = null;
+  }
+
+  /** Returns the direction of the view; a less steep one if it is almost vertical. */
+  private slanted(): Vector3 {
+    const direction = new Vector3().subVectors(this.controls.target, this.camera.position).normalize();
+    if (direction.angleTo(DOWN) > STEEP_RAD) return direction;
+    const north = NORTH.clone().applyQuaternion(this.camera.quaternion).setZ(0).normalize();
+    return north.multiplyScalar(Math.cos(PITCH_RAD)).setZ(-Math.sin(PITCH_RAD));
+  }
+
+  private fitted(points: Vector3[], direction: Vector3, up: Vector3, share = SCENE_SHARE): View {
+    const [width, height] = this.size;
+    return fit(points, direction, up, this.camera.fov, width / height, around(this.freeRect(), width, height, share));
+  }
+
+  private place({position, target}: View): void {
+    const distance = position.distanceTo(target);
+    this.camera.position.copy(position);
+    this.controls.target.copy(target);
+    this.controls.maxDistance = Math.max(this.controls.maxDistance, 2 * distance);
+    this.camera.far = Math.max(FAR_M, 4 * distance);
+    this.controls.update();
+    this.camera.updateMatrixWorld();
+    // A narrow window puts the camera far away, where fog must not hide the scene.
+    const fog = this.shared.uFogRange.value;
+    fog.set(Math.max(fog.x, 1.5 * distance), Math.max(fog.y, 4 * distance));
+    this.centre();
+  }
+
+  /** Adapts the view to another window or free rectangle: a view of the whole scene shows all of it again. */
+  recentre(): void {
+    this.centre();
+    if (this.framed === 'scene') this.overview();
+    if (this.framed === 'top' && this.run) this.fitFromTop(this.run);
+  }
+
+  /** Moves the optical centre to the middle of the free rectangle. */
+  private centre(): void {
+    const [width, height] = this.size;
+    const free = this.freeRect();
+    const left = (width - free.left - free.right) / 2;
+    const top = (height - free.top - free.bottom) / 2;
+    this.camera.setViewOffset(width, height, left, top, width, height);
+    this.isChanged = true;
   }
 
   /** Moves the camera close to a person and keeps its direction. */
@@ -212,6 +310,15 @@ export class Stage {
     this.controls.target.set(position[0], position[1], position[2] + 0.55 * height_m);
     away.setLength(Math.min(away.length(), 5.5));
     this.camera.position.copy(this.controls.target).add(away);
+    this.framed = '';
+    this.viewBefore = null;
+  }
+
+  /** Restores a camera: its position, then its target. */
+  setCamera([x, y, z, ...target]: readonly number[]): void {
+    this.place({position: new Vector3(x, y, z), target: new Vector3(...target)});
+    this.framed = '';
+    this.viewBefore = null;
   }
 
   show(layer: Layer, visible: boolean): void {
@@ -219,14 +326,44 @@ export class Stage {
     this.isChanged = true;
   }
 
-  select(id: number): void {
-    this.crowd?.select(id);
+  /** Highlights bodies: up to two people, and obstacles from run.avatars on. Negative ids are none. */
+  select(...ids: number[]): void {
+    this.selected = ids.filter((id) => id >= 0);
+    const [first = -1, second = -1] = this.selectedPeople();
+    this.crowd?.select(first, second);
+    this.isChanged = true;
+  }
+
+  private selectedPeople(): number[] {
+    const avatars = this.run?.avatars ?? 0;
+    return this.selected.filter((id) => id < avatars).slice(0, 2);
+  }
+
+  /** Fades people whose flag is 0, one flag an avatar; null fades nobody. A new run fades nobody. */
+  setFocus(flags: Uint8Array | null): void {
+    this.crowd?.setFocus(flags);
+    this.isChanged = true;
+  }
+
+  /** Replaces clothes by sRGB colours, four bytes an avatar, where the fourth is 255; null restores clothes. */
+  setColors(rgba: Uint8Array | null): void {
+    this.crowd?.setColors(rgba);
+    this.isChanged = true;
+  }
+
+  /** Shows a floor map; null hides it. */
+  setHeat(cells: HeatCells | null, isDark: boolean): void {
+    this.heat.set(cells, isDark);
     this.isChanged = true;
   }
 
   take(frame: Frame): void {
+    const isFirst = this.frame === null;
+    this.frame = frame;
     this.crowd?.take(frame);
     this.isChanged = true;
+    // People may stand outside of the ground that the run describes.
+    if (isFirst && this.framed === 'scene') this.overview();
     if (this.followed < 0 || this.followed >= frame.avatars) return;
     const person = personOf(frame, this.followed);
     if (!person.present) return;
@@ -239,12 +376,11 @@ export class Stage {
   }
 
   resize(width: number, height: number): void {
-    this.camera.aspect = width / Math.max(1, height);
-    this.camera.updateProjectionMatrix();
-    this.size = [width, height];
+    this.size = [Math.max(1, width), Math.max(1, height)];
     this.pixels = this.sharpest;
-    this.isChanged = true;
     this.renderer.setDrawingBufferSize(width, height, this.pixels);
+    this.marks.resize(...this.size);
+    this.recentre();
   }
 
   private get sharpest(): number {
@@ -275,8 +411,18 @@ export class Stage {
   private draw(frame: Frame | null, triangles: number): void {
     this.camera.updateMatrixWorld();
     this.shared.uEye.value.copy(this.camera.position);
-    if (frame) this.crowd?.arrange(frame, this.camera, triangles);
+    if (frame) {
+      this.crowd?.arrange(frame, this.camera, triangles);
+      this.arrangeWalls(frame);
+    }
     this.renderer.render(this.scene, this.camera);
+    if (this.run) this.marks.draw(this.run, frame, this.camera, this.selected);
+  }
+
+  private arrangeWalls(frame: Frame): void {
+    const people = this.selectedPeople().filter((id) => personOf(frame, id).present);
+    const sights = people.map((id, i) => pointOf(this.run!, frame, id, CHEST, this.sights[i]));
+    this.walls?.arrange(this.camera.position, sights, this.selected);
   }
 
   private drawAtRest(frame: Frame | null): void {

@@ -19,6 +19,10 @@ export interface Theme {
   line: string;
   solid: string;
   calm: string;
+  /** People out of focus. */
+  faded: string;
+  /** Selected people and obstacles. */
+  chosen: string;
   sky: Color;
   earth: Color;
   sun: Color;
@@ -33,6 +37,8 @@ export const THEMES: Record<ThemeName, Theme> = {
     line: '#8d99a8',
     solid: '#b9b3a9',
     calm: '#5b6878',
+    faded: '#ccd3db',
+    chosen: '#cc79a7',
     sky: new Color(0.62, 0.66, 0.72),
     earth: new Color(0.3, 0.29, 0.28),
     sun: new Color(0.62, 0.58, 0.5),
@@ -45,6 +51,8 @@ export const THEMES: Record<ThemeName, Theme> = {
     line: '#4f6176',
     solid: '#4c545f',
     calm: '#8fa3ba',
+    faded: '#253140',
+    chosen: '#b4608f',
     sky: new Color(0.4, 0.46, 0.56),
     earth: new Color(0.13, 0.13, 0.16),
     sun: new Color(0.58, 0.54, 0.48),

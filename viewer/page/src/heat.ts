@@ -1,0 +1,85 @@
+// The floor map counts contacts per cell of the ground. Invariant: its cells sum to its contacts.
+import {DataTexture, GLSL3, Mesh, NearestFilter, PlaneGeometry, RawShaderMaterial, SRGBColorSpace} from 'three';
+import {scaleColor} from './coloring.ts';
+import type {Contact} from './contacts.ts';
+import type {Run} from './protocol.ts';
+
+export interface HeatCells {
+  counts: Uint32Array; // row by row from the south-west
+  columns: number;
+  rows: number;
+  min_m: [number, number];
+  cell_m: number;
+}
+
+const MIN_CELL_M = 0.5;
+const MAX_CELLS = 256; // per side
+
+/** Counts contacts by their place, where it is known; places off the ground count in the nearest cell. */
+export function heatOf(run: Run, contacts: Iterable<Contact>): HeatCells {
+  const {min_m, max_m} = run.ground;
+  const size = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
+  const cell_m = Math.max(MIN_CELL_M, Math.max(...size) / MAX_CELLS);
+  const [columns, rows] = size.map((length) => Math.max(1, Math.ceil(length / cell_m)));
+  const counts = new Uint32Array(columns! * rows!);
+  const cell = (at: number, axis: number, most: number): number =>
+    Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]!) / cell_m)));
+  for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cell(y_m, 1, rows!) * columns! + cell(x_m, 0, columns!)]!;
+  return {counts, columns: columns!, rows: rows!, min_m, cell_m};
+}
+
+const VERTEX = /* glsl */ `
+precision highp float;
+uniform mat4 modelMatrix;
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+in vec3 position;
+in vec2 uv;
+out vec2 vCell;
+void main() {
+  vCell = uv;
+  gl_Position = projectionMatrix * viewMatrix * modelMatrix * vec4(position, 1.0);
+}`;
+
+const FRAGMENT = /* glsl */ `
+precision highp float;
+uniform sampler2D uCells;
+in vec2 vCell;
+out vec4 fragment;
+void main() { fragment = texture(uCells, vCell); }`;
+
+/** HeatMap draws the cells slightly above the ground, below the shadows. */
+export class HeatMap {
+  readonly mesh: Mesh<PlaneGeometry, RawShaderMaterial>;
+
+  constructor() {
+    const material = new RawShaderMaterial({glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: {uCells: {value: null}}});
+    material.transparent = true;
+    material.depthWrite = false;
+    this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
+    this.mesh.renderOrder = -0.4; // after the floor
+    this.mesh.visible = false;
+  }
+
+  /** Shows cells; null hides them. High counts stand out from the ground: dark on light, or light on dark. */
+  set(cells: HeatCells | null, isDark: boolean): void {
+    this.mesh.visible = cells !== null;
+    if (!cells) return;
+    const {columns, rows, counts, min_m, cell_m} = cells;
+    const most = Math.max(1, counts.reduce((max, count) => Math.max(max, count), 0));
+    const rgba = new Uint8Array(4 * counts.length);
+    counts.forEach((count, i) => {
+      const value = count / most;
+      if (count > 0) rgba.set([...scaleColor(isDark ? value : 1 - value), 110 + 130 * value], 4 * i);
+    });
+    const texture = new DataTexture(rgba, columns, rows);
+    texture.magFilter = texture.minFilter = NearestFilter;
+    texture.colorSpace = SRGBColorSpace;
+    texture.needsUpdate = true;
+    const uniform = this.mesh.material.uniforms.uCells!;
+    uniform.value?.dispose();
+    uniform.value = texture;
+    this.mesh.scale.set(columns * cell_m, rows * cell_m, 1);
+    this.mesh.position.set(min_m[0] + 0.5 * columns * cell_m, min_m[1] + 0.5 * rows * cell_m, 0.002);
+  }
+}

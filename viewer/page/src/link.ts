@@ -1,0 +1,74 @@
+// A link stores what a page shows: frame, selection, camera, layers, colours and filter.
+// Invariant: readLink(writeLink(view)) equals the view; wrong text yields only what can be read.
+import {COLORINGS, type Coloring} from './coloring.ts';
+import {NO_FILTER, type Filter, type Order, type Other} from './filter.ts';
+
+export interface View {
+  /** Null in live runs. */
+  frame: number | null;
+  selected: number[];
+  /** Camera position and target in metres. */
+  camera: number[];
+  layers: string[];
+  coloring: Coloring;
+  /** Span of the floor map in seconds; null: none. */
+  heat: [number, number] | null;
+  filter: Filter;
+}
+
+/** Returns the text after "#". Millimetres suffice for the camera. */
+export function writeLink(view: View): string {
+  const {filter} = view;
+  const fields: [string, string][] = [
+    ['frame', view.frame === null ? '' : String(view.frame)],
+    ['selected', view.selected.join(',')],
+    ['camera', view.camera.map((value) => value.toFixed(4)).join(',')],
+    ['layers', view.layers.join(',')],
+    ['color', view.coloring],
+    ['heat', view.heat ? view.heat.map((time_s) => (time_s < Infinity ? time_s : '')).join(',') : ''],
+    ['rows', filter.ofParts ? 'parts' : ''],
+    ['with', filter.with],
+    ['group', filter.group],
+    ['body', filter.body < 0 ? '' : String(filter.body)],
+    ['part', filter.part],
+    ['min', filter.min_s > 0 ? String(filter.min_s) : ''],
+    ['order', filter.order === 'time' && !filter.isDescending ? '' : `${filter.order}${filter.isDescending ? '-' : ''}`],
+  ];
+  return new URLSearchParams(fields.filter(([name, value]) => value !== '' || name === 'layers')).toString().replaceAll('%2C', ',');
+}
+
+export function readLink(text: string): Partial<View> {
+  const fields = new URLSearchParams(text.replace(/^#/, ''));
+  const view: Partial<View> = {};
+  const numbers = (name: string): number[] => {
+    const values = (fields.get(name) ?? '').split(',').filter(Boolean).map(Number);
+    return values.every(Number.isFinite) ? values : [];
+  };
+  const natural = (name: string): number => {
+    const value = Number(fields.get(name) || -1);
+    return Number.isInteger(value) && value >= 0 ? value : -1;
+  };
+  if (natural('frame') >= 0) view.frame = natural('frame');
+  if (fields.has('selected')) view.selected = numbers('selected').filter((id) => Number.isInteger(id) && id >= 0).slice(0, 2);
+  if (numbers('camera').length === 6) view.camera = numbers('camera');
+  if (fields.has('layers')) view.layers = fields.get('layers')!.split(',').filter(Boolean);
+  const color = COLORINGS.find(([coloring]) => coloring === fields.get('color'));
+  if (color) view.coloring = color[0];
+  const span = /^([\d.]*),([\d.]*)$/.exec(fields.get('heat') ?? '');
+  if ([...fields.keys()].length > 0) view.heat = span ? [Number(span[1]) || 0, Number(span[2]) || Infinity] : null;
+  const order = /^(time|length|who)(-?)$/.exec(fields.get('order') ?? '');
+  const other = ['people', 'robots', 'obstacles'].find((name) => name === fields.get('with'));
+  if ([...fields.keys()].length > 0)
+    view.filter = {
+      ...NO_FILTER,
+      ofParts: fields.get('rows') === 'parts',
+      with: (other ?? '') as Other,
+      group: fields.get('group') ?? '',
+      body: natural('body'),
+      part: fields.get('part') ?? '',
+      min_s: Math.max(0, Number(fields.get('min')) || 0),
+      order: (order?.[1] ?? 'time') as Order,
+      isDescending: order?.[2] === '-',
+    };
+  return view;
+}

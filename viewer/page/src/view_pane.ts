@@ -1,0 +1,144 @@
+// ViewPane chooses layers and colours of people, and counts the contacts of a frame.
+import {COLORINGS, colorsFor, scaleGradient, type Coloring, type Legend} from './coloring.ts';
+import type {ContactLog} from './contacts.ts';
+import {LAYERS, type Layer} from './crowd.ts';
+import {counted, el, make, setText, thousands} from './dom.ts';
+import {select, type Filter} from './filter.ts';
+import {heatOf} from './heat.ts';
+import {pairAt, type Frame, type Run} from './protocol.ts';
+import type {Stage} from './stage.ts';
+import {MARKS} from './theme.ts';
+
+const LAYER_ROWS: Record<Layer, [string, boolean]> = {
+  meshes: ['Bodies', true],
+  spheres: ['Avatar spheres', false],
+  hulls: ['or-DOPs of parts', false],
+  boxes: ['AABBs of parts', false],
+  shadows: ['Shadows', true],
+  tint: ['Tint candidates', false],
+};
+
+export class ViewPane {
+  coloring: Coloring = '';
+  private readonly boxes = new Map<Layer, HTMLInputElement>();
+  private legend = 'null';
+  private heatOf = '';
+
+  /** `recolor` is called after a choice of colours. */
+  constructor(
+    private readonly stage: Stage,
+    private readonly recolor: () => void,
+  ) {
+    LAYERS.forEach((layer, index) => {
+      const [title, isOn] = LAYER_ROWS[layer];
+      const box = make('input', {type: 'checkbox', role: 'switch', id: `layer-${layer}`}) as HTMLInputElement;
+      box.checked = isOn;
+      box.onchange = () => stage.show(layer, box.checked);
+      this.boxes.set(layer, box);
+      el('layers').append(make('label', {class: 'layer'}, make('span', {}, title), make('kbd', {}, String(index + 1)), box));
+    });
+    MARKS.forEach(({color, name, about}, index) => {
+      const row = [make('i', {style: `background:${color}`}), make('span', {}, name), make('output', {}), make('small', {}, about)];
+      el('legend').append(make('li', {id: `mark-${index}`}, ...row));
+    });
+    for (const bar of document.querySelectorAll<HTMLElement>('.scale i')) bar.style.background = scaleGradient();
+    for (const id of ['heat', 'heatFrom', 'heatTo']) el(id).addEventListener('input', () => this.setHeat(this.heat));
+    const choice = el<HTMLSelectElement>('coloring');
+    choice.append(...COLORINGS.map(([value, name]) => make('option', {value}, name)));
+    choice.onchange = () => this.setColoring(choice.value as Coloring);
+  }
+
+  get layers(): string[] {
+    return LAYERS.filter((layer) => this.boxes.get(layer)!.checked);
+  }
+
+  /** Shows these layers, or those that are chosen. */
+  showLayers(layers: readonly string[] = this.layers): void {
+    for (const [layer, box] of this.boxes) {
+      box.checked = layers.includes(layer);
+      this.stage.show(layer, box.checked);
+    }
+  }
+
+  /** Toggles the layer of a key; returns whether it has one. */
+  toggle(key: string): boolean {
+    const layer = LAYERS[Number(key) - 1];
+    if (!layer) return false;
+    const isOn = this.layers.includes(layer);
+    this.showLayers(isOn ? this.layers.filter((other) => other !== layer) : [...this.layers, layer]);
+    return true;
+  }
+
+  setColoring(coloring: Coloring): void {
+    this.coloring = coloring;
+    el<HTMLSelectElement>('coloring').value = coloring;
+    this.recolor();
+  }
+
+  /** The chosen floor map: from and to in seconds; null: none. */
+  get heat(): [number, number] | null {
+    if (el<HTMLSelectElement>('heat').value === '') return null;
+    const value = (id: string, other: number): number => el<HTMLInputElement>(id).valueAsNumber || other;
+    return [value('heatFrom', 0), value('heatTo', Infinity)];
+  }
+
+  setHeat(span: [number, number] | null): void {
+    el<HTMLSelectElement>('heat').value = span ? 'contacts' : '';
+    el('heatBox').hidden = span === null;
+    if (span) {
+      el<HTMLInputElement>('heatFrom').value = span[0] > 0 ? String(span[0]) : '';
+      el<HTMLInputElement>('heatTo').value = span[1] < Infinity ? String(span[1]) : '';
+    }
+    this.heatOf = '';
+    this.recolor();
+  }
+
+  /** Counts again only if contacts, filter or span have changed. */
+  updateHeat(run: Run, filter: Filter, contacts: ContactLog): void {
+    const span = this.heat;
+    const isDark = document.documentElement.dataset.theme === 'dark';
+    const state = JSON.stringify([run.run_id, span, span ? [filter, contacts.version, isDark] : null]);
+    if (state === this.heatOf) return;
+    this.heatOf = state;
+    if (!span) return this.stage.setHeat(null, isDark);
+    const [first, end] = span.map((time_s) => time_s / run.step_s);
+    const found = select(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first! && begin < end!);
+    const cells = heatOf(run, found);
+    this.stage.setHeat(cells, isDark);
+    el('heatScale').style.background = scaleGradient(!isDark);
+    const most = cells.counts.reduce((max, count) => Math.max(max, count), 0);
+    setText(el('heatMost'), `${most} in a cell of ${Number(cells.cell_m.toFixed(2))} m`);
+    const placed = cells.counts.reduce((sum, count) => sum + count, 0);
+    const missing = found.length - placed;
+    setText(el('heatTotal'), counted(placed, 'contact') + (missing > 0 ? `, ${missing} without a known place` : ''));
+  }
+
+  updateColors(run: Run, frame: Frame, contacts: ContactLog): void {
+    const colors = colorsFor(this.coloring, run, frame, contacts);
+    const state = JSON.stringify(colors?.legend ?? null);
+    if (colors || state !== this.legend) this.stage.setColors(colors?.rgba ?? null);
+    if (state !== this.legend) this.showLegend(colors?.legend ?? null);
+    this.legend = state;
+  }
+
+  private showLegend(legend: Legend | null): void {
+    const row = ([name, color]: [string, string]): HTMLElement => make('li', {}, make('i', {style: `background:${color}`}), name);
+    el('colorEntries').replaceChildren(...(legend?.entries ?? []).map(row));
+    el('colorScale').hidden = !legend?.ends;
+    if (!legend?.ends) return;
+    setText(el('colorLow'), legend.ends[0]);
+    setText(el('colorHigh'), legend.ends[1]);
+  }
+
+  /** Hides levels that do not occur in this run. */
+  updateCounts(run: Run, frame: Frame): void {
+    const counts = [frame.crowded, 0, 0, 0, 0];
+    for (let i = 0; i < frame.pairs; ++i) ++counts[pairAt(frame, i).level + 1];
+    const decided = run.exact ? 4 : 3;
+    counts.forEach((count, index) => {
+      const row = el(`mark-${index}`);
+      row.hidden = index > 0 && index !== decided && count === 0;
+      setText(row.querySelector('output')!, thousands(count));
+    });
+  }
+}
