@@ -106,7 +106,7 @@ void LiveView::take(const ReceivedMessage& message) {
     case RunReader::Update::kFrameStats:
       last_touching_.clear();
       last_begins_.clear();
-      history_.complete(run.frame_stats()->frame);
+      history_.complete(run.frame_stats()->frame, run.state());
       ++received_;
       is_fresh_ = true;
       break;

@@ -60,7 +60,7 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
     if (!decode(event.data, stats).empty() || header.frame <= last_frame_) return;
     samples_.push_back({header.frame, static_cast<int32_t>(stats.touching),
                         static_cast<float>(stats.frame_ns * 1e-6)});
-    history_.complete(header.frame);
+    history_.complete(header.frame, run_.state());
     last_frame_ = header.frame;
   }
 }

@@ -51,14 +51,16 @@ bool PairBegins::take(const RunReader& run, RunReader::Update update) {
   changes_.clear();
   if (run.header() == nullptr) return false;
   const bool is_new = update_begins(run, update);
-  const std::vector<RootPose>& roots = run.state().roots;
-  for (Change& change : changes_) {
-    const uint32_t a = change.pair.a(), b = change.pair.b();
-    if (a >= roots.size()) continue;
-    const Eigen::Vector3d& other_m = roots[b < roots.size() ? b : a].position_m;
-    change.place_m = (0.5 * (roots[a].position_m + other_m)).head<2>().cast<float>();
-  }
+  for (Change& change : changes_) change.set_place(run.state());
   return is_new;
+}
+
+void PairBegins::Change::set_place(const CrowdState& crowd) {
+  const std::vector<RootPose>& roots = crowd.roots;
+  const uint32_t a = pair.a(), b = pair.b();
+  if (a >= roots.size()) return;
+  const Eigen::Vector3d& other_m = roots[b < roots.size() ? b : a].position_m;
+  place_m = (0.5 * (roots[a].position_m + other_m)).head<2>().cast<float>();
 }
 
 bool PairBegins::update_begins(const RunReader& run, RunReader::Update update) {
@@ -110,9 +112,12 @@ void PairHistory::add(std::span<const PairBegins::Change> changes) {
   }
 }
 
-void PairHistory::complete(int64_t frame) {
+void PairHistory::complete(int64_t frame, const CrowdState& crowd) {
   const std::lock_guard lock(mutex_);
   complete_ = frame;
+  if (crowd.frame != frame) return;
+  for (auto entry = entries_.rbegin(); entry != entries_.rend() && entry->frame >= frame; ++entry)
+    entry->set_place(crowd);
 }
 
 void PairHistory::clear() {

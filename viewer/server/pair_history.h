@@ -38,6 +38,7 @@ class PairBegins {
     int64_t frame;  ///< first frame in which it holds
     BeginFrame began;
     Eigen::Vector2f place_m = unknown_place();  ///< as ContactRecord::x_m
+    void set_place(const CrowdState& crowd);
   };
   static Eigen::Vector2f unknown_place() {
     return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
@@ -101,8 +102,9 @@ class PairHistory {
 
   /// Call from one thread; the const functions are thread-safe.
   void add(std::span<const PairBegins::Change> changes);
-  /// States that all changes up to `frame` were added.
-  void complete(int64_t frame);
+  /// States that all changes up to `frame` were added. Places of its changes follow its states,
+  /// which come after its events.
+  void complete(int64_t frame, const CrowdState& crowd = {});
   void clear();
 
   /// Returns the newest `max` pairs of a body that began at or before `frame`, newest first:

@@ -1,6 +1,7 @@
 // Tests the table of contacts, filters, search and links in a real browser.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
+import {createRequire} from 'node:module';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
 import type {Page} from 'playwright-core';
@@ -58,6 +59,13 @@ test('lists the contacts of contacts.csv, part_contacts.csv and the exported eve
     const lengths = csv('contacts.csv').filter((row) => row[10] === '0').map((row) => Math.round(Number(row[1]) / STEP_S));
     await filter(page, {with: 'people', ofParts: false});
     const ended = new Map((await rows(page)).map(({begin, end, a, b}) => [`${begin} ${a} ${b}`, end - begin]));
+    const places = new Map<string, number[]>(await page.evaluate('window.throng.contacts.listedRows.map(({begin, a, b, x_m, y_m}) => [`${begin} ${a} ${b}`, [x_m, y_m]])'));
+    for (const [begin, , a, b, x, y] of csv('contacts.csv')) {
+      const [x_m, y_m] = places.get(`${frameOf(begin)} ${a} ${b}`)!;
+      assert.ok(Math.hypot(x_m - Number(x), y_m - Number(y)) < 0.2, `${x_m}, ${y_m} for ${x}, ${y}`);
+    }
+    await page.evaluate('window.throng.look.setHeat([0, Infinity])');
+    await until(page, `document.querySelector('#heatTotal').textContent === '${bodies.length} contacts'`);
     const whole = csv('contacts.csv').filter((row) => row[10] === '0').map(([begin, , a, b]) => ended.get(`${frameOf(begin)} ${a} ${b}`));
     assert.deepEqual(whole, lengths);
   });
@@ -176,4 +184,22 @@ test('counts and colours follow the filter', async () => {
     assert.ok(legend.trim().length > 3, `${coloring}: ${legend}`);
   }
   await close();
+});
+
+test('has no violation of accessibility rules, in both themes and on a phone', async () => {
+  const axe = readFileSync(createRequire(`${process.env.NPM}/`).resolve('axe-core/axe.min.js'), 'utf8');
+  for (const viewport of [{width: 1366, height: 768}, {width: 390, height: 844}]) {
+    const {page, close} = await open(`file://${html}`, viewport);
+    await page.addScriptTag({content: axe});
+    await page.evaluate('window.throng.source.playback.playing = false');
+    for (const [theme, tab] of [['light', 'contacts'], ['dark', 'contacts'], ['dark', 'view'], ['light', 'view'], ['light', 'charts']]) {
+      await page.evaluate(`window.throng.setTheme('${theme}'); window.throng.togglePanel(true); window.throng.showTab('${tab}'); window.throng.choose(17)`);
+      await page.evaluate(`window.throng.togglePanel(true); window.throng.look.setHeat([0, Infinity])`);
+      await page.waitForTimeout(600);
+      const found: {id: string; nodes: {html: string}[]}[] = await page.evaluate('axe.run().then(({violations}) => violations)');
+      const seen = found.map(({id, nodes}) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`);
+      assert.deepEqual(seen, [], `${theme}, ${tab}, ${viewport.width} wide`);
+    }
+    await close();
+  }
 });

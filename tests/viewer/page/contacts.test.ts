@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {scaleColor} from '../../../viewer/page/src/coloring.ts';
 import {ContactLog} from '../../../viewer/page/src/contacts.ts';
-import {choosesPerson, matches, NO_FILTER, partNames, select, type Filter} from '../../../viewer/page/src/filter.ts';
+import {choosesPerson, countsByPart, matches, NO_FILTER, partNames, select, type Filter} from '../../../viewer/page/src/filter.ts';
 import {find} from '../../../viewer/page/src/find.ts';
 import {heatOf} from '../../../viewer/page/src/heat.ts';
 import {readLink, writeLink, type View} from '../../../viewer/page/src/link.ts';
@@ -98,6 +98,12 @@ test('a filter chooses by group, body, part, length and other body', () => {
   assert.deepEqual(partNames(run), ['head', 'left hand', 'arm']);
   assert.equal(matches(run, {...NO_FILTER, body: 3}, {a: 2, b: 3, partA: 0, partB: 0}), true);
   assert.deepEqual([0, 1, 2, 3].map((id) => choosesPerson(run, {...NO_FILTER, with: 'robots'}, id)), [false, false, false, true]);
+});
+
+test('contacts by part count for both bodies', () => {
+  const log = logOf(began(0, 0, 1, 0, 1), ended(2, 0, 1, 0, 1), began(3, 1, 2, 1, 1), began(4, 2, 3, 0, 0), began(5, 0, 4, 1, 0));
+  assert.deepEqual(countsByPart(run, NO_FILTER, log), [['left hand', 4], ['head', 2], ['arm', 1]]);
+  assert.deepEqual(countsByPart(run, {...NO_FILTER, with: 'robots'}, log), [['arm', 1], ['head', 1]]);
 });
 
 test('a search finds numbers, groups, robots and obstacles', () => {

@@ -84,6 +84,15 @@ export function select(run: Run, filter: Filter, log: ContactLog): Contact[] {
   return found.sort((p, q) => sign * compare(p, q) || inTime(p, q));
 }
 
+/** Counts contacts of parts by the parts of people and robots, most first; a contact counts for both bodies. */
+export function countsByPart(run: Run, filter: Filter, log: ContactLog): [string, number][] {
+  const counts = new Map<string, number>();
+  for (const {a, b, partA, partB} of select(run, {...filter, ofParts: true}, log))
+    for (const name of [partNameOf(run, a, partA), partNameOf(run, b, partB)])
+      if (name !== '') counts.set(name, (counts.get(name) ?? 0) + 1);
+  return [...counts].sort(([p, m], [q, n]) => n - m || p.localeCompare(q));
+}
+
 /** Returns the names of all parts of the run's models, in their order. */
 export function partNames(run: Run): string[] {
   const names = new Set<string>();

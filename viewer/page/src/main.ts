@@ -5,7 +5,7 @@ import {Chart, type ChartStyle} from './chart.ts';
 import type {Contact} from './contacts.ts';
 import {ContactsPanel} from './contacts_panel.ts';
 import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNotice, showProblem, thousands} from './dom.ts';
-import {choosesPeople, choosesPerson, matches, type Bodies} from './filter.ts';
+import {choosesPeople, choosesPerson, countsByPart, matches, type Bodies} from './filter.ts';
 import {Finder, type Finding} from './find.ts';
 import {readLink, writeLink, type View} from './link.ts';
 import {pick, poseOf} from './picking.ts';
@@ -68,6 +68,7 @@ class Page {
   private frames = 0;
   private selected: number[] = [];
   private focus = '';
+  private counted = '';
   private linkAt = 0;
   /** What the address asks for, until it is shown. */
   private link: Partial<View> | null = readLink(location.hash);
@@ -86,6 +87,7 @@ class Page {
     el('closeBanner').onclick = () => (el('banner').hidden = true);
     el('follow').onclick = () => this.toggleFollow();
     el('livePause').onclick = () => this.togglePaused();
+    for (const scale of [1, 2, 4]) el(`picture${scale}`).onclick = () => void this.savePicture(scale);
     el('linkButton').onclick = () => void this.copyLink();
     el('cardContacts').onclick = () => this.listContactsOf(this.card.id);
     addEventListener('hashchange', () => this.openLink(readLink(location.hash)));
@@ -216,6 +218,7 @@ class Page {
     this.drawCharts();
     this.contacts.update();
     this.updateHeat();
+    this.updatePartCounts(run, source);
     this.updateCounts(frame, run);
     this.updateFocus();
     this.updateLink(now);
@@ -274,6 +277,32 @@ class Page {
     return {line: value('--chart'), fill: value('--chartFill'), text: value('--faint'), cursor: value('--text')};
   }
 
+  private updatePartCounts(run: Run, source: Source): void {
+    if (el('chartsPane').hidden) return;
+    const state = JSON.stringify([source.contacts.version, this.contacts.filter]);
+    if (state === this.counted) return;
+    this.counted = state;
+    const counts = countsByPart(run, this.contacts.filter, source.contacts);
+    const most = Math.max(1, ...counts.map(([, count]) => count));
+    const rows = counts.map(([name, count]) =>
+      make('li', {}, name, make('i', {style: `width:${(100 * count) / most}%`}), make('output', {}, thousands(count))),
+    );
+    el('partCounts').replaceChildren(...rows);
+  }
+
+  private async savePicture(scale: number): Promise<void> {
+    const {run, frame} = this;
+    if (!run || !frame) return;
+    try {
+      const link = make('a', {download: `${run.scene}-${frame.number}.png`}) as HTMLAnchorElement;
+      link.href = URL.createObjectURL(await this.stage.picture(scale));
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    } catch (error) {
+      this.notice('No picture', (error as Error).message);
+    }
+  }
+
   private drawCharts(): void {
     const {series, source} = this;
     if (!series) return;
@@ -308,7 +337,7 @@ class Page {
 
   private showTab(shown: Tab): void {
     selectTab(TABS, shown);
-    if (shown === 'contacts') this.source?.loadContacts();
+    if (shown !== 'view') this.source?.loadContacts();
     this.isPanelOld = true;
   }
 
@@ -553,6 +582,7 @@ class Page {
     if (id < 0 || !this.run || !this.frame) return;
     const height_m = this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id];
     this.stage.approach(personOf(this.frame, id).position_m, height_m);
+    this.stage.recentre();
   }
 
   // Theme, panel and keys
@@ -676,11 +706,12 @@ function freeRect(): {left: number; top: number; right: number; bottom: number} 
   const GAP = 10;
   const header = document.querySelector('.bar')!.getBoundingClientRect();
   const panel = el('panel');
+  const card = el('card');
   const footer = [el('timeline'), el('pauseBar')].find((bar) => !bar.hidden)?.getBoundingClientRect();
   const isOpen = !panel.classList.contains('closed');
   const bottom = footer ? footer.top : innerHeight;
   return {
-    left: GAP,
+    left: (card.hidden || isNarrow() ? 0 : card.getBoundingClientRect().right) + GAP,
     top: header.bottom + GAP,
     right: (isOpen && !isNarrow() ? innerWidth - panel.offsetWidth - GAP : innerWidth) - GAP,
     bottom: (isOpen && isNarrow() ? bottom - panel.offsetHeight - GAP : bottom) - GAP,

@@ -115,7 +115,7 @@ export class Marks {
   accepts: (frame: Frame, pair: number) => boolean = () => true;
   /** The contact whose mark alone is large; null: those of the selected bodies. */
   contact: Bodies | null = null;
-  private readonly canvas = document.createElement('canvas');
+  readonly canvas = document.createElement('canvas');
   private readonly context = this.canvas.getContext('2d')!;
   private readonly sprites = new Map<number, HTMLCanvasElement>();
   private ratio = 0;

@@ -419,6 +419,22 @@ export class Stage {
     if (this.run) this.marks.draw(this.run, frame, this.camera, this.selected);
   }
 
+  /** Returns the present picture with its marks as a PNG, `scale` times as large as the window. */
+  async picture(scale: number): Promise<Blob> {
+    const [width, height] = this.size;
+    this.renderer.setDrawingBufferSize(width, height, scale);
+    this.draw(this.frame, MAX_TRIANGLES);
+    const canvas = document.createElement('canvas');
+    canvas.width = width * scale;
+    canvas.height = height * scale;
+    const context = canvas.getContext('2d')!;
+    for (const layer of [this.renderer.domElement, this.marks.canvas]) context.drawImage(layer, 0, 0, canvas.width, canvas.height);
+    this.isChanged = true;
+    const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
+    if (!blob) throw new Error('the browser cannot make a picture of this size');
+    return blob;
+  }
+
   private arrangeWalls(frame: Frame): void {
     const people = this.selectedPeople().filter((id) => personOf(frame, id).present);
     const sights = people.map((id, i) => pointOf(this.run!, frame, id, CHEST, this.sights[i]));
