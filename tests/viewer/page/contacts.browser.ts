@@ -167,6 +167,39 @@ test('a link shows the same view in another browser', async () => {
   await stopped(child);
 });
 
+test('a link beyond the last frame shows the last frame', async () => {
+  const {child, url} = await view(log, '--port', '0');
+  for (const address of [url, `file://${html}`]) {
+    const {page, close} = await open(`${address}#frame=999999&selected=99999&camera=0,0,0,0,0,0&with=xyz`);
+    await until(page, 'window.throng.state().frame === 299');
+    assert.equal(await page.evaluate('window.throng.source.playback.last'), 299);
+    await close();
+  }
+  await stopped(child);
+});
+
+test('a row stays chosen in a link, and a filter by length chooses marks', async () => {
+  const {page, close} = await open(`file://${html}`, {width: 1366, height: 768});
+  await filter(page, {ofParts: true, order: 'length', isDescending: true});
+  await page.locator('.row[data-index="1"]').click();
+  const [, second] = await rows(page);
+  await until(page, `window.throng.state().frame === ${second.begin}`);
+  const link: string = await page.evaluate("location.href.split('#')[0]") + '#' + (await page.evaluate('window.throng.linkText()'));
+  const again = await open(link, {width: 1366, height: 768});
+  await until(again.page, "document.querySelector('.row.chosen')?.dataset.index === '1'");
+  await again.close();
+  const marks = (): Promise<number> => page.evaluate('window.throng.stage.marks.shown');
+  await page.keyboard.press('r');
+  await page.waitForTimeout(500);
+  const all = await marks();
+  await filter(page, {min_s: 0.5});
+  await page.waitForTimeout(500);
+  const long: number = await page.evaluate(`window.throng.source.contacts.ofParts.filter(({begin, end}) => begin <= ${second.begin} && ${second.begin} < end && end - begin >= 30).length`);
+  assert.ok(long < all, `${long} of ${all}`);
+  assert.equal(await marks(), long);
+  await close();
+});
+
 test('counts and colours follow the filter', async () => {
   const {page, close} = await open(`file://${html}`, {width: 1366, height: 768});
   await page.evaluate('window.throng.source.playback.playing = false; window.throng.source.playback.seek(200)');

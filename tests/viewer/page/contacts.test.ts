@@ -120,6 +120,9 @@ test('a link restores the view', () => {
   const view: View = {
     frame: 254,
     selected: [312, 15],
+    parts: [3, 14],
+    isFollowing: true,
+    tab: 'view',
     camera: [1.23456, -2, 3, 0.5, 0, 1],
     layers: ['meshes', 'hulls'],
     coloring: 'speed',
@@ -134,6 +137,7 @@ test('a link restores the view', () => {
 
 test('text that is no link changes nothing', () => {
   assert.deepEqual(readLink(''), {});
+  for (const camera of ['1,2', '0,0,0,0,0,0', '1e30,0,0,0,0,0', 'nan']) assert.equal(readLink(`#camera=${camera}`).camera, undefined);
   const view = readLink('#frame=-3&selected=a,b&camera=1,2&color=pink&order=up&min=-1&body=x');
   assert.deepEqual(view, {selected: [], heat: null, filter: NO_FILTER});
 });

@@ -31,7 +31,7 @@ const MAX_ROBOT_M = 5;
 export function scaleColor(value: number): [number, number, number] {
   const at = Math.min(1, Math.max(0, value)) * (STOPS.length - 1);
   const i = Math.min(STOPS.length - 2, Math.floor(at));
-  return [0, 1, 2].map((c) => Math.round(STOPS[i]![c]! + (at - i) * (STOPS[i + 1]![c]! - STOPS[i]![c]!))) as [number, number, number];
+  return [0, 1, 2].map((c) => Math.round(STOPS[i][c] + (at - i) * (STOPS[i + 1][c] - STOPS[i][c]))) as [number, number, number];
 }
 
 export const cssColor = (value: number): string => `rgb(${scaleColor(value).join(' ')})`;
@@ -60,8 +60,8 @@ export function colorsFor(coloring: Coloring, run: Run, frame: Frame, log: Conta
   const {of, legend} = VALUES[coloring](run, frame, log);
   const rgba = new Uint8Array(4 * run.avatars);
   for (let id = 0; id < run.avatars; ++id) {
-    if (Number.isNaN(of[id]!)) continue;
-    rgba.set(scaleColor(of[id]!), 4 * id);
+    if (Number.isNaN(of[id])) continue;
+    rgba.set(scaleColor(of[id]), 4 * id);
     rgba[4 * id + 3] = 255;
   }
   return {rgba, legend};
@@ -72,7 +72,7 @@ const VALUES: Record<Exclude<Coloring, ''>, (run: Run, frame: Frame, log: Contac
     const names = [...new Set(run.groups)];
     const value = (index: number): number => (names.length < 2 ? 0.5 : index / (names.length - 1));
     return {
-      of: Float32Array.from(run.groupOfAvatar, (group) => value(names.indexOf(run.groups[group]!))),
+      of: Float32Array.from(run.groupOfAvatar, (group) => value(names.indexOf(run.groups[group]))),
       legend: {entries: names.map((name, i) => [name, cssColor(value(i))]), ends: null},
     };
   },
@@ -81,17 +81,17 @@ const VALUES: Record<Exclude<Coloring, ''>, (run: Run, frame: Frame, log: Contac
   },
   density(run, frame) {
     const found = densities(run, frame);
-    return scaled(run, (id) => found[id]! / MAX_DENSITY, ['0 per m²', `${MAX_DENSITY} per m² or more`]);
+    return scaled(run, (id) => found[id] / MAX_DENSITY, ['0 per m²', `${MAX_DENSITY} per m² or more`]);
   },
   contacts(run, frame, log) {
     const counts = new Float32Array(run.avatars);
     for (const {a, b, begin} of log.ofBodies) {
       if (begin > frame.number) continue;
-      ++counts[a]!;
-      if (b < run.avatars) ++counts[b]!;
+      ++counts[a];
+      if (b < run.avatars) ++counts[b];
     }
     const most = Math.max(1, ...counts);
-    return scaled(run, (id) => counts[id]! / most, ['none', String(most)]);
+    return scaled(run, (id) => counts[id] / most, ['none', String(most)]);
   },
   robot(run, frame) {
     const robots: number[] = [];
@@ -99,7 +99,7 @@ const VALUES: Record<Exclude<Coloring, ''>, (run: Run, frame: Frame, log: Contac
     const away = (id: number): number => {
       if (!isPerson(run, id) || robots.length === 0) return NaN;
       const at = personOf(frame, id).position_m;
-      return Math.min(...robots.map((robot) => Math.hypot(at[0] - frame.positions[4 * robot]!, at[1] - frame.positions[4 * robot + 1]!)));
+      return Math.min(...robots.map((robot) => Math.hypot(at[0] - frame.positions[4 * robot], at[1] - frame.positions[4 * robot + 1])));
     };
     // Near people are light, as are other high values.
     return scaled(run, (id) => 1 - away(id) / MAX_ROBOT_M, [`${MAX_ROBOT_M} m or more`, '0 m']);
@@ -116,9 +116,9 @@ function scaled(run: Run, value: (id: number) => number, ends: [string, string])
 function densities(run: Run, frame: Frame): Float32Array {
   const cells = new Map<number, number[]>();
   const cellOf = (id: number, dx: number, dy: number): number =>
-    (Math.floor(frame.positions[4 * id]! / DENSITY_RADIUS_M) + dx) * 1_000_003 +
-    Math.floor(frame.positions[4 * id + 1]! / DENSITY_RADIUS_M) + dy;
-  const isThere = (id: number): boolean => (frame.people[4 * id + 3]! & 1) !== 0;
+    (Math.floor(frame.positions[4 * id] / DENSITY_RADIUS_M) + dx) * 1_000_003 +
+    Math.floor(frame.positions[4 * id + 1] / DENSITY_RADIUS_M) + dy;
+  const isThere = (id: number): boolean => (frame.people[4 * id + 3] & 1) !== 0;
   for (let id = 0; id < run.avatars; ++id) {
     if (!isThere(id)) continue;
     const cell = cellOf(id, 0, 0);
@@ -133,7 +133,7 @@ function densities(run: Run, frame: Frame): Float32Array {
     for (let dx = -1; dx <= 1; ++dx)
       for (let dy = -1; dy <= 1; ++dy)
         for (const other of cells.get(cellOf(id, dx, dy)) ?? [])
-          if (Math.hypot(frame.positions[4 * id]! - frame.positions[4 * other]!, frame.positions[4 * id + 1]! - frame.positions[4 * other + 1]!) <= DENSITY_RADIUS_M) ++count;
+          if (Math.hypot(frame.positions[4 * id] - frame.positions[4 * other], frame.positions[4 * id + 1] - frame.positions[4 * other + 1]) <= DENSITY_RADIUS_M) ++count;
     out[id] = count / (Math.PI * DENSITY_RADIUS_M ** 2);
   }
   return out;

@@ -2,7 +2,7 @@
 // Invariant: only the rows in sight exist as elements, for any number of contacts.
 import type {Contact, ContactLog} from './contacts.ts';
 import {counted, el, make, setText, thousands} from './dom.ts';
-import {NO_FILTER, partNames, select, type Filter, type Order, type Other} from './filter.ts';
+import {matches, NO_FILTER, partNames, select, type Bodies, type Filter, type Order, type Other} from './filter.ts';
 import {whenOf} from './playback.ts';
 import {nameOf, partNameOf, type Run} from './protocol.ts';
 
@@ -25,6 +25,8 @@ export class ContactsPanel {
   private rows: Contact[] = [];
   private readonly pool: HTMLElement[] = [];
   private listed = '';
+  private longAt = '';
+  private readonly long = new Set<string>();
   private active = 0;
 
   /** `open` shows a contact; `changed` is called after each change of the filter. */
@@ -52,7 +54,8 @@ export class ContactsPanel {
         const isDescending = this.filter.order === order ? !this.filter.isDescending : order === 'length';
         this.set({order, isDescending});
       };
-    el('clearFilter').onclick = () => this.set({...NO_FILTER});
+    el('clearFilter').onclick = () => this.set({...NO_FILTER, order: this.filter.order, isDescending: this.filter.isDescending});
+    el('bodyFilter').onclick = () => this.set({body: -1});
   }
 
   setRun(run: Run, log: ContactLog): void {
@@ -87,9 +90,11 @@ export class ContactsPanel {
     const all = this.filter.ofParts ? log.ofParts.length : log.ofBodies.length;
     const count = counted(this.rows.length, 'contact');
     setText(el('rowCount'), this.rows.length === all ? count : `${thousands(this.rows.length)} of ${counted(all, 'contact')}`);
+    el('rowsSpace').classList.toggle('none', this.rows.length === 0);
     el('rowsSpace').style.height = `${ROW_PX * this.rows.length}px`;
     el('rows').setAttribute('aria-rowcount', String(this.rows.length));
     this.active = Math.max(0, Math.min(this.rows.length - 1, this.active));
+    if (this.chosen && !this.rows.includes(this.chosen)) this.chosen = null;
     this.fill();
   }
 
@@ -100,6 +105,35 @@ export class ContactsPanel {
     const at = this.chosen ? this.rows.indexOf(this.chosen) : -1;
     const next = at < 0 ? (direction > 0 ? 0 : this.rows.length - 1) : at + direction;
     this.openRow(Math.max(0, Math.min(this.rows.length - 1, next)));
+  }
+
+  /** Returns whether a pair of a frame belongs to a listed contact; its length is known from the list only. */
+  shows(pair: Bodies, frame: number): boolean {
+    const {run, log, filter} = this;
+    if (!run || !log || !matches(run, {...filter, ofParts: true}, pair)) return false;
+    if (filter.min_s === 0) return true;
+    const state = JSON.stringify([frame, log.version, filter]);
+    if (state !== this.longAt) {
+      this.longAt = state;
+      this.long.clear();
+      for (const contact of select(run, filter, log)) if (lasts(contact, frame)) this.long.add(keyOf(contact, filter.ofParts));
+    }
+    return this.long.has(keyOf(pair, filter.ofParts));
+  }
+
+  /** Marks the row of a pair that touches in a frame, if it is listed. */
+  mark(pair: Bodies, frame: number): void {
+    this.update();
+    const key = keyOf(pair, this.filter.ofParts);
+    const index = this.rows.findIndex((contact) => lasts(contact, frame) && keyOf(contact, this.filter.ofParts) === key);
+    this.chosen = this.rows[index] ?? null;
+    if (index >= 0) this.reveal((this.active = index));
+    this.fill();
+  }
+
+  clear(): void {
+    this.chosen = null;
+    this.fill();
   }
 
   /** Rows for tests and scripts. */
@@ -151,15 +185,15 @@ export class ContactsPanel {
       el('rowsSpace').append(row);
     }
     const first = Math.max(0, Math.min(Math.floor(list.scrollTop / ROW_PX) - SPARE_ROWS / 2, this.rows.length - this.pool.length));
-    this.pool.forEach((row, i) => this.show(row, first + i));
+    for (let i = 0; i < this.pool.length; ++i) this.show(first + i);
     list.setAttribute('aria-activedescendant', `row-${this.active % this.pool.length}`);
   }
 
   /** An element shows every pool.length-th contact, so that scrolling changes few of them. */
-  private show(_: HTMLElement, index: number): void {
+  private show(index: number): void {
     const {run, log} = this;
     const place = index % this.pool.length;
-    const row = this.pool[place]!;
+    const row = this.pool[place];
     const contact = this.rows[index];
     row.hidden = !contact;
     if (!contact || !run || !log) return;
@@ -170,14 +204,14 @@ export class ContactsPanel {
     row.classList.toggle('active', index === this.active);
     row.setAttribute('aria-rowindex', String(index + 1));
     row.setAttribute('aria-selected', String(contact === this.chosen));
-    row.title = titleOf(run, contact);
-    setText(row.querySelector('span')!, row.title);
-    const more = contact.parts > 1 ? ` · ${contact.parts} pairs of parts` : '';
+    const more = contact.parts > 1 ? `, ${contact.parts} pairs of parts` : '';
+    setText(row.querySelector('span')!, titleOf(run, contact));
     setText(row.querySelector('time')!, whenOf(contact, log.lastFrame, run.step_s) + more);
+    row.title = `${titleOf(run, contact)}, ${whenOf(contact, log.lastFrame, run.step_s)}`;
   }
 
   private onChange(id: string, change: (value: string) => Partial<Filter>): void {
-    el<HTMLInputElement>(id).addEventListener('change', (event) => this.set(change((event.target as HTMLInputElement).value)));
+    el<HTMLInputElement>(id).addEventListener('input', (event) => this.set(change((event.target as HTMLInputElement).value)));
   }
 
   private showFilter(): void {
@@ -189,7 +223,9 @@ export class ContactsPanel {
       partFilter: filter.ofParts ? filter.part : '',
       minFilter: filter.min_s > 0 ? String(filter.min_s) : '',
     };
-    for (const [id, value] of Object.entries(values)) el<HTMLInputElement>(id).value = value;
+    // A field keeps the text that is being typed.
+    for (const [id, value] of Object.entries(values))
+      if (document.activeElement !== el(id) || id !== 'minFilter') el<HTMLInputElement>(id).value = value;
     for (const order of ['time', 'length', 'who'] as Order[]) {
       const isUsed = order === filter.order;
       el(`order-${order}`).setAttribute('aria-pressed', String(isUsed));
@@ -202,8 +238,13 @@ export class ContactsPanel {
   }
 }
 
-/** Returns "people 312 left hand – robot 4 arm". */
-export function titleOf(run: Run, {a, b, partA, partB}: Contact): string {
-  const side = (body: number, part: number): string => [nameOf(run, body), partNameOf(run, body, part)].filter(Boolean).join(' ');
+const keyOf = ({a, b, partA, partB}: Bodies, ofParts: boolean): string => (ofParts ? `${a} ${b} ${partA} ${partB}` : `${a} ${b}`);
+
+const lasts = ({begin, end}: Contact, frame: number): boolean => begin <= frame && (end < 0 || frame < end);
+
+/** Returns "people 312 left hand – robot 4 arm", without parts if several touch. */
+function titleOf(run: Run, {a, b, partA, partB, parts}: Contact): string {
+  const side = (body: number, part: number): string =>
+    [nameOf(run, body), parts === 1 ? partNameOf(run, body, part) : ''].filter(Boolean).join(' ');
   return `${side(a, partA)} – ${side(b, partB)}`;
 }

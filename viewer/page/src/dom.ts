@@ -60,7 +60,7 @@ export function bindTabs<Name extends string>(names: readonly Name[], show: (nam
       const move = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
       if (move === 0) return;
       event.stopPropagation();
-      const next = names[(index + move + names.length) % names.length]!;
+      const next = names[(index + move + names.length) % names.length];
       show(next);
       el(`${next}Tab`).focus();
     };

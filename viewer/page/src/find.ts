@@ -19,7 +19,7 @@ export function find(run: Run, query: string, max = MAX_FOUND): Finding[] {
   const robots = run.models.filter((model) => !model.is_person).map((model) => model.name.toLowerCase());
   const asksRobots = 'robots'.startsWith(text) || robots.some((name) => name.startsWith(text));
   for (const group of new Set(run.groups))
-    if (rank(group) < Infinity) ranked.push([rank(group), {group, name: `group ${group}`}]);
+    if (Math.min(rank(group), rank(`group ${group}`)) < Infinity) ranked.push([1, {group, name: `group ${group}`}]);
   for (let body = 0; body < bodies; ++body) {
     const name = nameOf(run, body);
     const isNumber = body < run.avatars && (String(body) === text || name.toLowerCase() === text);

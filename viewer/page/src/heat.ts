@@ -21,11 +21,11 @@ export function heatOf(run: Run, contacts: Iterable<Contact>): HeatCells {
   const size = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
   const cell_m = Math.max(MIN_CELL_M, Math.max(...size) / MAX_CELLS);
   const [columns, rows] = size.map((length) => Math.max(1, Math.ceil(length / cell_m)));
-  const counts = new Uint32Array(columns! * rows!);
+  const counts = new Uint32Array(columns * rows);
   const cell = (at: number, axis: number, most: number): number =>
-    Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]!) / cell_m)));
-  for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cell(y_m, 1, rows!) * columns! + cell(x_m, 0, columns!)]!;
-  return {counts, columns: columns!, rows: rows!, min_m, cell_m};
+    Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]) / cell_m)));
+  for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cell(y_m, 1, rows) * columns + cell(x_m, 0, columns)];
+  return {counts, columns, rows, min_m, cell_m};
 }
 
 const VERTEX = /* glsl */ `

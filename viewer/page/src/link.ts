@@ -7,6 +7,10 @@ export interface View {
   /** Null in live runs. */
   frame: number | null;
   selected: number[];
+  /** Parts of the selected contact; empty: all of the selected bodies. */
+  parts: number[];
+  isFollowing: boolean;
+  tab: string;
   /** Camera position and target in metres. */
   camera: number[];
   layers: string[];
@@ -22,6 +26,9 @@ export function writeLink(view: View): string {
   const fields: [string, string][] = [
     ['frame', view.frame === null ? '' : String(view.frame)],
     ['selected', view.selected.join(',')],
+    ['parts', view.parts.join(',')],
+    ['follow', view.isFollowing ? '1' : ''],
+    ['tab', view.tab],
     ['camera', view.camera.map((value) => value.toFixed(4)).join(',')],
     ['layers', view.layers.join(',')],
     ['color', view.coloring],
@@ -37,6 +44,13 @@ export function writeLink(view: View): string {
   return new URLSearchParams(fields.filter(([name, value]) => value !== '' || name === 'layers')).toString().replaceAll('%2C', ',');
 }
 
+/** Returns whether numbers are a position and another point to look at, both in reach. */
+function isCamera(values: number[]): boolean {
+  const [x, y, z, ...target] = values;
+  const away = Math.hypot(x - target[0], y - target[1], z - target[2]);
+  return values.length === 6 && values.every((value) => Math.abs(value) < 1e5) && away > 0.1;
+}
+
 export function readLink(text: string): Partial<View> {
   const fields = new URLSearchParams(text.replace(/^#/, ''));
   const view: Partial<View> = {};
@@ -50,7 +64,10 @@ export function readLink(text: string): Partial<View> {
   };
   if (natural('frame') >= 0) view.frame = natural('frame');
   if (fields.has('selected')) view.selected = numbers('selected').filter((id) => Number.isInteger(id) && id >= 0).slice(0, 2);
-  if (numbers('camera').length === 6) view.camera = numbers('camera');
+  if (numbers('parts').length === 2) view.parts = numbers('parts');
+  if (fields.get('follow') === '1') view.isFollowing = true;
+  if (fields.get('tab')) view.tab = fields.get('tab')!;
+  if (isCamera(numbers('camera'))) view.camera = numbers('camera');
   if (fields.has('layers')) view.layers = fields.get('layers')!.split(',').filter(Boolean);
   const color = COLORINGS.find(([coloring]) => coloring === fields.get('color'));
   if (color) view.coloring = color[0];

@@ -5,7 +5,7 @@ import {Chart, type ChartStyle} from './chart.ts';
 import type {Contact} from './contacts.ts';
 import {ContactsPanel} from './contacts_panel.ts';
 import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNotice, showProblem, thousands} from './dom.ts';
-import {choosesPeople, choosesPerson, countsByPart, matches, type Bodies} from './filter.ts';
+import {choosesPeople, choosesPerson, countsByPart, type Bodies} from './filter.ts';
 import {Finder, type Finding} from './find.ts';
 import {readLink, writeLink, type View} from './link.ts';
 import {pick, poseOf} from './picking.ts';
@@ -67,9 +67,12 @@ class Page {
   private isPanelOld = true;
   private frames = 0;
   private selected: number[] = [];
+  private contact: Bodies | null = null;
   private focus = '';
   private counted = '';
   private linkAt = 0;
+  /** The frame that a link asks for, until it is known; -1: none. */
+  private wantedFrame = -1;
   /** What the address asks for, until it is shown. */
   private link: Partial<View> | null = readLink(location.hash);
 
@@ -78,7 +81,7 @@ class Page {
     this.bindTimeline();
     this.bindPointer();
     this.stage.freeRect = freeRect;
-    this.stage.marks.accepts = (frame, pair) => this.run === null || matches(this.run, {...this.contacts.filter, ofParts: true}, pairAt(frame, pair));
+    this.stage.marks.accepts = (frame, pair) => this.contacts.shows(pairAt(frame, pair), frame.number);
     el('keys').append(...KEYS.map(([keys, about]) => keyRow(keys, about)));
     el('panelButton').onclick = () => this.togglePanel();
     el('themeButton').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
@@ -89,6 +92,8 @@ class Page {
     el('livePause').onclick = () => this.togglePaused();
     for (const scale of [1, 2, 4]) el(`picture${scale}`).onclick = () => void this.savePicture(scale);
     el('linkButton').onclick = () => void this.copyLink();
+    document.querySelector<HTMLElement>('[data-action=link]')!.onclick = () => void this.copyLink();
+    document.querySelector<HTMLElement>('[data-action=theme]')!.onclick = () => el('themeButton').click();
     el('cardContacts').onclick = () => this.listContactsOf(this.card.id);
     addEventListener('hashchange', () => this.openLink(readLink(location.hash)));
     addEventListener('keydown', (event) => this.key(event));
@@ -108,6 +113,7 @@ class Page {
       frame: (frame: Frame) => this.take(frame),
       series: (series: Series) => {
         this.series = series;
+        this.seekWanted();
         showProblem(series.problem);
         this.isPanelOld = true;
       },
@@ -217,6 +223,7 @@ class Page {
     this.updateTimeline();
     this.drawCharts();
     this.contacts.update();
+    this.markRow(frame);
     this.updateHeat();
     this.updatePartCounts(run, source);
     this.updateCounts(frame, run);
@@ -227,6 +234,13 @@ class Page {
     this.updateFacts(frame, run);
   }
 
+  /** Marks the row of the selected pair, as soon as it is listed. */
+  private markRow(frame: Frame): void {
+    const [a, b] = this.selected;
+    if (b === undefined || this.contacts.chosen) return;
+    this.contacts.mark(this.contact ?? {a: Math.min(a, b), b: Math.max(a, b), partA: -1, partB: -1}, frame.number);
+  }
+
   /** The counts of the header are those of the filter. */
   private updateCounts(frame: Frame, run: Run): void {
     const {filter} = this.contacts;
@@ -234,7 +248,7 @@ class Page {
     for (let id = 0; id < run.avatars; ++id)
       if ((frame.people[4 * id + 3] & 1) !== 0 && choosesPerson(run, filter, id)) ++people;
     let pairs = 0;
-    for (let i = 0; i < frame.pairs; ++i) if (matches(run, {...filter, ofParts: true}, pairAt(frame, i))) ++pairs;
+    for (let i = 0; i < frame.pairs; ++i) if (this.contacts.shows(pairAt(frame, i), frame.number)) ++pairs;
     const of = (count: number, all: number): string =>
       count === all ? thousands(all) : `${thousands(count)} of ${thousands(all)}`;
     setText(el('people'), of(people, frame.present));
@@ -398,7 +412,7 @@ class Page {
     const flags = new Uint8Array(run.avatars);
     for (let i = 0; i < frame.pairs; ++i) {
       const pair = pairAt(frame, i);
-      if (!matches(run, {...filter, ofParts: true}, pair)) continue;
+      if (!this.contacts.shows(pair, frame.number)) continue;
       flags[pair.a] = 1;
       if (pair.b < run.avatars) flags[pair.b] = 1;
     }
@@ -425,6 +439,7 @@ class Page {
     if (!run || !frame) return;
     if (finding.body >= run.avatars) {
       this.selectBodies([finding.body]);
+      this.listContactsOf(finding.body);
       const [x, y] = run.obstacles[finding.body - run.avatars].centre_m;
       return this.stage.showBodies([new Vector3(x, y, 0), new Vector3(x, y, 2)]);
     }
@@ -439,6 +454,9 @@ class Page {
     return {
       frame: this.source?.playback?.frame ?? null,
       selected: this.selected,
+      parts: this.contact ? [this.contact.partA, this.contact.partB] : [],
+      isFollowing: this.stage.followed >= 0,
+      tab: TABS.find((tab) => !el(`${tab}Pane`).hidden)!,
       camera: [...position.toArray(), ...this.stage.controls.target.toArray()],
       layers: this.look.layers,
       coloring: this.look.coloring,
@@ -447,18 +465,34 @@ class Page {
     };
   }
 
+  /** Returns the text of a link to this view, after "#". */
+  linkText(): string {
+    return writeLink(this.view());
+  }
+
   private openLink(view: Partial<View>): void {
     const playback = this.source?.playback;
     if (view.layers) this.look.showLayers(view.layers);
     if (view.coloring) this.look.setColoring(view.coloring);
     if (view.heat !== undefined) this.look.setHeat(view.heat);
     if (view.filter) this.contacts.set(view.filter);
-    if (view.selected) this.selectBodies(view.selected);
+    if (view.selected) this.selectBodies(view.selected, contactOf(view));
+    const tab = TABS.find((name) => name === view.tab);
+    if (tab) this.showTab(tab);
+    if (view.isFollowing && this.card.id >= 0) this.follow(this.card.id);
     if (view.camera) this.stage.setCamera(view.camera);
     if (view.frame === undefined || view.frame === null || !playback) return;
     playback.playing = false;
-    playback.frames = Math.max(playback.frames, view.frame + 1); // the log may not be read so far yet
-    playback.seek(view.frame);
+    this.wantedFrame = view.frame;
+    this.seekWanted();
+  }
+
+  /** A log may not have been read so far yet. */
+  private seekWanted(): void {
+    const {source, wantedFrame} = this;
+    if (!source?.playback || wantedFrame < 0) return;
+    source.playback.seek(wantedFrame);
+    if (source.isComplete || wantedFrame <= source.playback.last) this.wantedFrame = -1;
   }
 
   /** Keeps the address up to date while the picture rests; browsers limit how often it may change. */
@@ -467,12 +501,12 @@ class Page {
     this.linkAt = now + LINK_MS;
     const playback = this.source?.playback;
     if (playback?.playing) return;
-    const text = `#${writeLink(this.view())}`;
+    const text = `#${this.linkText()}`;
     if (text !== location.hash) history.replaceState(null, '', text);
   }
 
   private async copyLink(): Promise<void> {
-    const link = `${location.href.split('#')[0]}#${writeLink(this.view())}`;
+    const link = `${location.href.split('#')[0]}#${this.linkText()}`;
     history.replaceState(null, '', link);
     const button = el('linkButton');
     try {
@@ -544,12 +578,16 @@ class Page {
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), this.stage.camera);
     const mark = this.stage.marks.at(x, y);
+    const isEmpty = !this.look.layers.some((layer) => layer !== 'shadows' && layer !== 'tint');
+    if (mark < 0 && isEmpty) return; // nobody is drawn
     if (mark < 0) return this.choose(pick(this.run, this.frame, caster.ray, slack_m));
     const pair = pairAt(this.frame, mark);
+    this.contacts.clear();
     this.selectBodies([pair.a, pair.b], pair);
   }
 
   private choose(id: number): void {
+    this.contacts.clear();
     this.selectBodies(id < 0 ? [] : [id]);
     if (id < 0) this.follow(-1);
     else if (this.stage.followed >= 0) this.follow(id);
@@ -557,7 +595,7 @@ class Page {
 
   /** Selects up to two bodies, and one contact of them; the card shows the first body. */
   private selectBodies(bodies: number[], contact: Bodies | null = null): void {
-    this.stage.marks.contact = contact;
+    this.contact = this.stage.marks.contact = contact;
     this.historyAt = 0;
     this.historyOf = '';
     this.isPanelOld = true;
@@ -617,8 +655,13 @@ class Page {
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || el<HTMLDialogElement>('help').open) return;
     // Fields and lists use these keys themselves.
-    if (event.target instanceof HTMLElement && event.target.matches('select, input:not([type=range]):not([type=checkbox])')) return;
-    const onButton = event.target instanceof HTMLButtonElement && (event.key === ' ' || event.key === 'Enter');
+    const target = event.target instanceof HTMLElement ? event.target : null;
+    if (target?.matches('select, input:not([type=range]):not([type=checkbox])')) {
+      if (event.key === 'Escape') target.blur();
+      return;
+    }
+    // A button that was clicked keeps the focus, but Space plays.
+    const onButton = target?.matches('button:focus-visible') && (event.key === ' ' || event.key === 'Enter');
     if (onButton) return;
     const playback = this.source?.playback;
     const far = event.shiftKey && playback ? Math.round(1 / playback.step_s) : 1;
@@ -699,6 +742,12 @@ class Page {
   positionOf(id: number): number[] {
     return this.frame ? personOf(this.frame, id).position_m : [];
   }
+}
+
+/** Returns the contact that a link selects, if it names its parts. */
+function contactOf({selected, parts}: Partial<View>): Bodies | null {
+  if (selected?.length !== 2 || parts?.length !== 2) return null;
+  return {a: selected[0], b: selected[1], partA: parts[0], partB: parts[1]};
 }
 
 /** Returns the part of the window that no panel covers, in CSS pixels. */

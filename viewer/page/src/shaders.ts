@@ -146,10 +146,13 @@ in float vMarked;
 in float vSelected;
 in float vFaded;
 uniform vec3 uFaded;
+uniform float uSeesThrough;
 uniform vec3 uChosen;
 out vec4 fragment;
 ` + LIGHT + /* glsl */ `
 void main() {
+  // Every second pixel of people who may hide the selected ones.
+  if (vFaded * uSeesThrough > 0.5 && ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) & 1) == 0) discard;
   vec3 n = normalize(vNormal);
   vec3 toEye = normalize(uEye - vWorld);
   float rim = pow(1.0 - max(0.0, dot(n, toEye)), 3.0);

@@ -94,6 +94,8 @@ export interface Source {
   readonly dropped: number;
   /** Whether a live run has finished. */
   readonly isEnded: boolean;
+  /** Whether all frames of a recorded run are known. */
+  readonly isComplete: boolean;
   /** Called before every picture, with the time since the previous one. */
   tick(dt_s: number): void;
   requestHistory(id: number, frame: number): void;
@@ -116,7 +118,7 @@ export class ServerSource implements Source {
   decode_ms = 0;
   private readonly connection: Connection;
   private run: Run | null = null;
-  private complete = false;
+  isComplete = false;
   private shown = -1;
   private requested = -1;
   private requestedAt = 0;
@@ -163,9 +165,9 @@ export class ServerSource implements Source {
         this.events.notice('No frames', 'waiting for the next frame');
       return;
     }
-    playback.advance(dt_s, this.complete);
+    playback.advance(dt_s, this.isComplete);
     if (!connection.open) return;
-    if (!this.complete && now > this.indexAt) {
+    if (!this.isComplete && now > this.indexAt) {
       this.indexAt = now + 500;
       connection.send({index: true});
     }
@@ -224,7 +226,7 @@ export class ServerSource implements Source {
   private requestContacts(now: number): void {
     if (!this.wantsContacts || !this.run || !this.connection.open || now < this.contactsAt) return;
     this.contactsAt = now + ANSWER_MS;
-    this.wasComplete = this.complete;
+    this.wasComplete = this.isComplete;
     const since = this.playback || this.lastTime_s < LIVE_S ? {} : {since: Math.floor((this.lastTime_s - LIVE_S) / this.run.step_s)};
     this.connection.send({contacts: this.nextChange, ...since});
   }
@@ -252,7 +254,7 @@ export class ServerSource implements Source {
 
   private text(json: any): void {
     if (json.index && this.playback) {
-      this.complete = json.index.complete;
+      this.isComplete = json.index.complete;
       this.playback.frames = json.index.frames;
       this.playback.first = json.index.first_shown;
       if (this.playback.position < this.playback.first) this.playback.seek(this.playback.first);
@@ -279,6 +281,7 @@ export class FileSource implements Source {
   readonly playback: Playback;
   readonly dropped = 0;
   readonly isEnded = false;
+  readonly isComplete = true;
   readonly contacts = new ContactLog();
   private shown = -1;
 

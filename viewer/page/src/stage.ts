@@ -19,7 +19,7 @@ import {
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Crowd, type Layer} from './crowd.ts';
-import {around, CHEST, fit, pointOf, scenePoints, type Rect, type View} from './framing.ts';
+import {around, fit, pointOf, scenePoints, type Rect, type View} from './framing.ts';
 import {Marks} from './marks.ts';
 import {HeatMap, type HeatCells} from './heat.ts';
 import {personOf, type Frame, type Run} from './protocol.ts';
@@ -47,6 +47,8 @@ const SLOW_MS = 30;
 const FAST_MS = 18;
 const MIN_TRIANGLES = 100_000;
 const MAX_TRIANGLES = 6_000_000;
+/** Heights at which walls must not hide selected people, as shares of the height. */
+const SIGHTS = [0.05, 0.5, 0.95];
 const MIN_PIXELS = 0.75;
 /** After this rest the picture is drawn again at a quality that takes about a second. */
 const REST_MS = 300;
@@ -79,7 +81,7 @@ export class Stage {
   private crowd: Crowd | null = null;
   private walls: Walls | null = null;
   private selected: readonly number[] = [];
-  private readonly sights = [new Vector3(), new Vector3()];
+  private readonly sights = Array.from({length: 2 * SIGHTS.length}, () => new Vector3());
   /** What the camera was fitted to and still shows, so that another window size fits it again. */
   private framed: '' | 'scene' | 'top' = '';
   private viewBefore: View | null = null; // of the top view
@@ -102,6 +104,7 @@ export class Stage {
     uEye: {value: new Vector3()},
     uShadow: {value: new Vector4()},
     uFaded: {value: new Color()},
+    uSeesThrough: {value: 0},
     uChosen: {value: new Color()},
   };
   private readonly groundColors = {
@@ -329,6 +332,7 @@ export class Stage {
   /** Highlights bodies: up to two people, and obstacles from run.avatars on. Negative ids are none. */
   select(...ids: number[]): void {
     this.selected = ids.filter((id) => id >= 0);
+    this.shared.uSeesThrough.value = this.selected.length > 0 ? 1 : 0;
     const [first = -1, second = -1] = this.selectedPeople();
     this.crowd?.select(first, second);
     this.isChanged = true;
@@ -437,7 +441,9 @@ export class Stage {
 
   private arrangeWalls(frame: Frame): void {
     const people = this.selectedPeople().filter((id) => personOf(frame, id).present);
-    const sights = people.map((id, i) => pointOf(this.run!, frame, id, CHEST, this.sights[i]));
+    const sights = people.flatMap((id, i) =>
+      SIGHTS.map((share, k) => pointOf(this.run!, frame, id, share, this.sights[i * SIGHTS.length + k])),
+    );
     this.walls?.arrange(this.camera.position, sights, this.selected);
   }
 

@@ -42,7 +42,8 @@ export class ViewPane {
       el('legend').append(make('li', {id: `mark-${index}`}, ...row));
     });
     for (const bar of document.querySelectorAll<HTMLElement>('.scale i')) bar.style.background = scaleGradient();
-    for (const id of ['heat', 'heatFrom', 'heatTo']) el(id).addEventListener('input', () => this.setHeat(this.heat));
+    el('heat').addEventListener('input', () => this.setHeat(this.heat));
+    for (const id of ['heatFrom', 'heatTo']) el(id).addEventListener('input', recolor);
     const choice = el<HTMLSelectElement>('coloring');
     choice.append(...COLORINGS.map(([value, name]) => make('option', {value}, name)));
     choice.onchange = () => this.setColoring(choice.value as Coloring);
@@ -78,7 +79,7 @@ export class ViewPane {
   /** The chosen floor map: from and to in seconds; null: none. */
   get heat(): [number, number] | null {
     if (el<HTMLSelectElement>('heat').value === '') return null;
-    const value = (id: string, other: number): number => el<HTMLInputElement>(id).valueAsNumber || other;
+    const value = (id: string, other: number): number => Math.max(0, el<HTMLInputElement>(id).valueAsNumber || other);
     return [value('heatFrom', 0), value('heatTo', Infinity)];
   }
 
@@ -89,7 +90,6 @@ export class ViewPane {
       el<HTMLInputElement>('heatFrom').value = span[0] > 0 ? String(span[0]) : '';
       el<HTMLInputElement>('heatTo').value = span[1] < Infinity ? String(span[1]) : '';
     }
-    this.heatOf = '';
     this.recolor();
   }
 
@@ -102,7 +102,7 @@ export class ViewPane {
     this.heatOf = state;
     if (!span) return this.stage.setHeat(null, isDark);
     const [first, end] = span.map((time_s) => time_s / run.step_s);
-    const found = select(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first! && begin < end!);
+    const found = select(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first && begin < end);
     const cells = heatOf(run, found);
     this.stage.setHeat(cells, isDark);
     el('heatScale').style.background = scaleGradient(!isDark);
