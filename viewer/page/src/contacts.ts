@@ -1,6 +1,5 @@
 // ContactLog holds the contacts of a run: of two parts, and of two bodies.
-// Invariant: a contact of two bodies lasts from the begin of their first touching pair of parts to
-// the end of the last, as in contacts.csv.
+// Invariant: a contact of two bodies lasts as long as any of their parts touch, as in contacts.csv.
 import type {ContactChange} from './protocol.ts';
 
 export interface Contact {

@@ -384,7 +384,8 @@ class Page {
   private lookAt(bodies: number[]): void {
     const {run, frame} = this;
     if (!run || !frame) return;
-    const points = bodies.filter((body) => body < run.avatars).flatMap((body) => {
+    const isThere = (body: number): boolean => body < run.avatars && personOf(frame, body).present;
+    const points = bodies.filter(isThere).flatMap((body) => {
       const [x, y, z] = personOf(frame, body).position_m;
       const height_m = run.models[run.modelOfAvatar[body]].height_m * run.scaleOfAvatar[body];
       return [new Vector3(x, y, z), new Vector3(x, y, z + height_m)];
