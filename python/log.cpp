@@ -305,8 +305,10 @@ std::optional<Eigen::Vector3f> point_of(const char* name,
 py::array render_frame(const fs::path& log, int64_t number, int width, int height,
                        const std::optional<std::vector<float>>& eye_m,
                        const std::optional<std::vector<float>>& target_m) {
-  const PictureOptions options{width, height, point_of("target_m", target_m),
-                               point_of("eye_m", eye_m)};
+  const PictureOptions options{.width = width,
+                               .height = height,
+                               .target_m = point_of("target_m", target_m),
+                               .eye_m = point_of("eye_m", eye_m)};
   if (options.eye_m && options.eye_m == options.target_m)
     throw InputError("eye_m", "another point than target_m", "the same");
   auto image = result_from_thread<Image>([=] {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,7 @@ struct RenderCommand {
   std::string out;
   std::vector<float> eye_m;
   std::vector<float> target_m;
+  std::optional<float> fov_deg;
   std::optional<std::string> volumes, volumes_of;
   PictureOptions picture;
 };
@@ -133,6 +135,7 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
+  if (command.fov_deg) command.picture.fov_rad = *command.fov_deg * std::numbers::pi_v<float> / 180;
   if (command.picture.eye_m && command.picture.target_m == command.picture.eye_m)
     throw InputError("--eye", "another point than --target", "the same point");
   if (command.volumes) command.picture.volumes = layers_of(*command.volumes);
@@ -198,6 +201,10 @@ Command add_render_command(CommandLine& parent) {
       ->type_name("FILE");
   add_point(*app, "--eye", command->eye_m, "Position of the eye, in metres");
   add_point(*app, "--target", command->target_m, "Point that the eye looks at, in metres");
+  app->add_option("--fov", command->fov_deg,
+                  "Angle of view from the lower to the upper edge, 1 to 150 degrees [40.1]")
+      ->check(number_option(1, 150, false, "1 to 150 degrees"))
+      ->type_name("DEGREES");
   const auto pixels = whole_option(16, kMaxPixels, fmt::format("16 to {} pixels", kMaxPixels));
   app->add_option("--width", command->picture.width,
                   fmt::format("16 to {} pixels [1280]", kMaxPixels))

@@ -202,6 +202,7 @@ Eigen::Vector3f middle_of(const CrowdState& crowd) {
 /// Returns a camera to the south-east and above, from which the crowd fills the picture.
 Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
   Camera camera;
+  camera.vertical_fov_rad = options.fov_rad;
   camera.target_m =
       options.target_m.value_or(middle_of(crowd) + Eigen::Vector3f(0, 0, 0.5F * kPersonHeight_m));
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);

@@ -20,6 +20,8 @@ struct PictureOptions {
   std::optional<Eigen::Vector3f> target_m;
   /// Position of the eye; empty: south-east and above, where the crowd fills the picture.
   std::optional<Eigen::Vector3f> eye_m;
+  /// Angle of view from the lower to the upper edge.
+  float fov_rad = Camera{}.vertical_fov_rad;
   /// Names from volume_layers(), drawn around people.
   std::vector<std::string> volumes = {};
   /// Avatar ids; empty: all.

@@ -200,6 +200,44 @@ test('a row stays chosen in a link, and a filter by length chooses marks', async
   await close();
 });
 
+test('a copied render command projects as the page does', async () => {
+  const {page, close} = await open(`file://${html}`, {width: 1366, height: 768});
+  await page.evaluate('window.throng.source.playback.playing = false; window.throng.source.playback.seek(123)');
+  await until(page, 'window.throng.state().frame === 123');
+  await page.evaluate('window.throng.choose(17); window.throng.toggleFollow()');
+  await page.waitForTimeout(500);
+  const command: string = await page.evaluate('window.throng.renderCommand()');
+  const value = (name: string): number[] => new RegExp(`--${name} (\\S+)`).exec(command)![1].split(',').map(Number);
+  const [eye, target, [fov], [width], [height], [frame]] = ['eye', 'target', 'fov', 'width', 'height', 'frame'].map(value);
+  assert.equal(frame, 123);
+  // The projection of throng render (viewer/picture/raster.cpp).
+  const minus = (p: number[], q: number[]): number[] => p.map((x, i) => x - q[i]);
+  const dot = (p: number[], q: number[]): number => p.reduce((sum, x, i) => sum + x * q[i], 0);
+  const unit = (p: number[]): number[] => p.map((x) => x / Math.hypot(...p));
+  const cross = ([a, b, c]: number[], [d, e, f]: number[]): number[] => [b * f - c * e, c * d - a * f, a * e - b * d];
+  const forward = unit(minus(target, eye));
+  const right = unit(cross(forward, [0, 0, 1]));
+  const down = cross(forward, right);
+  const focal = (0.5 * height) / Math.tan((fov * Math.PI) / 360);
+  const free: {left: number; top: number} = await page.evaluate('window.throng.stage.freeRect()');
+  const parts: number[] = await page.evaluate('window.throng.partPositions()');
+  let seen = 0;
+  for (let i = 0; i < parts.length; i += 3) {
+    const away = minus(parts.slice(i, i + 3), eye);
+    if (dot(away, forward) < 0.5) continue;
+    const x = 0.5 * width + (focal * dot(away, right)) / dot(away, forward);
+    const y = 0.5 * height + (focal * dot(away, down)) / dot(away, forward);
+    if (x < 0 || y < 0 || x > width || y > height) continue;
+    const [u, v]: number[] = await page.evaluate(`window.throng.stage.project(${parts.slice(i, i + 3)})`);
+    const off = Math.hypot(((u + 1) / 2) * 1366 - free.left - x, ((1 - v) / 2) * 768 - free.top - y);
+    assert.ok(off < 2, `${off} pixels`);
+    if (++seen > 200) break;
+  }
+  assert.ok(seen > 30);
+  runs(...command.replace('out/bottleneck.lcmlog', log).split(' ').slice(1));
+  await close();
+});
+
 test('counts and colours follow the filter', async () => {
   const {page, close} = await open(`file://${html}`, {width: 1366, height: 768});
   await page.evaluate('window.throng.source.playback.playing = false; window.throng.source.playback.seek(200)');

@@ -25,8 +25,9 @@ export class ContactsPanel {
   private rows: Contact[] = [];
   private readonly pool: HTMLElement[] = [];
   private listed = '';
-  private longAt = '';
-  private readonly long = new Set<string>();
+  /** The filter for pairs of a frame, which are pairs of parts. */
+  private pairFilter: Filter = {...NO_FILTER, ofParts: true};
+  private long = {frame: -1, version: -1, filter: this.filter, keys: new Set<string>()};
   private active = 0;
 
   /** `open` shows a contact; `changed` is called after each change of the filter. */
@@ -73,6 +74,7 @@ export class ContactsPanel {
 
   set(change: Partial<Filter>): void {
     this.filter = {...this.filter, ...change};
+    this.pairFilter = {...this.filter, ofParts: true};
     this.listed = '';
     this.showFilter();
     this.update();
@@ -109,16 +111,19 @@ export class ContactsPanel {
 
   /** Returns whether a pair of a frame belongs to a listed contact; its length is known from the list only. */
   shows(pair: Bodies, frame: number): boolean {
-    const {run, log, filter} = this;
-    if (!run || !log || !matches(run, {...filter, ofParts: true}, pair)) return false;
-    if (filter.min_s === 0) return true;
-    const state = JSON.stringify([frame, log.version, filter]);
-    if (state !== this.longAt) {
-      this.longAt = state;
-      this.long.clear();
-      for (const contact of select(run, filter, log)) if (lasts(contact, frame)) this.long.add(keyOf(contact, filter.ofParts));
-    }
-    return this.long.has(keyOf(pair, filter.ofParts));
+    const {run, filter} = this;
+    if (!run || !matches(run, this.pairFilter, pair)) return false;
+    return filter.min_s === 0 || this.longAt(frame).has(keyOf(pair, filter.ofParts));
+  }
+
+  /** Returns the keys of listed contacts that exist in a frame. */
+  private longAt(frame: number): Set<string> {
+    const {run, log, filter, long} = this;
+    if (!run || !log || (long.frame === frame && long.version === log.version && long.filter === filter)) return long.keys;
+    const keys = new Set<string>();
+    for (const contact of select(run, filter, log)) if (lasts(contact, frame)) keys.add(keyOf(contact, filter.ofParts));
+    this.long = {frame, version: log.version, filter, keys};
+    return keys;
   }
 
   /** Marks the row of a pair that touches in a frame, if it is listed. */

@@ -1,6 +1,7 @@
 // A link stores what a page shows: frame, selection, camera, layers, colours and filter.
 // Invariant: readLink(writeLink(view)) equals the view; wrong text yields only what can be read.
 import {COLORINGS, type Coloring} from './coloring.ts';
+import type {Rect} from './framing.ts';
 import {NO_FILTER, type Filter, type Order, type Other} from './filter.ts';
 
 export interface View {
@@ -42,6 +43,16 @@ export function writeLink(view: View): string {
     ['order', filter.order === 'time' && !filter.isDescending ? '' : `${filter.order}${filter.isDescending ? '-' : ''}`],
   ];
   return new URLSearchParams(fields.filter(([name, value]) => value !== '' || name === 'layers')).toString().replaceAll('%2C', ',');
+}
+
+/** Returns a command that draws the free part of a window of this height, seen with this angle of view. */
+export function renderCommand(scene: string, view: View, free: Rect, height: number, fov_deg: number): string {
+  const size = [free.right - free.left, free.bottom - free.top].map(Math.round);
+  const half = Math.tan((fov_deg * Math.PI) / 360) * (size[1] / height);
+  const fov = ((360 / Math.PI) * Math.atan(half)).toFixed(3);
+  const [eye, target] = [view.camera.slice(0, 3), view.camera.slice(3)].map((point) => point.map((value) => value.toFixed(4)).join(','));
+  const name = `${scene}-${view.frame ?? 0}`;
+  return `throng render out/${scene}.lcmlog --frame ${view.frame ?? 0} --eye ${eye} --target ${target} --fov ${fov} --width ${size[0]} --height ${size[1]} --out ${name}.png`;
 }
 
 /** Returns whether numbers are a position and another point to look at, both in reach. */

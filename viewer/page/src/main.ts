@@ -7,7 +7,7 @@ import {ContactsPanel} from './contacts_panel.ts';
 import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNotice, showProblem, thousands} from './dom.ts';
 import {choosesPeople, choosesPerson, countsByPart, type Bodies} from './filter.ts';
 import {Finder, type Finding} from './find.ts';
-import {readLink, writeLink, type View} from './link.ts';
+import {readLink, renderCommand, writeLink, type View} from './link.ts';
 import {pick, poseOf} from './picking.ts';
 import {clock, SPEEDS} from './playback.ts';
 import {nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
@@ -94,6 +94,7 @@ class Page {
     el('linkButton').onclick = () => void this.copyLink();
     document.querySelector<HTMLElement>('[data-action=link]')!.onclick = () => void this.copyLink();
     document.querySelector<HTMLElement>('[data-action=theme]')!.onclick = () => el('themeButton').click();
+    el('commandButton').onclick = () => void this.copyText(this.renderCommand(), el('commandButton'));
     el('cardContacts').onclick = () => this.listContactsOf(this.card.id);
     addEventListener('hashchange', () => this.openLink(readLink(location.hash)));
     addEventListener('keydown', (event) => this.key(event));
@@ -509,14 +510,24 @@ class Page {
   private async copyLink(): Promise<void> {
     const link = `${location.href.split('#')[0]}#${this.linkText()}`;
     history.replaceState(null, '', link);
-    const button = el('linkButton');
+    await this.copyText(link, el('linkButton'));
+  }
+
+  /** Returns the command that draws this view without a browser. */
+  renderCommand(): string {
+    return renderCommand(this.run?.scene ?? '', this.view(), freeRect(), innerHeight, this.stage.camera.fov);
+  }
+
+  /** Copies text; the button says so. A page without that right shows the text. */
+  private async copyText(text: string, button: HTMLElement): Promise<void> {
+    const name = button.dataset.name ?? (button.dataset.name = button.textContent ?? '');
     try {
-      await navigator.clipboard.writeText(link);
+      await navigator.clipboard.writeText(text);
       setText(button, 'Copied');
+      setTimeout(() => setText(button, name), 2000);
     } catch {
-      setText(button, 'In the address bar');
+      this.notice('Copy this text', text);
     }
-    setTimeout(() => setText(button, 'Copy link'), 2000);
   }
 
   // Time
