@@ -43,7 +43,7 @@ struct RenderCommand {
   std::string out;
   std::vector<float> eye_m;
   std::vector<float> target_m;
-  std::optional<float> fov_deg;
+  std::optional<double> fov_deg;
   std::optional<std::string> volumes, volumes_of;
   PictureOptions picture;
 };
@@ -135,7 +135,8 @@ int render_frame(RenderCommand command) {
   };
   command.picture.eye_m = to_point(command.eye_m);
   command.picture.target_m = to_point(command.target_m);
-  if (command.fov_deg) command.picture.fov_rad = *command.fov_deg * std::numbers::pi_v<float> / 180;
+  if (command.fov_deg)
+    command.picture.fov_rad = static_cast<float>(*command.fov_deg * std::numbers::pi / 180);
   if (command.picture.eye_m && command.picture.target_m == command.picture.eye_m)
     throw InputError("--eye", "another point than --target", "the same point");
   if (command.volumes) command.picture.volumes = layers_of(*command.volumes);

@@ -37,7 +37,7 @@ class PairBegins {
     ChangeKind kind;
     int64_t frame;  ///< first frame in which it holds
     BeginFrame began;
-    Eigen::Vector2f place_m = unknown_place();  ///< as ContactRecord::x_m
+    Eigen::Vector2f place_m = unknown_place();  ///< see ContactRecord::x_m
     void set_place(const CrowdState& crowd);
   };
   static Eigen::Vector2f unknown_place() {

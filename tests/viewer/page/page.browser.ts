@@ -86,7 +86,7 @@ const outside = (page: Page): Promise<number> =>
     return points.filter(isOutside).length;
   })()`);
 
-test('the first view and the top view show the whole scene beside the panels, in any window', async () => {
+test('the first view and the top view show the whole scene clear of the panels, in any window', async () => {
   const {child, url} = await view(log, '--port', '0');
   const {page, close} = await open(url);
   await page.keyboard.press('Space');

@@ -192,7 +192,7 @@ export class Crowd {
     this.looks.needsUpdate = true;
   }
 
-  /** Replaces clothes by sRGB colours, four bytes a person, where the fourth is 255; null restores all clothes. */
+  /** Replaces clothes by sRGB colours, four bytes per person, where the fourth is 255; null restores all clothes. */
   setColors(rgba: Uint8Array | null): void {
     const looks = this.looks.image.data as unknown as Uint8Array;
     for (let at = 0; at < 4 * this.run.avatars; at += 4) {

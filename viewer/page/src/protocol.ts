@@ -191,7 +191,7 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
 export interface ContactChange {
   kind: 'began' | 'ended' | 'lost';
   frame: number;
-  /** Of a begin: its frame; ~f if it is only known to be before frame f. */
+  /** Frame of the begin; ~f if it is only known to be before frame f. */
   began: number;
   a: number;
   b: number;

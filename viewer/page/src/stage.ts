@@ -343,13 +343,13 @@ export class Stage {
     return this.selected.filter((id) => id < avatars).slice(0, 2);
   }
 
-  /** Fades people whose flag is 0, one flag an avatar; null fades nobody. A new run fades nobody. */
+  /** Fades people whose flag is 0, one flag per avatar; null fades nobody. A new run fades nobody. */
   setFocus(flags: Uint8Array | null): void {
     this.crowd?.setFocus(flags);
     this.isChanged = true;
   }
 
-  /** Replaces clothes by sRGB colours, four bytes an avatar, where the fourth is 255; null restores clothes. */
+  /** Replaces clothes by sRGB colours, four bytes per avatar, where the fourth is 255; null restores clothes. */
   setColors(rgba: Uint8Array | null): void {
     this.crowd?.setColors(rgba);
     this.isChanged = true;
