@@ -309,7 +309,7 @@ Eigen::Vector2d Crowd::heading_of(uint32_t id, const AgentEntry& entry) const {
     const SinCos turn = sin_cos(entry.heading_rad);
     return {turn.cos, turn.sin};
   }
-  const Eigen::Vector2d along = journeys_.direction(id, entry.position_m);
+  Eigen::Vector2d along = journeys_.direction(id, entry.position_m);
   if (!along.isZero()) return along;
   const Eigen::Vector2d facing = journeys_.facing(id, entry.position_m);
   return facing.isZero() ? state_.headings[id] : facing;
