@@ -6,7 +6,7 @@ import {ContactLog} from '../../../viewer/page/src/contacts.ts';
 import {choosesPerson, countsByPart, matches, NO_FILTER, partNames, select, type Filter} from '../../../viewer/page/src/filter.ts';
 import {find} from '../../../viewer/page/src/find.ts';
 import {heatOf} from '../../../viewer/page/src/heat.ts';
-import {readLink, writeLink, type View} from '../../../viewer/page/src/link.ts';
+import {readLink, writeLink, type PageView} from '../../../viewer/page/src/link.ts';
 import {decodeContacts, type ContactChange, type Run} from '../../../viewer/page/src/protocol.ts';
 
 const began = (frame: number, a: number, b: number, partA = 0, partB = 0): ContactChange => ({kind: 'began', frame, began: frame, a, b, partA, partB, x_m: a, y_m: b});
@@ -117,7 +117,7 @@ test('a search finds numbers, groups, robots and obstacles', () => {
 });
 
 test('a link restores the view', () => {
-  const view: View = {
+  const view: PageView = {
     frame: 254,
     selected: [312, 15],
     parts: [3, 14],

@@ -1,5 +1,6 @@
 // Card shows the selected person: its present contacts from the frame, past ones from the source.
 import {el, make, setText} from './dom.ts';
+import {heightOf} from './framing.ts';
 import {since, whenOf} from './playback.ts';
 import {nameOf, pairsOf, partNameOf, personOf, type Frame, type Pair, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
@@ -43,7 +44,7 @@ export class Card {
   update(run: Run, frame: Frame): void {
     if (this.id < 0 || this.id >= frame.avatars) return;
     const person = personOf(frame, this.id);
-    const height_m = run.models[run.modelOfAvatar[this.id]].height_m * run.scaleOfAvatar[this.id];
+    const height_m = heightOf(run, this.id);
     setText(
       el('cardState'),
       person.present

@@ -1,7 +1,7 @@
 // Colours of people by a value: group, speed, density, contacts, distance to a robot.
 // The scale grows evenly in lightness: it works in grey and for colour-blind readers.
 import type {ContactLog} from './contacts.ts';
-import {isPerson, personOf, type Frame, type Run} from './protocol.ts';
+import {isPerson, isPresent, personOf, type Frame, type Run} from './protocol.ts';
 
 export type Coloring = '' | 'group' | 'speed' | 'density' | 'contacts' | 'robot';
 
@@ -34,7 +34,7 @@ export function scaleColor(value: number): [number, number, number] {
   return [0, 1, 2].map((c) => Math.round(STOPS[i][c] + (at - i) * (STOPS[i + 1][c] - STOPS[i][c]))) as [number, number, number];
 }
 
-export const cssColor = (value: number): string => `rgb(${scaleColor(value).join(' ')})`;
+const cssColor = (value: number): string => `rgb(${scaleColor(value).join(' ')})`;
 
 /** Returns the scale as a CSS gradient, from left to right or turned around. */
 export function scaleGradient(isTurned = false): string {
@@ -90,12 +90,12 @@ const VALUES: Record<Exclude<Coloring, ''>, (run: Run, frame: Frame, log: Contac
       ++counts[a];
       if (b < run.avatars) ++counts[b];
     }
-    const most = Math.max(1, ...counts);
+    const most = counts.reduce((max, count) => Math.max(max, count), 1);
     return scaled(run, (id) => counts[id] / most, ['none', String(most)]);
   },
   robot(run, frame) {
     const robots: number[] = [];
-    for (let id = 0; id < run.avatars; ++id) if (!isPerson(run, id) && personOf(frame, id).present) robots.push(id);
+    for (let id = 0; id < run.avatars; ++id) if (!isPerson(run, id) && isPresent(frame, id)) robots.push(id);
     const away = (id: number): number => {
       if (!isPerson(run, id) || robots.length === 0) return NaN;
       const at = personOf(frame, id).position_m;
@@ -118,9 +118,8 @@ function densities(run: Run, frame: Frame): Float32Array {
   const cellOf = (id: number, dx: number, dy: number): number =>
     (Math.floor(frame.positions[4 * id] / DENSITY_RADIUS_M) + dx) * 1_000_003 +
     Math.floor(frame.positions[4 * id + 1] / DENSITY_RADIUS_M) + dy;
-  const isThere = (id: number): boolean => (frame.people[4 * id + 3] & 1) !== 0;
   for (let id = 0; id < run.avatars; ++id) {
-    if (!isThere(id)) continue;
+    if (!isPresent(frame, id)) continue;
     const cell = cellOf(id, 0, 0);
     const members = cells.get(cell);
     if (members) members.push(id);
@@ -128,7 +127,7 @@ function densities(run: Run, frame: Frame): Float32Array {
   }
   const out = new Float32Array(run.avatars);
   for (let id = 0; id < run.avatars; ++id) {
-    if (!isThere(id)) continue;
+    if (!isPresent(frame, id)) continue;
     let count = 0;
     for (let dx = -1; dx <= 1; ++dx)
       for (let dy = -1; dy <= 1; ++dy)

@@ -2,7 +2,7 @@
 // Invariant: only the rows in sight exist as elements, for any number of contacts.
 import type {Contact, ContactLog} from './contacts.ts';
 import {counted, el, make, setText, thousands} from './dom.ts';
-import {matches, NO_FILTER, partNames, select, type Bodies, type Filter, type Order, type Other} from './filter.ts';
+import {matches, matching, NO_FILTER, partNames, select, type Bodies, type Filter, type Order, type Other} from './filter.ts';
 import {whenOf} from './playback.ts';
 import {nameOf, partNameOf, type Run} from './protocol.ts';
 
@@ -121,7 +121,7 @@ export class ContactsPanel {
     const {run, log, filter, long} = this;
     if (!run || !log || (long.frame === frame && long.version === log.version && long.filter === filter)) return long.keys;
     const keys = new Set<string>();
-    for (const contact of select(run, filter, log)) if (lasts(contact, frame)) keys.add(keyOf(contact, filter.ofParts));
+    for (const contact of matching(run, filter, log)) if (lasts(contact, frame)) keys.add(keyOf(contact, filter.ofParts));
     this.long = {frame, version: log.version, filter, keys};
     return keys;
   }

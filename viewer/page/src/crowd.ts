@@ -7,7 +7,6 @@ import {
   DoubleSide,
   EqualStencilFunc,
   Frustum,
-  GLSL3,
   Group,
   IncrementStencilOp,
   InstancedBufferGeometry,
@@ -24,7 +23,7 @@ import {
   Vector2,
 } from 'three';
 import {Instances, bodyGeometries, boxGeometry, hullGeometry, shadowGeometry, sharing} from './bodies.ts';
-import type {Frame, Model, Run} from './protocol.ts';
+import {isPresent, type Frame, type Model, type Run} from './protocol.ts';
 import {
   BODY_FRAGMENT,
   BODY_VERTEX,
@@ -36,13 +35,13 @@ import {
   SPHERE_FRAGMENT,
   SPHERE_VERTEX,
   TEXTURE_WIDTH,
+  shaderMaterial,
+  type Uniforms,
 } from './shaders.ts';
 import {CLOTHES, MARK_COLORS} from './theme.ts';
 
 export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
 export type Layer = (typeof LAYERS)[number];
-
-type Uniforms = Record<string, {value: unknown}>;
 
 /** Maximum useful distance of each level of detail from the eye, in metres; the last one has no limit. */
 const USEFUL_M = [9, 25, 60, 120];
@@ -127,8 +126,7 @@ export class Crowd {
   }
 
   private material(vertexShader: string, fragmentShader: string, more: Uniforms): RawShaderMaterial {
-    const uniforms = {...this.shared, ...this.own, ...more};
-    return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
+    return shaderMaterial(vertexShader, fragmentShader, {...this.shared, ...this.own, ...more});
   }
 
   private addModel(model: Model, index: number): void {
@@ -184,7 +182,7 @@ export class Crowd {
     (this.own.uSelected.value as Vector2).set(first, second);
   }
 
-  /** Fades people whose flag is 0; null fades nobody. */
+  /** Fades people whose flag is 0; null ends fading. */
   setFocus(flags: Uint8Array | null): void {
     const looks = this.looks.image.data as unknown as Uint8Array;
     for (let id = 0; id < this.run.avatars; ++id)
@@ -241,7 +239,7 @@ export class Crowd {
     this.visibleCount = 0;
     this.bins.fill(0);
     for (let id = 0, word = 0; id < frame.avatars; ++id, word += 4) {
-      if ((frame.people[word + 3] & 1) === 0) continue;
+      if (!isPresent(frame, id)) continue;
       const reach = this.run.models[this.run.modelOfAvatar[id]].sphere.radius_m * this.run.scaleOfAvatar[id];
       this.sphere.center.set(at[word], at[word + 1], at[word + 2] + 0.5 * reach);
       // The shadow may be in the picture while its person is not.

@@ -32,12 +32,12 @@ export const NO_FILTER: Filter = {
 };
 
 /** Returns what a contact is with: an obstacle, a robot, or people only. */
-export function otherOf(run: Run, {a, b}: {a: number; b: number}): Other {
+function otherOf(run: Run, {a, b}: {a: number; b: number}): Other {
   if (b >= run.avatars) return 'obstacles';
   return isPerson(run, a) && isPerson(run, b) ? 'people' : 'robots';
 }
 
-export function groupOf(run: Run, body: number): string {
+function groupOf(run: Run, body: number): string {
   return body < run.avatars ? (run.groups[run.groupOfAvatar[body]] ?? '') : '';
 }
 
@@ -66,12 +66,16 @@ export function matches(run: Run, filter: Filter, contact: Bodies): boolean {
   return partNameOf(run, a, contact.partA) === filter.part || partNameOf(run, b, contact.partB) === filter.part;
 }
 
-/** Returns the matching contacts in the filter's order; equal ones by time, then by bodies. */
-export function select(run: Run, filter: Filter, log: ContactLog): Contact[] {
+/** Returns the matching contacts in the order of their begin. */
+export function matching(run: Run, filter: Filter, log: ContactLog): Contact[] {
   const min_frames = filter.min_s / run.step_s - 1e-6;
-  const found = (filter.ofParts ? log.ofParts : log.ofBodies).filter(
+  return (filter.ofParts ? log.ofParts : log.ofBodies).filter(
     (contact) => log.frames(contact) >= min_frames && matches(run, filter, contact),
   );
+}
+
+/** Returns the matching contacts in the filter's order; equal ones by time, then by bodies. */
+export function select(run: Run, filter: Filter, log: ContactLog): Contact[] {
   const inTime = (p: Contact, q: Contact): number =>
     p.begin - q.begin || p.a - q.a || p.b - q.b || p.partA - q.partA || p.partB - q.partB;
   const by: Record<Order, (p: Contact, q: Contact) => number> = {
@@ -81,13 +85,13 @@ export function select(run: Run, filter: Filter, log: ContactLog): Contact[] {
   };
   const sign = filter.isDescending ? -1 : 1;
   const compare = by[filter.order];
-  return found.sort((p, q) => sign * compare(p, q) || inTime(p, q));
+  return matching(run, filter, log).sort((p, q) => sign * compare(p, q) || inTime(p, q));
 }
 
 /** Counts contacts of parts by the parts of people and robots, most first; a contact counts for both bodies. */
 export function countsByPart(run: Run, filter: Filter, log: ContactLog): [string, number][] {
   const counts = new Map<string, number>();
-  for (const {a, b, partA, partB} of select(run, {...filter, ofParts: true}, log))
+  for (const {a, b, partA, partB} of matching(run, {...filter, ofParts: true}, log))
     for (const name of [partNameOf(run, a, partA), partNameOf(run, b, partB)])
       if (name !== '') counts.set(name, (counts.get(name) ?? 0) + 1);
   return [...counts].sort(([p, m], [q, n]) => n - m || p.localeCompare(q));

@@ -1,6 +1,6 @@
 // fit() finds the camera's place from which all points lie in the free part of the window.
 import {Vector3} from 'three';
-import type {Box, Frame, Obstacle, Run} from './protocol.ts';
+import {isPresent, type Box, type Frame, type Obstacle, type Run} from './protocol.ts';
 import {boxOf} from './bodies.ts';
 
 export interface Rect {
@@ -107,7 +107,7 @@ export function scenePoints(run: Run, frame: Frame | null): Vector3[] {
     if (corners.every((corner) => isOnGround(run, corner))) points.push(...corners);
   }
   for (let id = 0; frame && id < frame.avatars; ++id) {
-    if ((frame.people[4 * id + 3] & 1) === 0) continue;
+    if (!isPresent(frame, id)) continue;
     points.push(pointOf(run, frame, id, 0), pointOf(run, frame, id, 1));
   }
   return points;

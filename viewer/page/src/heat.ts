@@ -1,8 +1,9 @@
 // The floor map counts contacts per cell of the ground. Invariant: its cells sum to its contacts.
-import {DataTexture, GLSL3, Mesh, NearestFilter, PlaneGeometry, RawShaderMaterial, SRGBColorSpace} from 'three';
+import {DataTexture, Mesh, NearestFilter, PlaneGeometry, SRGBColorSpace, type RawShaderMaterial} from 'three';
 import {scaleColor} from './coloring.ts';
 import type {Contact} from './contacts.ts';
 import type {Run} from './protocol.ts';
+import {shaderMaterial} from './shaders.ts';
 
 export interface HeatCells {
   counts: Uint32Array; // row by row from the south-west
@@ -10,6 +11,8 @@ export interface HeatCells {
   rows: number;
   min_m: [number, number];
   cell_m: number;
+  /** The highest count. */
+  most: number;
 }
 
 const MIN_CELL_M = 0.5;
@@ -25,7 +28,8 @@ export function heatOf(run: Run, contacts: Iterable<Contact>): HeatCells {
   const cell = (at: number, axis: number, most: number): number =>
     Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]) / cell_m)));
   for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cell(y_m, 1, rows) * columns + cell(x_m, 0, columns)];
-  return {counts, columns, rows, min_m, cell_m};
+  const most = counts.reduce((max, count) => Math.max(max, count), 0);
+  return {counts, columns, rows, min_m, cell_m, most};
 }
 
 const VERTEX = /* glsl */ `
@@ -53,7 +57,7 @@ export class HeatMap {
   readonly mesh: Mesh<PlaneGeometry, RawShaderMaterial>;
 
   constructor() {
-    const material = new RawShaderMaterial({glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, uniforms: {uCells: {value: null}}});
+    const material = shaderMaterial(VERTEX, FRAGMENT, {uCells: {value: null}});
     material.transparent = true;
     material.depthWrite = false;
     this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
@@ -65,8 +69,7 @@ export class HeatMap {
   set(cells: HeatCells | null, isDark: boolean): void {
     this.mesh.visible = cells !== null;
     if (!cells) return;
-    const {columns, rows, counts, min_m, cell_m} = cells;
-    const most = Math.max(1, counts.reduce((max, count) => Math.max(max, count), 0));
+    const {columns, rows, counts, min_m, cell_m, most} = cells;
     const rgba = new Uint8Array(4 * counts.length);
     counts.forEach((count, i) => {
       const value = count / most;

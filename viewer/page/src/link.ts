@@ -4,7 +4,7 @@ import {COLORINGS, type Coloring} from './coloring.ts';
 import type {Rect} from './framing.ts';
 import {NO_FILTER, type Filter, type Order, type Other} from './filter.ts';
 
-export interface View {
+export interface PageView {
   /** Null in live runs. */
   frame: number | null;
   selected: number[];
@@ -22,7 +22,7 @@ export interface View {
 }
 
 /** Returns the text after "#". Millimetres suffice for the camera. */
-export function writeLink(view: View): string {
+export function writeLink(view: PageView): string {
   const {filter} = view;
   const fields: [string, string][] = [
     ['frame', view.frame === null ? '' : String(view.frame)],
@@ -46,7 +46,7 @@ export function writeLink(view: View): string {
 }
 
 /** Returns a command that draws the free part of a window of this height, seen with this angle of view. */
-export function renderCommand(scene: string, view: View, free: Rect, height: number, fov_deg: number): string {
+export function renderCommand(scene: string, view: PageView, free: Rect, height: number, fov_deg: number): string {
   const size = [free.right - free.left, free.bottom - free.top].map(Math.round);
   const half = Math.tan((fov_deg * Math.PI) / 360) * (size[1] / height);
   const fov = ((360 / Math.PI) * Math.atan(half)).toFixed(3);
@@ -62,9 +62,9 @@ function isCamera(values: number[]): boolean {
   return values.length === 6 && values.every((value) => Math.abs(value) < 1e5) && away > 0.1;
 }
 
-export function readLink(text: string): Partial<View> {
+export function readLink(text: string): Partial<PageView> {
   const fields = new URLSearchParams(text.replace(/^#/, ''));
-  const view: Partial<View> = {};
+  const view: Partial<PageView> = {};
   const numbers = (name: string): number[] => {
     const values = (fields.get(name) ?? '').split(',').filter(Boolean).map(Number);
     return values.every(Number.isFinite) ? values : [];

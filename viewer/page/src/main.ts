@@ -7,10 +7,11 @@ import {ContactsPanel} from './contacts_panel.ts';
 import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNotice, showProblem, thousands} from './dom.ts';
 import {choosesPeople, choosesPerson, countsByPart, type Bodies} from './filter.ts';
 import {Finder, type Finding} from './find.ts';
-import {readLink, renderCommand, writeLink, type View} from './link.ts';
+import {CHEST, heightOf, pointOf} from './framing.ts';
+import {readLink, renderCommand, writeLink, type PageView} from './link.ts';
 import {pick, poseOf} from './picking.ts';
 import {clock, SPEEDS} from './playback.ts';
-import {nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
+import {isPresent, nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
@@ -74,7 +75,7 @@ class Page {
   /** The frame that a link asks for, until it is known; -1: none. */
   private wantedFrame = -1;
   /** What the address asks for, until it is shown. */
-  private link: Partial<View> | null = readLink(location.hash);
+  private link: Partial<PageView> | null = readLink(location.hash);
 
   constructor() {
     bindTabs(TABS, (tab) => this.showTab(tab));
@@ -247,7 +248,7 @@ class Page {
     const {filter} = this.contacts;
     let people = 0;
     for (let id = 0; id < run.avatars; ++id)
-      if ((frame.people[4 * id + 3] & 1) !== 0 && choosesPerson(run, filter, id)) ++people;
+      if (isPresent(frame, id) && choosesPerson(run, filter, id)) ++people;
     let pairs = 0;
     for (let i = 0; i < frame.pairs; ++i) if (this.contacts.shows(pairAt(frame, i), frame.number)) ++pairs;
     const of = (count: number, all: number): string =>
@@ -385,12 +386,9 @@ class Page {
   private lookAt(bodies: number[]): void {
     const {run, frame} = this;
     if (!run || !frame) return;
-    const isThere = (body: number): boolean => body < run.avatars && personOf(frame, body).present;
-    const points = bodies.filter(isThere).flatMap((body) => {
-      const [x, y, z] = personOf(frame, body).position_m;
-      const height_m = run.models[run.modelOfAvatar[body]].height_m * run.scaleOfAvatar[body];
-      return [new Vector3(x, y, z), new Vector3(x, y, z + height_m)];
-    });
+    const points = bodies
+      .filter((body) => body < run.avatars && isPresent(frame, body))
+      .flatMap((body) => [pointOf(run, frame, body, 0), pointOf(run, frame, body, 1)]);
     if (points.length > 0) this.stage.showBodies(points);
   }
 
@@ -405,7 +403,7 @@ class Page {
     this.stage.setFocus(focus);
   }
 
-  /** People outside the filter fade, and while the picture rests those without a contact; null: nobody does. */
+  /** People outside the filter fade, and while the picture rests those without a contact; null: none does. */
   private focusOf(run: Run, frame: Frame): Uint8Array | null {
     const {filter} = this.contacts;
     const isResting = this.source?.playback ? !this.source.playback.playing : this.paused;
@@ -451,7 +449,7 @@ class Page {
 
   // Links
 
-  private view(): View {
+  private view(): PageView {
     const {position} = this.stage.camera;
     return {
       frame: this.source?.playback?.frame ?? null,
@@ -472,7 +470,7 @@ class Page {
     return writeLink(this.view());
   }
 
-  private openLink(view: Partial<View>): void {
+  private openLink(view: Partial<PageView>): void {
     const playback = this.source?.playback;
     if (view.layers) this.look.showLayers(view.layers);
     if (view.coloring) this.look.setColoring(view.coloring);
@@ -591,7 +589,7 @@ class Page {
     caster.setFromCamera(new Vector2((2 * x) / innerWidth - 1, 1 - (2 * y) / innerHeight), this.stage.camera);
     const mark = this.stage.marks.at(x, y);
     const isEmpty = !this.look.layers.some((layer) => layer !== 'shadows' && layer !== 'tint');
-    if (mark < 0 && isEmpty) return; // nobody is drawn
+    if (mark < 0 && isEmpty) return; // no body is drawn
     if (mark < 0) return this.choose(pick(this.run, this.frame, caster.ray, slack_m));
     const pair = pairAt(this.frame, mark);
     this.contacts.clear();
@@ -630,8 +628,7 @@ class Page {
     this.stage.followed = id;
     el('follow').setAttribute('aria-pressed', String(id >= 0));
     if (id < 0 || !this.run || !this.frame) return;
-    const height_m = this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id];
-    this.stage.approach(personOf(this.frame, id).position_m, height_m);
+    this.stage.approach(personOf(this.frame, id).position_m, heightOf(this.run, id));
     this.stage.recentre();
   }
 
@@ -735,8 +732,7 @@ class Page {
   /** Returns the pixel position of a person's chest; null outside the picture. */
   screenPosition(id: number): [number, number] | null {
     if (!this.frame || !this.run) return null;
-    const [x, y, z] = personOf(this.frame, id).position_m;
-    const p = this.stage.project(x, y, z + 0.7 * this.run.models[this.run.modelOfAvatar[id]].height_m * this.run.scaleOfAvatar[id]);
+    const p = this.stage.project(...pointOf(this.run, this.frame, id, CHEST).toArray());
     return Math.abs(p[0]) < 1 && Math.abs(p[1]) < 1 ? [((p[0] + 1) / 2) * innerWidth, ((1 - p[1]) / 2) * innerHeight] : null;
   }
 
@@ -757,7 +753,7 @@ class Page {
 }
 
 /** Returns the contact that a link selects, if it names its parts. */
-function contactOf({selected, parts}: Partial<View>): Bodies | null {
+function contactOf({selected, parts}: Partial<PageView>): Bodies | null {
   if (selected?.length !== 2 || parts?.length !== 2) return null;
   return {a: selected[0], b: selected[1], partA: parts[0], partB: parts[1]};
 }

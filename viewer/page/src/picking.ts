@@ -1,6 +1,6 @@
 // pick() finds the person under the pointer: the ray against the oriented boxes of body parts.
 import {Quaternion, Ray, Sphere, Vector3} from 'three';
-import type {Frame, Run} from './protocol.ts';
+import {isPresent, type Frame, type Run} from './protocol.ts';
 
 const low = (word: number): number => (word << 16) >> 16;
 const high = (word: number): number => word >> 16;
@@ -46,7 +46,7 @@ export function pick(run: Run, frame: Frame, ray: Ray, slack_m: number): number 
   const sphere = new Sphere();
   const half = new Vector3();
   for (let id = 0; id < frame.avatars; ++id) {
-    if ((frame.people[4 * id + 3] & 1) === 0) continue;
+    if (!isPresent(frame, id)) continue;
     const model = run.models[run.modelOfAvatar[id]];
     const scale = run.scaleOfAvatar[id];
     const [x, y, z] = [frame.positions[4 * id], frame.positions[4 * id + 1], frame.positions[4 * id + 2]];

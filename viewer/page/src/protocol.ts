@@ -197,7 +197,7 @@ export interface ContactChange {
   b: number;
   partA: number;
   partB: number;
-  /** The middle between both people, as far as their states are known; of an obstacle, the person's place. */
+  /** The middle between both people, as far as their states are known; at an obstacle, the place of the person. */
   x_m: number;
   y_m: number;
 }
@@ -236,6 +236,10 @@ export interface Person {
   mark: number;
   speed_mps: number;
   position_m: Vec3;
+}
+
+export function isPresent(frame: Frame, id: number): boolean {
+  return (frame.people[id * AVATAR_WORDS + 3] & 1) !== 0;
 }
 
 export function personOf(frame: Frame, id: number): Person {

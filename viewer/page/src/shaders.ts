@@ -1,7 +1,15 @@
 // Shaders: poses from the frame's texels, light, lines.
 // Invariant: a frame is two textures of 16-byte texels; all work per vertex is done here.
 
+import {GLSL3, RawShaderMaterial} from 'three';
+
 export const TEXTURE_WIDTH = 1024;
+
+export type Uniforms = Record<string, {value: unknown}>;
+
+export function shaderMaterial(vertexShader: string, fragmentShader: string, uniforms: Uniforms): RawShaderMaterial {
+  return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
+}
 
 /** Reads people and parts. Instances are (avatar, first part, scale). */
 const POSES = /* glsl */ `

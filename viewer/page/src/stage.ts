@@ -2,7 +2,6 @@
 // Invariant: it redraws only if something has changed.
 import {
   Color,
-  GLSL3,
   Group,
   Mesh,
   Path,
@@ -23,7 +22,7 @@ import {around, fit, pointOf, scenePoints, type Rect, type View} from './framing
 import {Marks} from './marks.ts';
 import {HeatMap, type HeatCells} from './heat.ts';
 import {personOf, type Frame, type Run} from './protocol.ts';
-import {GROUND_FRAGMENT, SOLID_VERTEX} from './shaders.ts';
+import {GROUND_FRAGMENT, SOLID_VERTEX, shaderMaterial, type Uniforms} from './shaders.ts';
 import {THEMES, type ThemeName} from './theme.ts';
 import {Walls} from './walls.ts';
 
@@ -143,9 +142,8 @@ export class Stage {
     this.scene.add(this.ground, this.floors, this.heat.mesh);
   }
 
-  private material(vertexShader: string, fragmentShader: string, own: object): RawShaderMaterial {
-    const uniforms = {...this.shared, ...own};
-    return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
+  private material(vertexShader: string, fragmentShader: string, own: Uniforms): RawShaderMaterial {
+    return shaderMaterial(vertexShader, fragmentShader, {...this.shared, ...own});
   }
 
   setTheme(name: ThemeName): void {
@@ -343,7 +341,7 @@ export class Stage {
     return this.selected.filter((id) => id < avatars).slice(0, 2);
   }
 
-  /** Fades people whose flag is 0, one flag per avatar; null fades nobody. A new run fades nobody. */
+  /** Fades people whose flag is 0, one flag per avatar; null ends fading, as does a new run. */
   setFocus(flags: Uint8Array | null): void {
     this.crowd?.setFocus(flags);
     this.isChanged = true;

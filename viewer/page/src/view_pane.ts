@@ -3,7 +3,7 @@ import {COLORINGS, colorsFor, scaleGradient, type Coloring, type Legend} from '.
 import type {ContactLog} from './contacts.ts';
 import {LAYERS, type Layer} from './crowd.ts';
 import {counted, el, make, setText, thousands} from './dom.ts';
-import {select, type Filter} from './filter.ts';
+import {matching, type Filter} from './filter.ts';
 import {heatOf} from './heat.ts';
 import {pairAt, type Frame, type Run} from './protocol.ts';
 import type {Stage} from './stage.ts';
@@ -102,12 +102,11 @@ export class ViewPane {
     this.heatOf = state;
     if (!span) return this.stage.setHeat(null, isDark);
     const [first, end] = span.map((time_s) => time_s / run.step_s);
-    const found = select(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first && begin < end);
+    const found = matching(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first && begin < end);
     const cells = heatOf(run, found);
     this.stage.setHeat(cells, isDark);
     el('heatScale').style.background = scaleGradient(!isDark);
-    const most = cells.counts.reduce((max, count) => Math.max(max, count), 0);
-    setText(el('heatMost'), `${most} in a cell of ${Number(cells.cell_m.toFixed(2))} m`);
+    setText(el('heatMost'), `${cells.most} in a cell of ${Number(cells.cell_m.toFixed(2))} m`);
     const placed = cells.counts.reduce((sum, count) => sum + count, 0);
     const missing = found.length - placed;
     setText(el('heatTotal'), counted(placed, 'contact') + (missing > 0 ? `, ${missing} without a known place` : ''));

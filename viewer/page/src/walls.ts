@@ -1,10 +1,10 @@
 // Walls draws the obstacles of a run. Those that hide a selected person are drawn as glass.
-import {DoubleSide, GLSL3, Group, Mesh, RawShaderMaterial, Vector3, type Color} from 'three';
+import {DoubleSide, Group, Mesh, Vector3, type Color, type RawShaderMaterial} from 'three';
 import {boxOf, solidGeometry} from './bodies.ts';
 import {oncePerPixel} from './crowd.ts';
 import {entersBox} from './picking.ts';
 import type {Obstacle, Run} from './protocol.ts';
-import {FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, SOLID_FRAGMENT, SOLID_VERTEX} from './shaders.ts';
+import {FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, SOLID_FRAGMENT, SOLID_VERTEX, shaderMaterial, type Uniforms} from './shaders.ts';
 
 const GLASS = 0.18;
 const UP = new Vector3(0, 0, 1);
@@ -12,8 +12,6 @@ const UP = new Vector3(0, 0, 1);
 const GLASS_ORDER = 2;
 /** A wall that a line of sight reaches only at its end is behind the person. */
 const BEFORE = 0.99;
-
-type Uniforms = Record<string, {value: unknown}>;
 
 export interface WallColors {
   solid: {value: Color};
@@ -39,26 +37,21 @@ export class Walls {
 
   constructor(
     private readonly run: Run,
-    private readonly shared: Uniforms,
+    shared: Uniforms,
     colors: WallColors,
   ) {
     const material = (uColor: {value: Color}, alpha: number): RawShaderMaterial =>
-      this.material(SOLID_VERTEX, SOLID_FRAGMENT, {uColor, uAlpha: {value: alpha}});
+      shaderMaterial(SOLID_VERTEX, SOLID_FRAGMENT, {...shared, uColor, uAlpha: {value: alpha}});
     this.solid = material(colors.solid, 1);
     this.chosen = material(colors.chosen, 1);
     this.glass = material(colors.solid, GLASS);
     this.glass.transparent = true;
     this.glass.depthWrite = false;
-    this.shadow = oncePerPixel(this.material(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, {}));
+    this.shadow = oncePerPixel(shaderMaterial(FLAT_SHADOW_VERTEX, SHADOW_FRAGMENT, shared));
     this.shadow.transparent = true;
     this.shadow.depthWrite = false;
     this.shadow.side = DoubleSide;
     for (const obstacle of run.obstacles) this.add(obstacle);
-  }
-
-  private material(vertexShader: string, fragmentShader: string, own: Uniforms): RawShaderMaterial {
-    const uniforms = {...this.shared, ...own};
-    return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
   }
 
   private add(obstacle: Obstacle): void {
