@@ -285,7 +285,7 @@ void Crowd::override_motion(uint32_t id, const Eigen::Vector2d& position_m,
   state_.velocities_mps[id] = velocity_mps;
   const uint32_t slot = state_.slot_of[id];
   if (slot == SteeringState::kNowhere) {
-    state_.grid.insert(id, position_m);
+    if (journeys_.is_present(id)) state_.grid.insert(id, position_m);
     return;
   }
   AgentState& w = state_.agents[slot];
