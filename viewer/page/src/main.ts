@@ -16,6 +16,7 @@ import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
 import type {ThemeName} from './theme.ts';
+import {VideoPanel, type Filmed} from './video.ts';
 import {ViewPane} from './view_pane.ts';
 
 const KEYS: [string[], string][] = [
@@ -37,6 +38,7 @@ const HISTORY_MS = 700;
 const PANEL_MS = 120;
 const FPS_MS = 500;
 const LINK_MS = 1000;
+const FRAME_WAIT_MS = 20_000;
 const TABS = ['contacts', 'view', 'charts'] as const;
 type Tab = (typeof TABS)[number];
 
@@ -52,6 +54,12 @@ class Page {
   private readonly timeChart = new Chart(el<HTMLCanvasElement>('timeChart'));
   private readonly scrubChart = new Chart(el<HTMLCanvasElement>('scrubChart'));
   private readonly look = new ViewPane(this.stage, () => this.recolor());
+  private readonly video = new VideoPanel(
+    this.stage,
+    () => this.filmed(),
+    (name, file) => saveFile(name, file),
+    (error) => this.notice('No video', error.message),
+  );
   private source: Source | null = null;
   private run: Run | null = null;
   private frame: Frame | null = null;
@@ -151,6 +159,7 @@ class Page {
     this.updateMode();
     el('timeline').hidden = run.mode === 'live';
     el('pauseBar').hidden = run.mode !== 'live';
+    el('videoBox').hidden = run.mode === 'live';
     this.historyOf = '';
     if (isNew) this.choose(-1);
     this.stage.recentre();
@@ -190,7 +199,7 @@ class Page {
   private tick(now: number): void {
     const dt_ms = this.lastTick ? now - this.lastTick : 16;
     this.lastTick = now;
-    this.source?.tick(this.isScrubbing ? 0 : dt_ms / 1000);
+    if (!this.video.isFilming) this.source?.tick(this.isScrubbing ? 0 : dt_ms / 1000);
     if (this.stage.render(this.frame, dt_ms)) {
       ++this.pictures;
       this.isPanelOld = true;
@@ -310,13 +319,27 @@ class Page {
     const {run, frame} = this;
     if (!run || !frame) return;
     try {
-      const link = make('a', {download: `${run.scene}-${frame.number}.png`}) as HTMLAnchorElement;
-      link.href = URL.createObjectURL(await this.stage.picture(scale));
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+      saveFile(`${run.scene}-${frame.number}.png`, await this.stage.picture(scale));
     } catch (error) {
       this.notice('No picture', (error as Error).message);
     }
+  }
+
+  /** Live runs cannot be sought. */
+  private filmed(): Filmed | null {
+    const {run, source} = this;
+    const playback = source?.playback;
+    if (!run || !playback) return null;
+    const show = async (position: number): Promise<void> => {
+      playback.seek(position);
+      source.tick(0);
+      for (const end = performance.now() + FRAME_WAIT_MS; this.frame?.number !== playback.frame; ) {
+        if (performance.now() > end) throw new Error(`frame ${playback.frame} does not arrive`);
+        await new Promise((done) => setTimeout(done, 1));
+      }
+      this.updateFocus();
+    };
+    return {name: `${run.scene}-${playback.frame}`, playback, show};
   }
 
   private drawCharts(): void {
@@ -406,7 +429,8 @@ class Page {
   /** People outside the filter fade, and while the picture rests those without a contact; null: none does. */
   private focusOf(run: Run, frame: Frame): Uint8Array | null {
     const {filter} = this.contacts;
-    const isResting = this.source?.playback ? !this.source.playback.playing : this.paused;
+    const isPlaying = this.source?.playback ? this.source.playback.playing : !this.paused;
+    const isResting = !isPlaying && !this.video.isFilming;
     const choosesSome = choosesPeople(filter);
     if (!isResting && !choosesSome) return null;
     const flags = new Uint8Array(run.avatars);
@@ -756,6 +780,13 @@ class Page {
 function contactOf({selected, parts}: Partial<PageView>): Bodies | null {
   if (selected?.length !== 2 || parts?.length !== 2) return null;
   return {a: selected[0], b: selected[1], partA: parts[0], partB: parts[1]};
+}
+
+/** Offers a file as a download. */
+function saveFile(name: string, file: Blob): void {
+  const link = make('a', {download: name, href: URL.createObjectURL(file)}) as HTMLAnchorElement;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
 /** Returns the part of the window that no panel covers, in CSS pixels. */

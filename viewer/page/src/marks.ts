@@ -138,8 +138,8 @@ export class Marks {
     stage.after(this.canvas);
   }
 
-  resize(width: number, height: number): void {
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+  /** `ratio`: pixels of the picture for each unit of width and height. */
+  resize(width: number, height: number, ratio = Math.min(window.devicePixelRatio || 1, 2)): void {
     if (ratio !== this.ratio) this.sprites.clear();
     this.ratio = ratio;
     this.canvas.width = Math.round(width * ratio);

@@ -42,6 +42,9 @@ const PITCH_RAD = (30 * Math.PI) / 180;
 const MAX_DISTANCE_M = 1500;
 const FAR_M = 4000;
 const SUN = new Vector3(-0.45, -0.55, 1).normalize();
+const FOV_DEG = 40;
+/** Height of a film in units of its marks: they look as large as in a window of this height. */
+const FILM_LINES = 720;
 const SLOW_MS = 30;
 const FAST_MS = 18;
 const MIN_TRIANGLES = 100_000;
@@ -65,7 +68,7 @@ function isSoftware(): boolean {
 }
 
 export class Stage {
-  readonly camera = new PerspectiveCamera(40, 1, 0.1, 4000);
+  readonly camera = new PerspectiveCamera(FOV_DEG, 1, 0.1, 4000);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
   readonly marks: Marks;
@@ -91,6 +94,7 @@ export class Stage {
   private mean_ms = 16;
   private isChanged = true;
   private wasRendered = false;
+  private isFilming = false;
   private rested_ms = 0;
   private readonly isSlow = isSoftware();
   private readonly shared = {
@@ -297,6 +301,7 @@ export class Stage {
 
   /** Moves the optical centre to the middle of the free rectangle. */
   private centre(): void {
+    if (this.isFilming) return;
     const [width, height] = this.size;
     const free = this.freeRect();
     const left = (width - free.left - free.right) / 2;
@@ -378,6 +383,7 @@ export class Stage {
   }
 
   resize(width: number, height: number): void {
+    if (this.isFilming) return;
     this.size = [Math.max(1, width), Math.max(1, height)];
     this.pixels = this.sharpest;
     this.renderer.setDrawingBufferSize(width, height, this.pixels);
@@ -395,6 +401,7 @@ export class Stage {
 
   /** Draws if the picture would differ from the last one; returns whether it did. */
   render(frame: Frame | null, dt_ms: number): boolean {
+    if (this.isFilming) return false;
     this.adapt(dt_ms);
     const isTurned = this.controls.update();
     this.wasRendered = isTurned || this.isChanged;
@@ -425,16 +432,51 @@ export class Stage {
   async picture(scale: number): Promise<Blob> {
     const [width, height] = this.size;
     this.renderer.setDrawingBufferSize(width, height, scale);
-    this.draw(this.frame, MAX_TRIANGLES);
     const canvas = document.createElement('canvas');
     canvas.width = width * scale;
     canvas.height = height * scale;
-    const context = canvas.getContext('2d')!;
-    for (const layer of [this.renderer.domElement, this.marks.canvas]) context.drawImage(layer, 0, 0, canvas.width, canvas.height);
+    this.drawInto(canvas, MAX_TRIANGLES);
     this.isChanged = true;
     const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
     if (!blob) throw new Error('the browser cannot make a picture of this size');
     return blob;
+  }
+
+  private drawInto(picture: HTMLCanvasElement, triangles: number): void {
+    this.draw(this.frame, triangles);
+    const context = picture.getContext('2d')!;
+    for (const layer of [this.renderer.domElement, this.marks.canvas])
+      context.drawImage(layer, 0, 0, picture.width, picture.height);
+  }
+
+  /** Draws with marks into a picture of any shape, which holds what the free rectangle of the window shows. */
+  film(picture: HTMLCanvasElement): void {
+    const {width, height} = picture;
+    if (!this.isFilming) {
+      this.isFilming = true;
+      this.camera.fov = this.fovOf(width / height);
+      this.camera.setViewOffset(width, height, 0, 0, width, height);
+      this.renderer.setDrawingBufferSize(width, height, 1);
+      const scale = height / FILM_LINES;
+      this.marks.resize(width / scale, height / scale, scale);
+    }
+    this.drawInto(picture, TRIANGLES_AT_REST);
+  }
+
+  /** Returns the angle of view at which a picture of this shape holds the free rectangle. */
+  private fovOf(aspect: number): number {
+    const free = this.freeRect();
+    const height = Math.max(free.bottom - free.top, (free.right - free.left) / aspect);
+    const half = Math.tan((this.camera.fov * Math.PI) / 360) * (height / this.size[1]);
+    return (360 / Math.PI) * Math.atan(half);
+  }
+
+  /** Shows the view in the window again. */
+  endFilm(): void {
+    if (!this.isFilming) return;
+    this.isFilming = false;
+    this.camera.fov = FOV_DEG;
+    this.resize(innerWidth, innerHeight);
   }
 
   private arrangeWalls(frame: Frame): void {
