@@ -263,7 +263,7 @@ test('has no violation of accessibility rules, in both themes and on a phone', a
     const {page, close} = await open(`file://${html}`, viewport);
     await page.addScriptTag({content: axe});
     await page.evaluate('window.throng.source.playback.playing = false');
-    for (const [theme, tab] of [['light', 'contacts'], ['dark', 'contacts'], ['dark', 'view'], ['light', 'view'], ['light', 'charts']]) {
+    for (const [theme, tab] of [['light', 'contacts'], ['dark', 'contacts'], ['dark', 'view'], ['light', 'view'], ['light', 'charts'], ['dark', 'engine']]) {
       await page.evaluate(`window.throng.setTheme('${theme}'); window.throng.togglePanel(true); window.throng.showTab('${tab}'); window.throng.choose(17)`);
       await page.evaluate(`window.throng.togglePanel(true); window.throng.look.setHeat([0, Infinity])`);
       await page.waitForTimeout(600);

@@ -111,7 +111,7 @@ test('draws layers on request and describes the selected person', async () => {
   await page.keyboard.press('Space');
   await page.waitForTimeout(600);
   const drawn = (): Promise<{calls: number; triangles: number}> => page.evaluate('window.throng.stage.drawn');
-  await page.locator('#viewTab').click();
+  await page.locator('#engineTab').click();
   for (const layer of ['spheres', 'hulls', 'boxes']) {
     const {calls} = await drawn();
     await page.locator(`#layer-${layer}`).check();

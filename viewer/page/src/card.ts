@@ -78,8 +78,10 @@ export class Card {
     const color = pair.level < 0 ? 'var(--edge)' : MARKS[pair.level + 1].color;
     const otherPartName = partNameOf(run, other, otherPart);
     const text = `${partNameOf(run, this.id, ownPart)} – ${nameOf(run, other)}${otherPartName ? ` ${otherPartName}` : ''}`;
-    const attributes: Record<string, string> = other < run.avatars ? {'data-body': String(other)} : {};
-    return make('li', attributes, make('i', {style: `background:${color}`}), make('span', {}, text), make('time', {'aria-live': 'off'}, time));
+    const isAvatar = other < run.avatars;
+    const attributes: Record<string, string> = isAvatar ? {'data-body': String(other)} : {};
+    const name = make(isAvatar ? 'button' : 'span', {}, text);
+    return make('li', attributes, make('i', {style: `background:${color}`}), name, make('time', {'aria-live': 'off'}, time));
   }
 }
 

@@ -29,17 +29,24 @@ const KEYS: [string[], string][] = [
   [['N', 'P'], 'next or previous contact of the list'],
   [['F'], 'follow the selected person'],
   [['R', 'V'], 'the whole scene; from above and back'],
+  [['W', 'A', 'S', 'D'], 'turn the view; with Shift, move it'],
+  [['+', '−'], 'nearer or further'],
   [['L', 'K'], 'the panel; copy a link to this view'],
   [['T'], 'light or dark'],
   [['Esc'], 'clear the selection'],
 ];
 
+/** Directions of the keys that turn and move the view: right, up. */
+const WAYS: Record<string, [number, number]> = {w: [0, 1], a: [-1, 0], s: [0, -1], d: [1, 0]};
+const TURN_RAD = Math.PI / 36;
+const MOVE = 0.06;
+const ZOOM = 0.88;
 const HISTORY_MS = 700;
 const PANEL_MS = 120;
 const FPS_MS = 500;
 const LINK_MS = 1000;
 const FRAME_WAIT_MS = 20_000;
-const TABS = ['contacts', 'view', 'charts'] as const;
+const TABS = ['contacts', 'view', 'charts', 'engine'] as const;
 type Tab = (typeof TABS)[number];
 
 /** Same width as in the style sheet. */
@@ -681,6 +688,12 @@ class Page {
     this.contacts.step(direction);
   }
 
+  private moveView([right, up]: [number, number], isMoved: boolean): void {
+    this.follow(-1);
+    if (isMoved) this.stage.move(MOVE * right, MOVE * up);
+    else this.stage.turn(TURN_RAD * right, TURN_RAD * up);
+  }
+
   private resize(): void {
     this.stage.resize(innerWidth, innerHeight);
   }
@@ -715,6 +728,8 @@ class Page {
         this.follow(-1);
         this.stage.topView();
       },
+      '+': () => this.stage.zoom(ZOOM),
+      '-': () => this.stage.zoom(1 / ZOOM),
       n: () => this.stepContact(1),
       p: () => this.stepContact(-1),
       '/': () => this.finder.focus(),
@@ -725,7 +740,9 @@ class Page {
       h: () => el<HTMLDialogElement>('help').showModal(),
       escape: () => this.choose(-1),
     };
-    const action = actions[event.key.toLowerCase()] ?? (/^[1-9]$/.test(event.key) ? () => this.look.toggle(event.key) : null);
+    const key = event.key.toLowerCase();
+    if (key in WAYS) actions[key] = () => this.moveView(WAYS[key], event.shiftKey);
+    const action = actions[key] ?? (/^[1-9]$/.test(key) ? () => this.look.toggle(key) : null);
     if (!action) return;
     event.preventDefault();
     action();

@@ -320,6 +320,38 @@ export class Stage {
     this.viewBefore = null;
   }
 
+  /** Turns the view around its target, in radians to the right and up. */
+  turn(right: number, up: number): void {
+    const away = new Vector3().subVectors(this.camera.position, this.controls.target);
+    const across = new Vector3(1, 0, 0).applyQuaternion(this.camera.quaternion);
+    const polar = away.angleTo(UP);
+    const {minPolarAngle, maxPolarAngle} = this.controls;
+    const tilt = Math.min(maxPolarAngle, Math.max(minPolarAngle + 1e-3, polar - up)) - polar;
+    away.applyAxisAngle(across, tilt).applyAxisAngle(UP, -right);
+    this.camera.position.copy(this.controls.target).add(away);
+    this.framed = '';
+  }
+
+  /** Moves the view over the ground, to the right and ahead, in shares of the distance from its target. */
+  move(right: number, ahead: number): void {
+    const {position, quaternion} = this.camera;
+    const across = new Vector3(1, 0, 0).applyQuaternion(quaternion);
+    const step = across.clone().multiplyScalar(right).addScaledVector(new Vector3().crossVectors(UP, across), ahead);
+    step.multiplyScalar(position.distanceTo(this.controls.target));
+    position.add(step);
+    this.controls.target.add(step);
+    this.framed = '';
+  }
+
+  /** Moves the eye to this multiple of its distance from the target. */
+  zoom(factor: number): void {
+    const {target, minDistance, maxDistance} = this.controls;
+    const away = new Vector3().subVectors(this.camera.position, target);
+    away.setLength(Math.min(maxDistance, Math.max(minDistance, factor * away.length())));
+    this.camera.position.copy(target).add(away);
+    this.framed = '';
+  }
+
   /** Restores a camera: its position, then its target. */
   setCamera([x, y, z, ...target]: readonly number[]): void {
     this.place({position: new Vector3(x, y, z), target: new Vector3(...target)});

@@ -9,13 +9,14 @@ import {pairAt, type Frame, type Run} from './protocol.ts';
 import type {Stage} from './stage.ts';
 import {MARKS} from './theme.ts';
 
-const LAYER_ROWS: Record<Layer, [string, boolean]> = {
-  meshes: ['Bodies', true],
-  spheres: ['Avatar spheres', false],
-  hulls: ['or-DOPs of parts', false],
-  boxes: ['AABBs of parts', false],
-  shadows: ['Shadows', true],
-  tint: ['Tint candidates', false],
+/** Title of each layer, whether it is shown at first, and the list that offers it. */
+const LAYER_ROWS: Record<Layer, [string, boolean, 'layers' | 'volumes']> = {
+  meshes: ['Bodies', true, 'layers'],
+  spheres: ['Avatar spheres', false, 'volumes'],
+  hulls: ['or-DOPs of parts', false, 'volumes'],
+  boxes: ['AABBs of parts', false, 'volumes'],
+  shadows: ['Shadows', true, 'layers'],
+  tint: ['Tint candidates', false, 'volumes'],
 };
 
 export class ViewPane {
@@ -30,12 +31,12 @@ export class ViewPane {
     private readonly recolor: () => void,
   ) {
     LAYERS.forEach((layer, index) => {
-      const [title, isOn] = LAYER_ROWS[layer];
+      const [title, isOn, list] = LAYER_ROWS[layer];
       const box = make('input', {type: 'checkbox', role: 'switch', id: `layer-${layer}`}) as HTMLInputElement;
       box.checked = isOn;
       box.onchange = () => stage.show(layer, box.checked);
       this.boxes.set(layer, box);
-      el('layers').append(make('label', {class: 'layer'}, make('span', {}, title), make('kbd', {}, String(index + 1)), box));
+      el(list).append(make('label', {class: 'layer'}, make('span', {}, title), make('kbd', {}, String(index + 1)), box));
     });
     MARKS.forEach(({color, name, about}, index) => {
       const row = [make('i', {style: `background:${color}`}), make('span', {}, name), make('output', {}), make('small', {}, about)];
