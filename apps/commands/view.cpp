@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
@@ -16,6 +17,7 @@
 #include "viewer/server/live_view.h"
 #include "viewer/server/log_view.h"
 #include "viewer/server/page.h"
+#include "viewer/server/web_protocol.h"
 
 namespace throng {
 namespace {
@@ -30,7 +32,9 @@ steps and scrubs the log. --html writes page and log into one file that opens fr
 Examples:
   throng run plaza --pace 1 & throng view
   throng view out/plaza.lcmlog
-  throng view out/plaza.lcmlog --html plaza.html)";
+  throng view out/plaza.lcmlog --html plaza.html
+  throng view --host-name hub.example.org           behind a proxy, for example of Jupyter or Codespaces
+  throng view --address 0.0.0.0 --host-name crowd.lan)";
 
 struct ViewCommand {
   std::string log;
@@ -40,15 +44,32 @@ struct ViewCommand {
   WebOptions web;
 };
 
-/// Serves until a signal; calls `poll` every kPollPeriod.
+std::string host_name_option(const std::string& argument) {
+  if (is_host_name(argument)) return "";
+  return fmt::format(
+      "expected a host name without scheme, port and path, such as crowd.example.org, found {}",
+      in_quotes(argument));
+}
+
+/// Serves until a signal; calls `poll` every kPollPeriod. Prints the first refusal: behind a proxy
+/// the page itself cannot state why its socket was refused.
 template <typename Poll>
 void serve(WebServer& server, const std::string& what, const Poll& poll) {
   const StopSignal stop;
   print_result("{}  {}; Ctrl-C ends\n", server.url(), what);
   flush_results();
+  bool is_reported = false;
+  uint64_t stalled = 0;
   while (!StopSignal::requested()) {
     std::this_thread::sleep_for(kPollPeriod);
     poll();
+    if (const uint64_t before = std::exchange(stalled, server.stalled()); stalled > before)
+      print_message("note: {} disconnected because nothing was read\n",
+                    counted(stalled - before, "page was", "pages were"));
+    if (is_reported || server.rejected() == 0) continue;
+    const std::string refusal = server.refusal();
+    is_reported = !refusal.empty();
+    if (is_reported) print_message("note: a page was refused: {}\n", refusal);
   }
 }
 
@@ -111,6 +132,11 @@ Command add_view_command(CommandLine& parent) {
   app->add_option("--address", command->web.address,
                   "Address of the web server; 0.0.0.0 on trusted networks only [127.0.0.1]")
       ->type_name("IP");
+  app->add_option("--host-name", command->web.host_names,
+                  "Name by which browsers reach the server or the proxy before it; may be repeated")
+      ->take_many()
+      ->check(host_name_option)
+      ->type_name("NAME");
   app->add_option("--html", command->html, "Write page and log into one file")->type_name("FILE");
   app->add_option("--html-limit-mb", command->html_limit_mb,
                   fmt::format("Maximum size of the file in MB [{:g}]", kReplayLimitMb))

@@ -54,11 +54,20 @@ TEST_F(View, ServesALogUntilASignal) {
   EXPECT_THAT(view.out, HasSubstr("http://127.0.0.1:"));
 }
 
+TEST_F(View, NeedsAHostNameOnTheNetwork) {
+  record();
+  const Outcome view = shell("throng view run.lcmlog --port 0 --address 0.0.0.0", folder_);
+  EXPECT_EQ(view.exit_code, 2);
+  EXPECT_EQ(line_count(view.err), 1) << view.err;
+  EXPECT_THAT(view.err, HasSubstr("--address 0.0.0.0: expected a --host-name NAME"));
+}
+
 TEST_F(View, RejectsBadInput) {
   write_file(folder_ / "empty.lcmlog", "");
   for (const char* line :
        {"throng view no.lcmlog", "throng view empty.lcmlog", "throng view --html a.html",
-        "throng view --port 70000", "throng view empty.lcmlog --lcm udpm://239.255.76.67:7684"}) {
+        "throng view --port 70000", "throng view --host-name http://crowd.lan",
+        "throng view empty.lcmlog --lcm udpm://239.255.76.67:7684"}) {
     const Outcome view = shell(line, folder_);
     EXPECT_EQ(view.exit_code, 2) << line;
     EXPECT_EQ(line_count(view.err), 1) << line << ": " << view.err;

@@ -37,29 +37,71 @@ TEST(WebProtocol, RejectsMalformedRequests) {
 struct Visit {
   const char* host;
   const char* origin;
-  bool loopback;
-  bool is_own;
 };
 
-TEST(WebProtocol, AcceptsOnlyTheSameOrigin) {
-  for (const Visit& visit : {
-           Visit{"127.0.0.1:80", "", true, true},
-           {"localhost:80", "http://localhost:80", true, true},
-           {"[::1]:80", "http://[::1]:80", true, true},
-           {"LOCALHOST:80", "http://localhost:80", true, true},
-           {"127.0.0.1:80", "http://evil.example", true, false},
-           {"127.0.0.1:80", "null", true, false},  // a page from disk, a sandboxed frame
-           {"127.0.0.1:80", "http://127.0.0.1:81", true, false},
-           {"evil.example:80", "http://evil.example:80", true, false},  // resolves to 127.0.0.1
-           {"", "", true, false},
-           {"crowd.lan:80", "http://crowd.lan:80", false, true},
-           {"crowd.lan:80", "http://evil.example", false, false},
-       }) {
-    HttpRequest request;
-    request.headers = {{"host", visit.host}, {"origin", visit.origin}};
-    EXPECT_EQ(is_same_origin(request, visit.loopback), visit.is_own)
-        << "host " << visit.host << ", origin " << visit.origin;
-  }
+/// Returns whether a browser with this visit gets the page of a server with these host names.
+bool is_served(const Visit& visit, const std::vector<std::string>& host_names) {
+  HttpRequest request;
+  request.headers = {{"host", visit.host}, {"origin", visit.origin}};
+  return refusal_of(request, host_names).empty();
+}
+
+TEST(WebProtocol, ServesPagesOfThisMachineOnly) {
+  for (const Visit& visit : {Visit{"127.0.0.1:80", ""},
+                             {"localhost:80", "http://localhost:80"},
+                             {"[::1]:80", "http://[::1]:80"},
+                             {"LOCALHOST:80", "http://localhost:80"},
+                             {"localhost:80", "https://localhost:80"}})  // a proxy with a key
+    EXPECT_TRUE(is_served(visit, {})) << "host " << visit.host << ", origin " << visit.origin;
+  for (const Visit& visit : {Visit{"127.0.0.1:80", "http://evil.example"},
+                             {"127.0.0.1:80", "null"},  // a page from disk, a sandboxed frame
+                             {"127.0.0.1:80", "http://127.0.0.1:81"},
+                             {"127.0.0.1:80", "http://127.0.0.1:80.evil.example"},
+                             {"127.0.0.1:80", "ftp://127.0.0.1:80"},
+                             {"evil.example:80", "http://evil.example:80"},  // names 127.0.0.1
+                             {"evil.example:80", ""},
+                             {"localhost.evil.example", ""},
+                             {"crowd.lan:80", "http://crowd.lan:80"},
+                             {"", ""}})
+    EXPECT_FALSE(is_served(visit, {})) << "host " << visit.host << ", origin " << visit.origin;
+}
+
+TEST(WebProtocol, ServesPagesOfAllowedHostNames) {
+  const std::vector<std::string> names = {"Hub.example.org", "10.0.0.7"};
+  for (const Visit& visit : {Visit{"hub.example.org", "https://hub.example.org"},
+                             {"hub.example.org:8443", "https://hub.example.org:8443"},
+                             {"HUB.example.org", "https://HUB.example.org"},
+                             {"10.0.0.7:80", "http://10.0.0.7:80"},
+                             {"localhost:80", "http://localhost:80"},
+                             {"127.0.0.1:80", "https://hub.example.org"}})  // a proxy set Host
+    EXPECT_TRUE(is_served(visit, names)) << "host " << visit.host << ", origin " << visit.origin;
+  for (const Visit& visit : {Visit{"hub.example.org", "https://evil.example"},
+                             {"hub.example.org", "http://hub.example.org:81"},
+                             {"hub.example.org", "https://10.0.0.7"},
+                             {"a.hub.example.org", ""},
+                             {"hub.example.org.evil.example", ""},
+                             {"127.0.0.1:80", "https://hub.example.org.evil.example"},
+                             {"127.0.0.1:80", "null"},
+                             {"evil.example", "https://hub.example.org"}})
+    EXPECT_FALSE(is_served(visit, names)) << "host " << visit.host << ", origin " << visit.origin;
+}
+
+TEST(WebProtocol, NamesTheRefusedHostOrOriginAndTheRemedy) {
+  HttpRequest request;
+  request.headers = {{"host", "hub.example.org"}};
+  EXPECT_EQ(refusal_of(request, {}),
+            "expected this machine or a --host-name as Host, found 'hub.example.org'");
+  request.headers = {{"host", "127.0.0.1"}, {"origin", "https://evil.example"}};
+  EXPECT_EQ(refusal_of(request, {}),
+            "expected this page or a --host-name as Origin, found 'https://evil.example'");
+}
+
+TEST(WebProtocol, TellsHostNamesFromAddressesOfPages) {
+  for (const char* name : {"localhost", "crowd.lan", "10.0.0.7", "[fd00::7]", "a-b.example.org"})
+    EXPECT_TRUE(is_host_name(name)) << name;
+  for (const char* text : {"", "http://crowd.lan", "crowd.lan:80", "crowd.lan/x", "*.lan", "[]",
+                           "[crowd]", "a b", "a,b"})
+    EXPECT_FALSE(is_host_name(text)) << text;
 }
 
 std::string masked(std::string head, const std::string& payload) {

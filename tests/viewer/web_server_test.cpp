@@ -3,8 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <future>
+#include <list>
+#include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "base/errors.h"
 #include "tests/viewer/web_socket.h"
@@ -70,6 +76,44 @@ TEST(WebServer, RejectsForeignOrigins) {
   TestSocket own(server.port());
   EXPECT_EQ(own.open("http://127.0.0.1:" + std::to_string(server.port())), kAccepted);
   EXPECT_EQ(server.rejected(), 2u);
+}
+
+TEST(WebServer, StatesWhyItRefusedAPage) {
+  WebServer server({}, kPage, {});
+  EXPECT_EQ(server.refusal(), "");
+  TestSocket browser(server.port());
+  browser.send("GET / HTTP/1.1\r\nHost: hub.example.org\r\n\r\n");
+  EXPECT_TRUE(browser.read_head().starts_with("HTTP/1.1 403 Forbidden\r\n"));
+  EXPECT_EQ(server.refusal(),
+            "expected this machine or a --host-name as Host, found 'hub.example.org'");
+}
+
+TEST(WebServer, ServesAProxyWithAnAllowedHostName) {
+  WebServer server({.host_names = {"hub.example.org"}}, kPage, {});
+  TestSocket browser(server.port());
+  EXPECT_EQ(browser.open("https://hub.example.org", "hub.example.org"), kAccepted);
+  TestSocket evil(server.port());
+  EXPECT_EQ(evil.open("https://evil.example", "hub.example.org"), "HTTP/1.1 403 Forbidden");
+  EXPECT_EQ(server.url(), "http://127.0.0.1:" + std::to_string(server.port()) + "/");
+}
+
+TEST(WebServer, NeedsAHostNameOnTheNetwork) {
+  try {
+    const WebServer server({.address = "0.0.0.0"}, kPage, {});
+    FAIL() << "a server that no browser may name";
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    EXPECT_TRUE(
+        what.starts_with("--address 0.0.0.0: expected a --host-name NAME that browsers "
+                         "use, found none; add for example --host-name "))
+        << what;
+  }
+  WebServer server({.address = "0.0.0.0", .host_names = {"crowd.lan"}}, kPage, {});
+  const std::string host = "crowd.lan:" + std::to_string(server.port());
+  EXPECT_EQ(server.url(), "http://" + host + "/");
+  TestSocket own(server.port()), rebound(server.port());
+  EXPECT_EQ(own.open("http://" + host, host), kAccepted);
+  EXPECT_EQ(rebound.open("http://evil.example", "evil.example"), "HTTP/1.1 403 Forbidden");
 }
 
 TEST(WebServer, LimitsTheNumberOfClients) {
@@ -168,6 +212,59 @@ TEST(WebServer, ServesOthersDespiteAStalledClient) {
   }
   // One frame is being sent, one waits as the newest; all others were dropped.
   EXPECT_EQ(server.frames_dropped(), static_cast<uint64_t>(kFrames) - 2);
+}
+
+// Twenty pages that never read neither take the places of others for good nor keep frames.
+TEST(WebServer, DisconnectsClientsThatStoppedReading) {
+  constexpr size_t kStalled = 20;
+  WebServer server({.max_clients = kStalled + 1, .max_stall = 2s, .send_buffer_bytes = 4096}, kPage,
+                   {});
+  std::list<TestSocket> stalled;
+  for (size_t i = 0; i < kStalled; ++i)
+    ASSERT_EQ(stalled.emplace_back(server.port(), 4096).open(), kAccepted);
+  TestSocket reader(server.port());
+  ASSERT_EQ(reader.open(), kAccepted);
+  ASSERT_TRUE(soon([&] { return server.client_count() == kStalled + 1; }));
+  std::vector<std::weak_ptr<const Bytes>> offered;
+  for (int i = 0; server.client_count() > 1; ++i) {
+    ASSERT_LT(i, 1000) << server.client_count() - 1 << " pages that do not read stay connected";
+    const SharedBytes frame = frame_of(1 << 18, static_cast<uint8_t>(i));
+    server.offer_frame(frame);
+    offered.push_back(frame);
+    const auto got = reader.read_message();
+    ASSERT_TRUE(got) << "frame " << i;
+    ASSERT_EQ(static_cast<uint8_t>(got->payload[0]), static_cast<uint8_t>(i))
+        << "the reader missed a frame";
+    // Each page may hold the frame that is being sent to it, and the newest.
+    const auto alive = std::count_if(offered.begin(), offered.end(),
+                                     [](const auto& each) { return !each.expired(); });
+    ASSERT_LE(alive, static_cast<std::ptrdiff_t>(kStalled) + 2);
+    std::this_thread::sleep_for(10ms);
+  }
+  EXPECT_EQ(server.stalled(), kStalled);
+  TestSocket next(server.port());
+  EXPECT_EQ(next.open(), kAccepted);
+}
+
+TEST(WebServer, LimitsWhatWaitsForAClient) {
+  std::promise<std::shared_ptr<WebClient>> opened;
+  WebServer server(
+      {.send_buffer_bytes = 4096}, kPage,
+      {[&](const std::shared_ptr<WebClient>& client) { opened.set_value(client); }, {}});
+  TestSocket stalled(server.port(), 4096);
+  ASSERT_EQ(stalled.open(), kAccepted);
+  const std::shared_ptr<WebClient> client = opened.get_future().get();
+  std::vector<std::weak_ptr<const Bytes>> sent;
+  for (int i = 0; i < 60; ++i) {
+    const SharedBytes answer = frame_of(1 << 20, 0);
+    client->send_binary(answer);
+    sent.push_back(answer);
+  }
+  EXPECT_TRUE(soon([&] { return server.client_count() == 0; }));
+  EXPECT_TRUE(client->has_stalled());
+  const auto alive =
+      std::count_if(sent.begin(), sent.end(), [](const auto& each) { return !each.expired(); });
+  EXPECT_LE(alive, 17) << "megabytes wait for a client that does not read";
 }
 
 TEST(WebServer, ReportsATakenPort) {

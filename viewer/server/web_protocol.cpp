@@ -1,11 +1,14 @@
 #include "viewer/server/web_protocol.h"
 
+#include <fmt/format.h>
 #include <glib.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <memory>
+
+#include "base/text.h"
 
 namespace throng {
 namespace {
@@ -28,6 +31,13 @@ std::string_view name_in(std::string_view host) {
   const size_t bracket = host.find(']');
   const size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
   return host.substr(0, colon);
+}
+
+/// Returns "localhost:8080" for "https://localhost:8080"; "" if the page has no web address.
+std::string_view host_of_origin(std::string_view origin) {
+  for (const std::string_view scheme : {"http://", "https://"})
+    if (origin.starts_with(scheme)) return origin.substr(scheme.size());
+  return {};
 }
 
 }  // namespace
@@ -65,12 +75,32 @@ std::optional<HttpRequest> parse_request(std::string_view head) {
   return request;
 }
 
-bool is_same_origin(const HttpRequest& request, bool loopback) {
+bool is_host_name(std::string_view text) {
+  const bool is_bracketed = text.size() > 2 && text.front() == '[' && text.back() == ']';
+  if (is_bracketed) text = text.substr(1, text.size() - 2);
+  return !text.empty() && std::all_of(text.begin(), text.end(), [&](unsigned char c) {
+    return is_bracketed ? std::isxdigit(c) != 0 || c == ':' || c == '.'
+                        : std::isalnum(c) != 0 || c == '-' || c == '.' || c == '_';
+  });
+}
+
+std::string refusal_of(const HttpRequest& request, std::span<const std::string> host_names) {
+  const auto is_allowed = [&](std::string_view name) {
+    return std::any_of(host_names.begin(), host_names.end(),
+                       [&](const std::string& allowed) { return lower(allowed) == name; });
+  };
   const std::string host = lower(request.header("host"));
   const std::string_view name = name_in(host);
-  if (loopback && name != "localhost" && name != "127.0.0.1" && name != "[::1]") return false;
+  const bool is_local = name == "localhost" || name == "127.0.0.1" || name == "[::1]";
+  if (!is_local && !is_allowed(name))
+    return fmt::format("expected this machine or a --host-name as Host, found {}", in_quotes(host));
   const std::string origin = lower(request.header("origin"));
-  return origin.empty() || origin == "http://" + host;
+  if (origin.empty()) return "";
+  const std::string_view from = host_of_origin(origin);
+  if (from == host) return "";
+  // A proxy on this machine may replace the public name in Host, but not in Origin.
+  if (is_local && is_allowed(name_in(from))) return "";
+  return fmt::format("expected this page or a --host-name as Origin, found {}", in_quotes(origin));
 }
 
 std::string accept_key(std::string_view key) {

@@ -25,10 +25,13 @@ struct HttpRequest {
 /// Parses a request head that ends in an empty line; empty if it is none.
 std::optional<HttpRequest> parse_request(std::string_view head);
 
-/// Returns whether a request may get the page or the socket. Browsers that another site's page
-/// controls send that site as Origin or Host. `loopback`: accept only names of this machine.
-/// Requests without Origin do not come from browsers.
-bool is_same_origin(const HttpRequest& request, bool loopback);
+/// Returns whether a text is a host name or address without scheme, port and path.
+bool is_host_name(std::string_view text);
+
+/// Returns why a request must not get the page or the socket; "" if it may. Browsers that another
+/// site's page controls send that site as Origin or Host. `host_names`: further names of this
+/// server or of a proxy. Requests without Origin do not come from scripts of a browser.
+std::string refusal_of(const HttpRequest& request, std::span<const std::string> host_names);
 
 std::string accept_key(std::string_view key);
 

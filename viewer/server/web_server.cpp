@@ -47,6 +47,15 @@ bool write_all(int descriptor, std::string_view bytes, const std::atomic<bool>& 
   return bytes.empty();
 }
 
+/// Ends the connection of a machine that sleeps or has left the network within about a minute.
+void detect_lost_peer(int descriptor) {
+  const int yes = 1, idle_s = 30, period_s = 10, probes = 3;
+  ::setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &yes, sizeof yes);
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPINTVL, &period_s, sizeof period_s);
+  ::setsockopt(descriptor, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+}
+
 /// Appends received bytes; returns false when the peer is gone. Waits at most kPollMs.
 bool read_some(int descriptor, Bytes& buffer) {
   pollfd readable{descriptor, POLLIN, 0};
@@ -55,6 +64,12 @@ bool read_some(int descriptor, Bytes& buffer) {
   const ssize_t got = ::recv(descriptor, chunk, sizeof chunk, MSG_DONTWAIT);
   if (got > 0) buffer.insert(buffer.end(), chunk, chunk + got);
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
+}
+
+/// Returns the name of this machine, as other machines of the network may know it.
+std::string host_name() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 && is_host_name(name) ? name : "NAME";
 }
 
 std::string socket_hello(const HttpRequest& request) {
@@ -92,7 +107,12 @@ WebServer::WebServer(const WebOptions& options, std::string_view page, WebHandle
   if (inet_pton(AF_INET, options.address.c_str(), &address.sin_addr) != 1)
     throw InputError(options.address, "an IPv4 address to listen on, such as 127.0.0.1",
                      fmt::format("'{}'", options.address));
-  loopback_ = (ntohl(address.sin_addr.s_addr) >> 24) == 127;
+  if (address.sin_addr.s_addr != htonl(INADDR_ANY)) {
+    options_.host_names.push_back(options.address);
+  } else if (options.host_names.empty()) {
+    throw InputError("--address " + options.address, "a --host-name NAME that browsers use",
+                     fmt::format("none; add for example --host-name {}", host_name()));
+  }
   listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int yes = 1;
   ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -119,7 +139,13 @@ WebServer::~WebServer() {
 
 std::string WebServer::url() const {
   return fmt::format("http://{}:{}/",
-                     options_.address == "0.0.0.0" ? "127.0.0.1" : options_.address, port_);
+                     options_.address == "0.0.0.0" ? options_.host_names.front() : options_.address,
+                     port_);
+}
+
+std::string WebServer::refusal() const {
+  const std::lock_guard lock(mutex_);
+  return refusal_;
 }
 
 template <typename Do>
@@ -165,6 +191,7 @@ void WebServer::accept_loop() {
     if (descriptor < 0) continue;
     const int yes = 1;
     ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    detect_lost_peer(descriptor);
     if (options_.send_buffer_bytes > 0)
       ::setsockopt(descriptor, SOL_SOCKET, SO_SNDBUF, &options_.send_buffer_bytes, sizeof(int));
     if (connections_.size() >= static_cast<size_t>(options_.max_clients) + kExtraConnections) {
@@ -203,12 +230,19 @@ void WebServer::serve(Connection& connection) {
   }
   const size_t head = head_bytes(buffer);
   const auto request = parse_request({reinterpret_cast<const char*>(buffer.data()), head});
-  const auto reject = [&](std::string_view status) {
+  const auto reject = [&](std::string_view status, const std::string& why = "") {
     ++rejected_;
-    reply(descriptor, status, "text/plain; charset=utf-8", fmt::format("{}\n", status));
+    reply(descriptor, status, "text/plain; charset=utf-8",
+          fmt::format("{}{}{}\n", status, why.empty() ? "" : ": ", why));
   };
   if (!request || head > kMaxRequestBytes) return reject("400 Bad Request");
-  if (!is_same_origin(*request, loopback_)) return reject("403 Forbidden");
+  if (const std::string why = refusal_of(*request, options_.host_names); !why.empty()) {
+    {
+      const std::lock_guard lock(mutex_);
+      refusal_ = why;
+    }
+    return reject("403 Forbidden", why);
+  }
   if (request->method != "GET") return reject("405 Method Not Allowed");
   if (request->path == "/ws") {
     if (!request->is_web_socket_upgrade()) return reject("426 Upgrade Required");
@@ -241,7 +275,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
     if (!stopping_ && clients_.size() < static_cast<size_t>(options_.max_clients)) {
       const std::string hello = socket_hello(request);
       if (!write_all(descriptor, hello, stopping_)) return;
-      client = std::make_shared<WebClient>(descriptor);
+      client = std::make_shared<WebClient>(descriptor, options_.max_stall);
       clients_.push_back(client);
     }
   }
@@ -249,6 +283,7 @@ void WebServer::serve_socket(Connection& connection, const HttpRequest& request,
   if (handlers_.opened) handlers_.opened(client);
   read_messages(connection, *client, std::move(rest));
   client->finish();
+  if (client->has_stalled()) ++stalled_;
   const std::lock_guard lock(mutex_);
   past_drops_ += client->frames_dropped();
   clients_.remove(client);
@@ -276,7 +311,8 @@ constexpr int kWriterPollMs = 200;  // time until a writer notices that the serv
 
 }  // namespace
 
-WebClient::WebClient(int descriptor) : descriptor_(descriptor) {
+WebClient::WebClient(int descriptor, std::chrono::milliseconds max_stall)
+    : descriptor_(descriptor), max_stall_(max_stall) {
   writer_ = std::thread([this] { write_loop(); });
 }
 
@@ -298,10 +334,13 @@ void WebClient::finish() {
 void WebClient::enqueue(Message message) {
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() < kMaxWaiting)
+    const size_t bytes = waiting_bytes_ + message.size();
+    if (waiting_.empty() || (waiting_.size() < kMaxWaiting && bytes <= kMaxWaitingBytes)) {
       waiting_.push_back(std::move(message));
-    else
-      finished_ = true;
+      waiting_bytes_ = bytes;
+    } else {
+      finished_ = has_stalled_ = true;
+    }
   }
   if (finished_) finish();
   changed_.notify_one();
@@ -329,15 +368,21 @@ void WebClient::pong(std::string payload) {
 }
 
 bool WebClient::write(std::string_view bytes) {
+  auto last_sent = Clock::now();
   while (!bytes.empty()) {
     if (finished_) return false;
     const ssize_t sent =
         ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent > 0) {
       bytes.remove_prefix(static_cast<size_t>(sent));
+      last_sent = Clock::now();
       continue;
     }
     if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
+    if (Clock::now() - last_sent >= max_stall_) {
+      has_stalled_ = true;
+      return false;
+    }
     pollfd writable{descriptor_, POLLOUT, 0};
     ::poll(&writable, 1, kWriterPollMs);
   }
@@ -367,6 +412,7 @@ void WebClient::write_loop() {
     } else if (!waiting_.empty()) {
       const Message message = std::move(waiting_.front());
       waiting_.pop_front();
+      waiting_bytes_ -= message.size();
       lock.unlock();
       good = write_message(message);
     } else {
