@@ -6,7 +6,7 @@ import {ContactLog} from '../../../viewer/page/src/contacts.ts';
 import {choosesPerson, countsByPart, matches, NO_FILTER, partNames, select, type Filter} from '../../../viewer/page/src/filter.ts';
 import {find} from '../../../viewer/page/src/find.ts';
 import {heatOf} from '../../../viewer/page/src/heat.ts';
-import {readLink, writeLink, type PageView} from '../../../viewer/page/src/link.ts';
+import {readLink, withTheme, writeLink, type PageView} from '../../../viewer/page/src/link.ts';
 import {decodeContacts, type ContactChange, type Run} from '../../../viewer/page/src/protocol.ts';
 
 const began = (frame: number, a: number, b: number, partA = 0, partB = 0): ContactChange => ({kind: 'began', frame, began: frame, a, b, partA, partB, x_m: a, y_m: b});
@@ -128,11 +128,19 @@ test('a link restores the view', () => {
     coloring: 'speed',
     heat: [10, Infinity],
     filter: {...NO_FILTER, ofParts: true, with: 'robots', group: 'a, b & c=d', part: 'left hand', min_s: 0.25, order: 'length', isDescending: true},
+    theme: 'dark',
   };
   const {camera, ...rest} = readLink(`#${writeLink(view)}`);
   const {camera: expected, ...same} = view;
   assert.deepEqual(rest, same);
   camera!.forEach((value, i) => assert.ok(Math.abs(value - expected[i]) < 1e-3));
+});
+
+test('a link takes another theme and keeps the rest', () => {
+  const text = '#frame=3&camera=1,2,3,0.5,0,1&theme=light';
+  assert.deepEqual(readLink(withTheme(text, 'dark')), {...readLink(text), theme: 'dark'});
+  assert.equal(withTheme('', 'dark'), 'theme=dark');
+  assert.equal(readLink('#theme=pink').theme, undefined);
 });
 
 test('text that is no link changes nothing', () => {

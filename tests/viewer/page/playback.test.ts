@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {clock, Playback, since, SPEEDS, whenOf} from '../../../viewer/page/src/playback.ts';
+import {socketUrl} from '../../../viewer/page/src/sources.ts';
 
 function tenSeconds(): Playback {
   const playback = new Playback(1 / 60);
@@ -82,4 +83,10 @@ test('formats when a contact was', () => {
   assert.equal(whenOf(contact, 700, 1 / 60), '10.57-11.12 s (0.55 s)');
   assert.equal(whenOf({...contact, end: -1}, 666, 1 / 60), 'from 10.57 s (at least 0.55 s)');
   assert.equal(whenOf({...contact, isOlder: true}, 700, 1 / 60), 'before 10.57-11.12 s (at least 0.55 s)');
+});
+
+test('the socket has the path and the security of the page', () => {
+  assert.equal(socketUrl('http://127.0.0.1:7684/'), 'ws://127.0.0.1:7684/ws');
+  assert.equal(socketUrl('http://127.0.0.1:7684/#frame=3'), 'ws://127.0.0.1:7684/ws');
+  assert.equal(socketUrl('https://hub/user/x/proxy/8090/?token=1#camera=1/2'), 'wss://hub/user/x/proxy/8090/ws');
 });

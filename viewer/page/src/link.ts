@@ -1,8 +1,9 @@
-// A link stores what a page shows: frame, selection, camera, layers, colours and filter.
+// A link stores what a page shows: frame, selection, camera, layers, colours, filter and theme.
 // Invariant: readLink(writeLink(view)) equals the view; wrong text yields only what can be read.
 import {COLORINGS, type Coloring} from './coloring.ts';
 import type {Rect} from './framing.ts';
 import {NO_FILTER, type Filter, type Order, type Other} from './filter.ts';
+import type {ThemeName} from './theme.ts';
 
 export interface PageView {
   /** Null in live runs. */
@@ -19,6 +20,8 @@ export interface PageView {
   /** Span of the floor map in seconds; null: none. */
   heat: [number, number] | null;
   filter: Filter;
+  /** The theme that the reader chose; null: that of the system. */
+  theme: ThemeName | null;
 }
 
 /** Returns the text after "#". Millimetres suffice for the camera. */
@@ -41,8 +44,20 @@ export function writeLink(view: PageView): string {
     ['part', filter.part],
     ['min', filter.min_s > 0 ? String(filter.min_s) : ''],
     ['order', filter.order === 'time' && !filter.isDescending ? '' : `${filter.order}${filter.isDescending ? '-' : ''}`],
+    ['theme', view.theme ?? ''],
   ];
-  return new URLSearchParams(fields.filter(([name, value]) => value !== '' || name === 'layers')).toString().replaceAll('%2C', ',');
+  return textOf(new URLSearchParams(fields.filter(([name, value]) => value !== '' || name === 'layers')));
+}
+
+function textOf(fields: URLSearchParams): string {
+  return fields.toString().replaceAll('%2C', ',');
+}
+
+/** Returns a link with another theme. */
+export function withTheme(text: string, theme: ThemeName): string {
+  const fields = new URLSearchParams(text.replace(/^#/, ''));
+  fields.set('theme', theme);
+  return textOf(fields);
 }
 
 /** Returns a command that draws the free part of a window of this height, seen with this angle of view. */
@@ -84,6 +99,8 @@ export function readLink(text: string): Partial<PageView> {
   if (color) view.coloring = color[0];
   const span = /^([\d.]*),([\d.]*)$/.exec(fields.get('heat') ?? '');
   if ([...fields.keys()].length > 0) view.heat = span ? [Number(span[1]) || 0, Number(span[2]) || Infinity] : null;
+  const theme = (['light', 'dark'] as const).find((name) => name === fields.get('theme'));
+  if (theme) view.theme = theme;
   const order = /^(time|length|who)(-?)$/.exec(fields.get('order') ?? '');
   const other = ['people', 'robots', 'obstacles'].find((name) => name === fields.get('with'));
   if ([...fields.keys()].length > 0)

@@ -8,12 +8,12 @@ import {bindTabs, counted, el, keyRow, make, nounOf, selectTab, setText, showNot
 import {choosesPeople, choosesPerson, countsByPart, type Bodies} from './filter.ts';
 import {Finder, type Finding} from './find.ts';
 import {CHEST, heightOf, pointOf} from './framing.ts';
-import {readLink, renderCommand, writeLink, type PageView} from './link.ts';
+import {readLink, renderCommand, withTheme, writeLink, type PageView} from './link.ts';
 import {pick, poseOf} from './picking.ts';
 import {clock, SPEEDS} from './playback.ts';
 import {isPresent, nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
-import {FileSource, ServerSource, type Series, type Source} from './sources.ts';
+import {FileSource, ServerSource, socketUrl, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
 import type {ThemeName} from './theme.ts';
 import {VideoPanel, type Filmed} from './video.ts';
@@ -89,6 +89,8 @@ class Page {
   private linkAt = 0;
   /** The frame that a link asks for, until it is known; -1: none. */
   private wantedFrame = -1;
+  /** Null: that of the system. */
+  private chosenTheme: ThemeName | null = null;
   /** What the address asks for, until it is shown. */
   private link: Partial<PageView> | null = readLink(location.hash);
 
@@ -100,7 +102,7 @@ class Page {
     this.stage.marks.accepts = (frame, pair) => this.contacts.shows(pairAt(frame, pair), frame.number);
     el('keys').append(...KEYS.map(([keys, about]) => keyRow(keys, about)));
     el('panelButton').onclick = () => this.togglePanel();
-    el('themeButton').onclick = () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark');
+    el('themeButton').onclick = () => this.toggleTheme();
     el('helpButton').onclick = () => el<HTMLDialogElement>('help').showModal();
     el('closeCard').onclick = () => this.choose(-1);
     el('closeBanner').onclick = () => (el('banner').hidden = true);
@@ -112,13 +114,18 @@ class Page {
     document.querySelector<HTMLElement>('[data-action=theme]')!.onclick = () => el('themeButton').click();
     el('commandButton').onclick = () => void this.copyText(this.renderCommand(), el('commandButton'));
     el('cardContacts').onclick = () => this.listContactsOf(this.card.id);
-    addEventListener('hashchange', () => this.openLink(readLink(location.hash)));
+    addEventListener('hashchange', () => {
+      const view = readLink(location.hash);
+      if (view.theme) this.chooseTheme(view.theme);
+      this.openLink(view);
+    });
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('resize', () => this.resize());
     for (const type of ['keydown', 'click', 'input']) addEventListener(type, () => (this.isPanelOld = true), true);
     const dark = matchMedia('(prefers-color-scheme: dark)');
-    dark.addEventListener('change', () => this.setTheme(dark.matches ? 'dark' : 'light'));
-    this.setTheme(dark.matches ? 'dark' : 'light');
+    dark.addEventListener('change', () => this.setTheme(this.chosenTheme ?? (dark.matches ? 'dark' : 'light')));
+    this.chosenTheme = this.link?.theme ?? null;
+    this.setTheme(this.chosenTheme ?? (dark.matches ? 'dark' : 'light'));
     this.togglePanel(!isNarrow());
     this.resize();
     requestAnimationFrame((now) => this.tick(now));
@@ -146,7 +153,7 @@ class Page {
       recording.remove();
       this.source = new FileSource(replay, events);
     } else {
-      this.source = new ServerSource(`ws://${location.host}/ws`, events);
+      this.source = new ServerSource(socketUrl(location.href), events);
     }
   }
 
@@ -493,6 +500,7 @@ class Page {
       coloring: this.look.coloring,
       heat: this.look.heat,
       filter: this.contacts.filter,
+      theme: this.chosenTheme,
     };
   }
 
@@ -674,6 +682,17 @@ class Page {
     this.stage.setTheme(name);
   }
 
+  private chooseTheme(name: ThemeName): void {
+    this.chosenTheme = name;
+    this.setTheme(name);
+  }
+
+  /** Changes the address at once, because updateLink() waits until the picture rests. */
+  private toggleTheme(): void {
+    this.chooseTheme(this.theme === 'dark' ? 'light' : 'dark');
+    history.replaceState(null, '', `#${withTheme(location.hash, this.theme)}`);
+  }
+
   private togglePanel(open = el('panel').classList.contains('closed')): void {
     el('panel').classList.toggle('closed', !open);
     el('panelButton').setAttribute('aria-expanded', String(open));
@@ -735,7 +754,7 @@ class Page {
       '/': () => this.finder.focus(),
       k: () => void this.copyLink(),
       l: () => this.togglePanel(),
-      t: () => this.setTheme(this.theme === 'dark' ? 'light' : 'dark'),
+      t: () => this.toggleTheme(),
       '?': () => el<HTMLDialogElement>('help').showModal(),
       h: () => el<HTMLDialogElement>('help').showModal(),
       escape: () => this.choose(-1),

@@ -17,6 +17,13 @@ interface SocketEvents {
   text(json: any): void;
 }
 
+/** Returns the address of the socket of a page: wss for https, under the same path. */
+export function socketUrl(page: string): string {
+  const url = new URL('ws', page);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  return url.href;
+}
+
 const TRY_AGAIN_LATER = 1013; // close code of the server when too many pages are open
 const FIRST_WAIT_MS = 250;
 const MAX_WAIT_MS = 2000;
