@@ -4,7 +4,8 @@ import {test} from 'node:test';
 import {peaks, roundUp} from '../../../viewer/page/src/chart.ts';
 import {counted} from '../../../viewer/page/src/dom.ts';
 import {decodeFrame, kindOf, nameOf, pairsOf, partNameOf, personOf, displayName, type Run} from '../../../viewer/page/src/protocol.ts';
-import {crowded, cubic, Varints} from '../../../viewer/page/src/replay.ts';
+import {cubic} from '../../../viewer/page/src/motion.ts';
+import {crowded, Varints} from '../../../viewer/page/src/replay.ts';
 import {diamond, simplified, sleeve, vertexNormals} from '../../../viewer/page/src/simplify.ts';
 
 /** A frame message of two people, three parts and two pairs. */

@@ -1,5 +1,6 @@
 // Colours of people by a value: group, speed, density, contacts, distance to a robot.
 // The scale grows evenly in lightness: it works in grey and for colour-blind readers.
+import {Grid} from './cells.ts';
 import type {ContactLog} from './contacts.ts';
 import {isPerson, isPresent, personOf, type Frame, type Run} from './protocol.ts';
 
@@ -114,26 +115,14 @@ function scaled(run: Run, value: (id: number) => number, ends: [string, string])
 
 /** Returns people per square metre within DENSITY_RADIUS_M of each, itself included. */
 function densities(run: Run, frame: Frame): Float32Array {
-  const cells = new Map<number, number[]>();
-  const cellOf = (id: number, dx: number, dy: number): number =>
-    (Math.floor(frame.positions[4 * id] / DENSITY_RADIUS_M) + dx) * 1_000_003 +
-    Math.floor(frame.positions[4 * id + 1] / DENSITY_RADIUS_M) + dy;
-  for (let id = 0; id < run.avatars; ++id) {
-    if (!isPresent(frame, id)) continue;
-    const cell = cellOf(id, 0, 0);
-    const members = cells.get(cell);
-    if (members) members.push(id);
-    else cells.set(cell, [id]);
-  }
+  const {positions} = frame;
   const out = new Float32Array(run.avatars);
-  for (let id = 0; id < run.avatars; ++id) {
-    if (!isPresent(frame, id)) continue;
-    let count = 0;
-    for (let dx = -1; dx <= 1; ++dx)
-      for (let dy = -1; dy <= 1; ++dy)
-        for (const other of cells.get(cellOf(id, dx, dy)) ?? [])
-          if (Math.hypot(frame.positions[4 * id] - frame.positions[4 * other], frame.positions[4 * id + 1] - frame.positions[4 * other + 1]) <= DENSITY_RADIUS_M) ++count;
-    out[id] = count / (Math.PI * DENSITY_RADIUS_M ** 2);
-  }
-  return out;
+  for (let id = 0; id < run.avatars; ++id) out[id] = isPresent(frame, id) ? 1 : 0;
+  new Grid(positions, 4, run.avatars, DENSITY_RADIUS_M, (id) => isPresent(frame, id)).eachPair((i, j) => {
+    const [dx, dy] = [positions[4 * i] - positions[4 * j], positions[4 * i + 1] - positions[4 * j + 1]];
+    if (dx * dx + dy * dy > DENSITY_RADIUS_M ** 2) return;
+    ++out[i];
+    ++out[j];
+  });
+  return out.map((count) => count / (Math.PI * DENSITY_RADIUS_M ** 2));
 }

@@ -3,7 +3,6 @@
 import {
   Camera,
   Color,
-  DataTexture,
   DoubleSide,
   EqualStencilFunc,
   Frustum,
@@ -14,15 +13,14 @@ import {
   LineSegments,
   Matrix4,
   Mesh,
-  NearestFilter,
-  RGBAIntegerFormat,
   RawShaderMaterial,
   Sphere,
-  UnsignedByteType,
-  UnsignedIntType,
   Vector2,
+  type DataTexture,
+  type WebGLRenderer,
 } from 'three';
 import {Instances, bodyGeometries, boxGeometry, hullGeometry, shadowGeometry, sharing} from './bodies.ts';
+import {Poser} from './poser.ts';
 import {isPresent, type Frame, type Model, type Run} from './protocol.ts';
 import {
   BODY_FRAGMENT,
@@ -34,10 +32,10 @@ import {
   SHADOW_VERTEX,
   SPHERE_FRAGMENT,
   SPHERE_VERTEX,
-  TEXTURE_WIDTH,
   shaderMaterial,
   type Uniforms,
 } from './shaders.ts';
+import {dataOf, texelMap} from './texels.ts';
 import {CLOTHES, MARK_COLORS} from './theme.ts';
 
 export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
@@ -53,17 +51,6 @@ const FADED = 2;
 /** Up to this level the shadow is that of the mesh; beyond it, that of the coarse SHADOW_LEVEL. */
 const MAX_LEVEL_WITH_MESH_SHADOWS = 1;
 const SHADOW_LEVEL = 3;
-
-function texelMap(texels: number, Data: typeof Uint32Array | typeof Uint8Array): DataTexture {
-  const height = Math.max(1, Math.ceil(texels / TEXTURE_WIDTH));
-  const data = new Data(TEXTURE_WIDTH * height * 4);
-  const type = Data === Uint8Array ? UnsignedByteType : UnsignedIntType;
-  const map = new DataTexture(data, TEXTURE_WIDTH, height, RGBAIntegerFormat, type);
-  map.internalFormat = Data === Uint8Array ? 'RGBA8UI' : 'RGBA32UI';
-  map.minFilter = map.magFilter = NearestFilter;
-  map.needsUpdate = true;
-  return map;
-}
 
 /** Only the first shadow on a pixel counts: overlapping shadows must not add up. */
 export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
@@ -85,7 +72,8 @@ export class Crowd {
   /** Approximate limit of body triangles per picture; adapts to the speed of the machine. */
   budget = 300_000;
   private readonly people: DataTexture;
-  private readonly parts: DataTexture;
+  private parts: DataTexture | null = null; // of a server's frames
+  private poser: Poser | null = null; // of a recording
   private readonly looks: DataTexture; // by avatar: colour, then the bits below
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
@@ -104,12 +92,11 @@ export class Crowd {
   ) {
     this.visible = new Uint32Array(run.avatars);
     this.binOf = new Uint16Array(run.avatars);
-    this.people = texelMap(run.avatars, Uint32Array);
-    this.parts = texelMap(run.firstPart[run.avatars], Uint32Array);
-    this.looks = texelMap(run.avatars, Uint8Array);
+    this.people = texelMap('RGBA32UI', run.avatars);
+    this.looks = texelMap('RGBA8UI', run.avatars);
     this.own = {
       uPeople: {value: this.people},
-      uParts: {value: this.parts},
+      uParts: {value: this.people},
       uLooks: {value: this.looks},
       uMarks: {value: MARK_COLORS},
       uCalm: {value: new Color('#5b6878')},
@@ -184,7 +171,7 @@ export class Crowd {
 
   /** Fades people whose flag is 0; null ends fading. */
   setFocus(flags: Uint8Array | null): void {
-    const looks = this.looks.image.data as unknown as Uint8Array;
+    const looks = dataOf(this.looks, 'RGBA8UI');
     for (let id = 0; id < this.run.avatars; ++id)
       looks[4 * id + 3] = (looks[4 * id + 3] & ~FADED) | (flags && flags[id] === 0 ? FADED : 0);
     this.looks.needsUpdate = true;
@@ -192,7 +179,7 @@ export class Crowd {
 
   /** Replaces clothes by sRGB colours, four bytes per person, where the fourth is 255; null restores all clothes. */
   setColors(rgba: Uint8Array | null): void {
-    const looks = this.looks.image.data as unknown as Uint8Array;
+    const looks = dataOf(this.looks, 'RGBA8UI');
     for (let at = 0; at < 4 * this.run.avatars; at += 4) {
       for (let i = 0; i < 3; ++i) looks[at + i] = rgba ? rgba[at + i] : 0;
       looks[at + 3] = (looks[at + 3] & ~COLOURED) | (rgba && rgba[at + 3] === 255 ? COLOURED : 0);
@@ -205,10 +192,27 @@ export class Crowd {
   }
 
   take(frame: Frame): void {
-    (this.people.image.data as unknown as Uint32Array).set(frame.people);
-    (this.parts.image.data as unknown as Uint32Array).set(frame.parts);
+    dataOf(this.people, 'RGBA32UI').set(frame.people);
     this.people.needsUpdate = true;
+    if (frame.motion) {
+      this.poser ??= new Poser(this.run, frame.motion);
+      this.own.uParts.value = this.poser.texture;
+      return;
+    }
+    this.parts ??= texelMap('RGBA32UI', this.run.firstPart[this.run.avatars]);
+    this.own.uParts.value = this.parts;
+    dataOf(this.parts, 'RGBA32UI').set(frame.parts);
     this.parts.needsUpdate = true;
+  }
+
+  /** Computes the poses of visible people, if the frame leaves that to the graphics card. */
+  pose(renderer: WebGLRenderer): void {
+    this.poser?.update(renderer);
+  }
+
+  /** Computes again what the graphics card has lost. */
+  restore(): void {
+    this.poser?.restore();
   }
 
   /** Assigns a level of detail to each visible person: the nearer the finer, within the budget. */
@@ -236,6 +240,8 @@ export class Crowd {
 
   private findVisible(frame: Frame, camera: Camera): void {
     const at = frame.positions;
+    const drawn = this.poser?.drawnFlags;
+    drawn?.fill(0);
     this.visibleCount = 0;
     this.bins.fill(0);
     for (let id = 0, word = 0; id < frame.avatars; ++id, word += 4) {
@@ -250,6 +256,7 @@ export class Crowd {
       ++this.bins[bin];
       this.binOf[this.visibleCount] = bin;
       this.visible[this.visibleCount++] = id;
+      if (drawn) drawn[id] = 1;
     }
   }
 
@@ -281,7 +288,8 @@ export class Crowd {
 
   dispose(): void {
     this.people.dispose();
-    this.parts.dispose();
+    this.parts?.dispose();
+    this.poser?.dispose();
     this.looks.dispose();
     this.group.traverse((object) => {
       if (object instanceof Mesh || object instanceof LineSegments) {

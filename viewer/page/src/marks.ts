@@ -1,6 +1,7 @@
 // Marks draws a circle over the picture for each touching pair, also where bodies or walls hide it.
 // Invariant: circles have the same size on the screen at any distance.
 import {Matrix4, Quaternion, Vector3, type Camera} from 'three';
+import {Grid} from './cells.ts';
 import type {Bodies} from './filter.ts';
 import {CHEST, pointOf} from './framing.ts';
 import {poseOf, type PartPose} from './picking.ts';
@@ -30,59 +31,17 @@ export function spread(points: Float32Array, radii: Float32Array, count = radii.
   const rounds = count > MAX_SPREAD ? 0 : Math.min(MAX_ROUNDS, Math.floor(MAX_STEPS / Math.max(1, count)));
   let reach = 1;
   for (let i = 0; i < count; ++i) reach = Math.max(reach, 2 * radii[i]);
-  for (let round = 0; round < rounds && separate(at, radii, new Grid(at, reach)) > ENOUGH_PX; ++round);
+  for (let round = 0; round < rounds && separate(at, radii, new Grid(at, 2, count, reach)) > ENOUGH_PX; ++round);
   return at;
-}
-
-/** Grid lists circles by square cells, so that only neighbours are compared. */
-class Grid {
-  readonly cell: Int32Array;
-  readonly next: Int32Array;
-  readonly first: Int32Array;
-  /** From a cell to itself and to half of its neighbours. */
-  readonly steps: Int32Array;
-
-  constructor(at: Float32Array, size: number) {
-    const count = at.length / 2;
-    let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < at.length; i += 2) {
-      left = Math.min(left, at[i]);
-      right = Math.max(right, at[i]);
-      top = Math.min(top, at[i + 1]);
-      bottom = Math.max(bottom, at[i + 1]);
-    }
-    // An empty cell on each side lets a search in neighbouring cells do without limits.
-    const columns = count > 0 ? Math.floor((right - left) / size) + 3 : 3;
-    const rows = count > 0 ? Math.floor((bottom - top) / size) + 3 : 3;
-    this.steps = new Int32Array([0, 1, columns - 1, columns, columns + 1]);
-    this.first = new Int32Array(columns * rows).fill(-1);
-    this.next = new Int32Array(count);
-    this.cell = new Int32Array(count);
-    for (let i = 0; i < count; ++i) {
-      const column = 1 + Math.floor((at[2 * i] - left) / size);
-      const row = 1 + Math.floor((at[2 * i + 1] - top) / size);
-      const cell = row * columns + column;
-      this.cell[i] = cell;
-      this.next[i] = this.first[cell];
-      this.first[cell] = i;
-    }
-  }
 }
 
 /** Pushes each pair of overlapping circles apart; returns the largest overlap found. */
 function separate(at: Float32Array, radii: Float32Array, grid: Grid): number {
-  const {cell, first, next} = grid;
   let worst = 0;
-  for (let i = 0; i < cell.length; ++i) {
-    // The circle's own cell and half of the neighbours; the other half finds this circle.
-    for (let k = 0; k < 5; ++k) {
-      const start = k === 0 ? next[i] : first[cell[i] + grid.steps[k]];
-      for (let j = start; j >= 0; j = next[j]) {
-        const overlap = push(at, i, j, radii[i] + radii[j]);
-        if (overlap > worst) worst = overlap;
-      }
-    }
-  }
+  grid.eachPair((i, j) => {
+    const overlap = push(at, i, j, radii[i] + radii[j]);
+    if (overlap > worst) worst = overlap;
+  });
   return worst;
 }
 

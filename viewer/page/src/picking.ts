@@ -14,6 +14,7 @@ const newPose = (): PartPose => ({origin: new Vector3(), rotation: new Quaternio
 
 /** Returns the world pose of a part, read from the frame's texels, in `out`. */
 export function poseOf(run: Run, frame: Frame, avatar: number, part: number, out = newPose()): PartPose {
+  frame.motion?.fillPart(avatar, part);
   const at = 4 * (run.firstPart[avatar] + part);
   const [x, y, z, w] = [frame.parts[at], frame.parts[at + 1], frame.parts[at + 2], frame.parts[at + 3]];
   const step = run.models[run.modelOfAvatar[avatar]].part_step_m;

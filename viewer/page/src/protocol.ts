@@ -1,6 +1,8 @@
 // Decodes the binary messages of the server into typed arrays over the received bytes.
 // Invariant: frame data is neither copied nor converted; it goes to the graphics card unchanged.
 
+import type {Motion} from './motion.ts';
+
 const RUN_MESSAGE = 0x31525454;
 const FRAME_MESSAGE = 0x31465454;
 const CONTACTS_MESSAGE = 0x31435454;
@@ -100,8 +102,10 @@ export interface Frame {
   pairs: number;
   people: Uint32Array; // one texel per person: x, y, z as floats, then flags, mark and speed
   positions: Float32Array; // the same bytes
-  parts: Uint32Array; // one texel per part
+  parts: Uint32Array; // one texel per part; of a frame with motion, only those that motion.fillPart() has filled
   pairWords: Uint32Array; // a, b, part_a | part_b << 8 | level << 16, then the frame of the begin
+  /** Computes parts on request; frames of a server have none. */
+  motion?: Motion;
 }
 
 interface MeshPlace {

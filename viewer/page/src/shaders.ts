@@ -2,8 +2,7 @@
 // Invariant: a frame is two textures of 16-byte texels; all work per vertex is done here.
 
 import {GLSL3, RawShaderMaterial} from 'three';
-
-export const TEXTURE_WIDTH = 1024;
+import {TEXTURE_WIDTH} from './texels.ts';
 
 export type Uniforms = Record<string, {value: unknown}>;
 
@@ -11,11 +10,32 @@ export function shaderMaterial(vertexShader: string, fragmentShader: string, uni
   return new RawShaderMaterial({glslVersion: GLSL3, vertexShader, fragmentShader, uniforms});
 }
 
-/** Reads people and parts. Instances are (avatar, first part, scale). */
-const POSES = /* glsl */ `
+/** Reads a texel by its index. */
+export const FETCH = /* glsl */ `
 precision highp float;
 precision highp int;
+precision highp sampler2D;
+precision highp isampler2D;
 precision highp usampler2D;
+const uint TEXTURE_WIDTH = ${TEXTURE_WIDTH}u;
+ivec2 place(uint index) { return ivec2(int(index % TEXTURE_WIDTH), int(index / TEXTURE_WIDTH)); }
+uvec4 at(usampler2D map, uint index) { return texelFetch(map, place(index), 0); }
+ivec4 at(isampler2D map, uint index) { return texelFetch(map, place(index), 0); }
+vec4 at(sampler2D map, uint index) { return texelFetch(map, place(index), 0); }
+`;
+
+/** Quaternions are x, y, z, w. */
+export const QUATERNIONS = /* glsl */ `
+vec3 turned(vec4 q, vec3 v) {
+  return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+vec4 product(vec4 a, vec4 b) {
+  return vec4(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
+}
+`;
+
+/** Reads people and parts. Instances are (avatar, first part, scale). */
+const POSES = FETCH + QUATERNIONS + /* glsl */ `
 uniform usampler2D uPeople;
 uniform usampler2D uParts;
 uniform usampler2D uLooks;
@@ -24,29 +44,23 @@ uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
 in vec3 instance;
 
-uvec4 texel(usampler2D map, uint index) {
-  return texelFetch(map, ivec2(int(index & ${TEXTURE_WIDTH - 1}u), int(index >> 10u)), 0);
-}
-vec3 turned(vec4 q, vec3 v) {
-  return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
-}
 float low(uint word) { return float(int(word << 16u) >> 16); }
 float high(uint word) { return float(int(word) >> 16); }
 
 /** A colour (sRGB) instead of the clothes, and whether the person is out of focus. */
 struct Looks { vec3 color; bool coloured; bool faded; };
 Looks looks() {
-  uvec4 t = texel(uLooks, uint(instance.x));
+  uvec4 t = at(uLooks, uint(instance.x));
   return Looks(pow(vec3(t.rgb) / 255.0, vec3(2.2)), (t.a & 1u) != 0u, (t.a & 2u) != 0u);
 }
 struct Person { vec3 root; bool there; bool crowded; uint mark; };
 Person person() {
-  uvec4 t = texel(uPeople, uint(instance.x));
+  uvec4 t = at(uPeople, uint(instance.x));
   return Person(uintBitsToFloat(t.xyz), (t.w & 1u) != 0u, (t.w & 2u) != 0u, (t.w >> 8u) & 255u);
 }
 struct Pose { vec3 origin; vec4 q; uint mark; };
 Pose pose(float part) {
-  uvec4 t = texel(uParts, uint(instance.y + part));
+  uvec4 t = at(uParts, uint(instance.y + part));
   vec3 origin = vec3(low(t.x), high(t.x), low(t.y)) * uPartStep;
   return Pose(origin, normalize(vec4(low(t.z), high(t.z), low(t.w), high(t.w))), t.y >> 16u);
 }

@@ -126,7 +126,10 @@ export class Stage {
     // A check would wait for the compiler; the browser reports a defective shader by itself.
     this.renderer.debug.checkShaderErrors = false;
     document.documentElement.classList.toggle('slow', this.isSlow);
-    canvas.addEventListener('webglcontextrestored', () => (this.isChanged = true));
+    canvas.addEventListener('webglcontextrestored', () => {
+      this.crowd?.restore();
+      this.isChanged = true;
+    });
     this.marks = new Marks(canvas);
     this.camera.up.copy(UP);
     this.camera.position.set(-10, -16, 9);
@@ -454,6 +457,7 @@ export class Stage {
     this.shared.uEye.value.copy(this.camera.position);
     if (frame) {
       this.crowd?.arrange(frame, this.camera, triangles);
+      this.crowd?.pose(this.renderer);
       this.arrangeWalls(frame);
     }
     this.renderer.render(this.scene, this.camera);

@@ -1,0 +1,233 @@
+// Motion gives roots and part poses of recorded people at any time, from ten keys per second.
+// Invariant: between frames only roots are computed for everybody; parts are computed on request, or by the Poser.
+import {Chains} from './chains.ts';
+import type {Run} from './protocol.ts';
+
+/** Numbers per avatar and key: x, y, z, qx, qy, qz, qw and presence. */
+export const ROOT_FLOATS = 8;
+
+/** Joint positions of a model: the mean plus the amount of each direction. */
+export interface Basis {
+  mean: number[];
+  directions: number[][];
+}
+
+/** Reads columns of numbers; each is the deviation from a straight line through the previous two. */
+export interface Curves {
+  curve(out: Float32Array | Int16Array, from: number, stride: number, count: number, unit: number): void;
+}
+
+interface Steps {
+  position_step_m: number;
+  quaternion_step: number;
+}
+
+export class Motion {
+  readonly chains: Chains;
+  /** Amounts per member and key in memory: the directions, filled up to a multiple of four. */
+  readonly amountsPerMember: number[];
+  /** Index of each avatar among those of its model. */
+  readonly memberOf: Uint32Array;
+  /** The four keys around the present time and their weights. */
+  readonly around: [number, number, number, number] = [0, 0, 0, 0];
+  weights: [number, number, number, number] = [0, 1, 0, 0];
+  /** x, y, z as floats of each avatar, then its presence (1) and speed (<< 16, mm/s): texels of a frame. */
+  readonly positions: Float32Array;
+  readonly people: Uint32Array;
+  /** Texels of parts; valid where fillPart() was called for the present time. */
+  readonly parts: Uint32Array;
+  /** The mark of each part, and the number of changes so far. */
+  readonly marks: Uint8Array;
+  marksVersion = 0;
+  present = 0;
+  private readonly roots: Float32Array; // key by key
+  private readonly amounts: Int16Array[]; // by model; key by key, member by member
+  private readonly members: number[];
+  private readonly states: Uint32Array;
+  private statesOf = -1;
+  private readonly marked: number[] = [];
+  private readonly halves: Int16Array;
+  private readonly root = new Float64Array(ROOT_FLOATS);
+  private readonly member = {model: -1, at: 0};
+  private readonly memberAmounts: Float64Array;
+
+  constructor(
+    private readonly run: Run,
+    readonly bases: Basis[],
+    private readonly keys: readonly number[],
+    steps: Steps,
+    numbers: Curves,
+  ) {
+    const {avatars} = run;
+    this.chains = new Chains(run.models);
+    this.members = run.models.map(() => 0);
+    this.memberOf = Uint32Array.from(run.modelOfAvatar, (m) => this.members[m]++);
+    this.amountsPerMember = bases.map(({directions}) => 4 * Math.ceil(directions.length / 4));
+    this.memberAmounts = new Float64Array(Math.max(0, ...this.amountsPerMember));
+    this.roots = this.readRoots(steps, numbers);
+    this.amounts = this.readAmounts(numbers);
+    const texels = new ArrayBuffer(16 * avatars);
+    this.positions = new Float32Array(texels);
+    this.people = new Uint32Array(texels);
+    this.states = new Uint32Array(avatars);
+    this.parts = new Uint32Array(4 * run.firstPart[avatars]);
+    this.halves = new Int16Array(this.parts.buffer);
+    this.marks = new Uint8Array(run.firstPart[avatars]);
+  }
+
+  private readRoots({position_step_m, quaternion_step}: Steps, numbers: Curves): Float32Array {
+    const {avatars} = this.run;
+    const keys = this.keys.length;
+    const out = new Float32Array(keys * avatars * ROOT_FLOATS);
+    for (const column of [7, 0, 1, 2, 3, 4, 5, 6]) {
+      const unit = column === 7 ? 1 : column < 3 ? position_step_m : quaternion_step;
+      for (let i = 0; i < avatars; ++i)
+        numbers.curve(out, i * ROOT_FLOATS + column, avatars * ROOT_FLOATS, keys, unit);
+    }
+    return out;
+  }
+
+  private readAmounts(numbers: Curves): Int16Array[] {
+    const keys = this.keys.length;
+    return this.bases.map(({directions}, m) => {
+      const perMember = this.amountsPerMember[m];
+      const stride = this.members[m] * perMember;
+      const out = new Int16Array(keys * stride);
+      for (let c = 0; c < directions.length; ++c)
+        for (let i = 0; i < this.members[m]; ++i) numbers.curve(out, i * perMember + c, stride, keys, 1);
+      return out;
+    });
+  }
+
+  /** Returns the roots of all avatars at a key. */
+  rootsAt(key: number): Float32Array {
+    const size = this.run.avatars * ROOT_FLOATS;
+    return this.roots.subarray(key * size, (key + 1) * size);
+  }
+
+  /** Returns the amounts of all members of a model at a key. */
+  amountsAt(model: number, key: number): Int16Array {
+    const size = this.members[model] * this.amountsPerMember[model];
+    return this.amounts[model].subarray(key * size, (key + 1) * size);
+  }
+
+  /** Returns the index of the key at or before a position between frames. */
+  keyAt(position: number): number {
+    const {keys} = this;
+    let low = 0;
+    let high = keys.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (keys[middle] <= position) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+
+  /** Computes roots at a position between frames; people move smoothly from key to key. */
+  seek(position: number): void {
+    const {keys, around} = this;
+    const last = keys.length - 1;
+    const k = this.keyAt(position);
+    const next = Math.min(k + 1, last);
+    const t = next === k ? 0 : Math.min(1, Math.max(0, (position - keys[k]) / (keys[next] - keys[k])));
+    around[0] = Math.max(0, k - 1);
+    around[1] = k;
+    around[2] = next;
+    around[3] = Math.min(last, next + 1);
+    this.weights = cubic(t);
+    this.member.model = -1;
+    this.fillStates();
+    this.fillPeople();
+  }
+
+  /** Presence and speed are the same from key to key. */
+  private fillStates(): void {
+    const {run, keys, around, states} = this;
+    if (this.statesOf === around[1]) return;
+    this.statesOf = around[1];
+    const before = this.rootsAt(around[1]);
+    const after = this.rootsAt(around[2]);
+    const time_s = (keys[around[2]] - keys[around[1]]) * run.step_s;
+    this.present = 0;
+    for (let i = 0, at = 0; i < run.avatars; ++i, at += ROOT_FLOATS) {
+      const [dx, dy] = [after[at] - before[at], after[at + 1] - before[at + 1]];
+      const speed = time_s > 0 ? Math.sqrt(dx * dx + dy * dy) / time_s : 0;
+      const isPresent = before[at + 7] > 0.5;
+      states[i] = (isPresent ? 1 : 0) | (Math.min(65535, Math.round(speed * 1000)) << 16);
+      if (isPresent) ++this.present;
+    }
+  }
+
+  private fillPeople(): void {
+    const {run, positions, people, states} = this;
+    const [a, b, c, d] = this.around.map((key) => this.rootsAt(key));
+    const [wa, wb, wc, wd] = this.weights;
+    for (let i = 0, out = 0, at = 0; i < run.avatars; ++i, out += 4, at += ROOT_FLOATS) {
+      positions[out] = wa * a[at] + wb * b[at] + wc * c[at] + wd * d[at];
+      positions[out + 1] = wa * a[at + 1] + wb * b[at + 1] + wc * c[at + 1] + wd * d[at + 1];
+      positions[out + 2] = wa * a[at + 2] + wb * b[at + 2] + wc * c[at + 2] + wd * d[at + 2];
+      people[out + 3] = states[i];
+    }
+  }
+
+  clearMarks(): void {
+    for (const part of this.marked) this.marks[part] = 0;
+    this.marked.length = 0;
+    ++this.marksVersion;
+  }
+
+  /** Marks a part, unless its mark is higher already. */
+  mark(body: number, part: number, mark: number): void {
+    const at = this.run.firstPart[body] + part;
+    if (at >= this.run.firstPart[body + 1] || mark <= this.marks[at]) return;
+    this.marks[at] = mark;
+    this.marked.push(at);
+  }
+
+  /** Computes the texel of a part at the present time. */
+  fillPart(avatar: number, part: number): void {
+    const {run, root} = this;
+    const model = run.modelOfAvatar[avatar];
+    this.chooseMember(avatar, model);
+    this.chains.pose(model, part, root, run.scaleOfAvatar[avatar], this.valueOf, this.halves, 8 * (run.firstPart[avatar] + part));
+  }
+
+  private chooseMember(avatar: number, model: number): void {
+    const {member, root, weights, around, memberAmounts} = this;
+    const at = this.memberOf[avatar] * this.amountsPerMember[model];
+    if (member.model === model && member.at === at) return;
+    member.model = model;
+    member.at = at;
+    root.fill(0);
+    memberAmounts.fill(0);
+    for (let k = 0; k < 4; ++k) {
+      const roots = this.rootsAt(around[k]);
+      const amounts = this.amountsAt(model, around[k]);
+      for (let c = 0; c < 7; ++c) root[c] += weights[k] * roots[avatar * ROOT_FLOATS + c];
+      for (let c = 0; c < this.amountsPerMember[model]; ++c) memberAmounts[c] += weights[k] * amounts[at + c];
+    }
+    const length = Math.hypot(root[3], root[4], root[5], root[6]) || 1;
+    for (let c = 3; c < 7; ++c) root[c] /= length;
+  }
+
+  /** Returns the joint position in a column of the chosen member. */
+  private readonly valueOf = (column: number): number => {
+    const {mean, directions} = this.bases[this.member.model];
+    let value = mean[column];
+    for (let c = 0; c < directions.length; ++c) value += this.memberAmounts[c] * directions[c][column];
+    return value;
+  };
+}
+
+/** Returns the weights of four keys for a curve through the middle two (Catmull and Rom 1974). */
+export function cubic(t: number): [number, number, number, number] {
+  const t2 = t * t;
+  const t3 = t2 * t;
+  return [
+    -0.5 * t3 + t2 - 0.5 * t,
+    1.5 * t3 - 2.5 * t2 + 1,
+    -1.5 * t3 + 2 * t2 + 0.5 * t,
+    0.5 * t3 - 0.5 * t2,
+  ];
+}
