@@ -122,6 +122,30 @@ TEST_F(LiveCrowd, ShowsRunsStartedBeforeAndAfterThePage) {
   }
 }
 
+TEST_F(LiveCrowd, ServesTheDistancesOfABody) {
+  SyntheticRun run({.avatars = 12, .pairs = 60, .proximity = true});
+  LcmSink sink({.url = "memq://"}, lcm_);
+  TestSocket browser(view_.server().port());
+  browser.open();
+  sink.begin(run.info());
+  double to = 0;
+  for (int frame = 0; frame < 5; ++frame) {
+    sink.frame(run.info(), run.step());
+    while (view_.frames_received() <= static_cast<uint64_t>(frame)) std::this_thread::yield();
+    browser.send_frame(Opcode::kText,
+                       R"({"proximity": 3, "since": )" + std::to_string(frame) + "}");
+    const std::string message = next(browser, kProximityMessage);
+    ProximityHead head;
+    ASSERT_GE(message.size(), sizeof head);
+    std::memcpy(&head, message.data(), sizeof head);
+    EXPECT_EQ(head.body, 3u);
+    EXPECT_EQ(head.from, to);
+    EXPECT_EQ(head.to, frame + 1);
+    EXPECT_GT(head.count, 0u);
+    to = head.to;
+  }
+}
+
 TEST_F(LiveCrowd, ServesTheContactsOfAllPairs) {
   SyntheticRun run({.avatars = 30, .pairs = 50});
   LcmSink sink({.url = "memq://"}, lcm_);

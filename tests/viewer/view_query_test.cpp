@@ -11,7 +11,8 @@ namespace throng::view_query_test {
 namespace {
 
 bool is_empty(const ViewQuery& query) {
-  return !query.frame && !query.person && !query.index && !query.contacts && !query.since;
+  return !query.frame && !query.person && !query.index && !query.contacts && !query.since &&
+         !query.proximity;
 }
 
 TEST(ViewQuery, ReadsRequests) {
@@ -26,16 +27,32 @@ TEST(ViewQuery, ReadsRequests) {
   const ViewQuery rest = parse_view_query(R"({"contacts": 5000000000, "since": 120})");
   EXPECT_EQ(rest.contacts, 5'000'000'000u);
   EXPECT_EQ(rest.since, 120);
+  const ViewQuery near = parse_view_query(R"({"proximity": 4, "since": 60})");
+  EXPECT_EQ(near.proximity, 4u);
+  EXPECT_EQ(near.since, 60);
 }
 
 TEST(ViewQuery, RejectsMalformedRequests) {
-  for (const char* text :
-       {"", "contacts", "[0]", "{", R"({"contacts"})", R"({"contacts": -1})",
-        R"({"contacts": 1.5})", R"({"contacts": "0"})", R"({"contacts": null})",
-        R"({"contacts": [0]})", R"({"contacts": 18446744073709551615})", R"({"contacts": 1e300})",
-        R"({"contacts": 9007199254740993})", R"({"contacts": 0, "since": -1})",
-        R"({"contacts": 0, "since": "5"})", R"({"contacts": 0, "since": 0.5})",
-        R"({"contacts": 0, "since": 1099511627777})"})
+  for (const char* text : {"",
+                           "contacts",
+                           "[0]",
+                           "{",
+                           R"({"contacts"})",
+                           R"({"contacts": -1})",
+                           R"({"contacts": 1.5})",
+                           R"({"contacts": "0"})",
+                           R"({"contacts": null})",
+                           R"({"contacts": [0]})",
+                           R"({"contacts": 18446744073709551615})",
+                           R"({"contacts": 1e300})",
+                           R"({"contacts": 9007199254740993})",
+                           R"({"contacts": 0, "since": -1})",
+                           R"({"contacts": 0, "since": "5"})",
+                           R"({"contacts": 0, "since": 0.5})",
+                           R"({"contacts": 0, "since": 1099511627777})",
+                           R"({"proximity": -1})",
+                           R"({"proximity": 4294967296})",
+                           R"({"proximity": 4, "since": "5"})"})
     EXPECT_TRUE(is_empty(parse_view_query(text))) << text;
 }
 

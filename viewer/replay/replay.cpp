@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -66,8 +67,11 @@ using nlohmann::json;
 // Flags of a contact interval, also read by the page.
 constexpr uint8_t kBeganBefore = 1;  // its begin was not recorded
 constexpr uint8_t kEndLost = 2;      // its end was not recorded
+// Flag in the level of a proximity row.
+constexpr int kPoints = 128;  // its closest points are known
 
 constexpr size_t kMaxStoredBytes = size_t{2} << 30;
+constexpr size_t kMaxProximityRows = 3'000'000;  // 300 MB
 constexpr int64_t kMaxFrames = 10'000'000;  // two days; a damaged number must not allocate memory
 
 /// Writes seven bits per byte, low ones first, with the sign in the lowest bit.
@@ -132,6 +136,27 @@ void ReplayRecorder::store_changes() {
   }
 }
 
+bool ReplayRecorder::drop_proximity() {
+  const bool had_rows = nearest_count_ > 0;
+  is_proximity_dropped_ = true;
+  nearest_.clear();
+  nearest_count_ = 0;
+  return had_rows;
+}
+
+void ReplayRecorder::store_nearest() {
+  has_proximity_ = true;
+  const int64_t frame = run_.header()->frame;
+  if (is_proximity_dropped_ || frame < 0 || frame >= kMaxFrames) return;
+  for (const ProximityPair& row : nearest_parts(run_)) {
+    std::vector<ProximityRow>& rows = nearest_[{row.pair.a(), row.pair.b()}];
+    if (!rows.empty() && rows.back().frame >= frame) continue;  // repeated or in a wrong order
+    rows.push_back({frame, row});
+    ++nearest_count_;
+  }
+  if (nearest_count_ > kMaxProximityRows) drop_proximity();
+}
+
 void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> bytes) {
   const RunReader::Update update = run_.take(channel, bytes);
   begins_.take(run_, update);
@@ -151,6 +176,9 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
       keys_.push_back({crowd.frame, crowd});
       break;
     }
+    case RunReader::Update::kProximity:
+      store_nearest();
+      break;
     case RunReader::Update::kFrameStats:
       if (run_.frame_stats()->frame >= kMaxFrames)
         throw EnvironmentError(fmt::format("--html stores at most {} frames, found frame {}",
@@ -226,6 +254,43 @@ void ReplayRecorder::put_pairs(Bytes& out) const {
   });
 }
 
+void ReplayRecorder::put_nearest(Bytes& out) const {
+  std::pair<uint32_t, uint32_t> last{0, 0};
+  for (const auto& [bodies, rows] : nearest_) {
+    put_varint(out, int64_t{bodies.first} - int64_t{last.first});
+    put_varint(out, int64_t{bodies.second} - int64_t{last.second});
+    put_varint(out, static_cast<int64_t>(rows.size()));
+    last = bodies;
+  }
+  const auto column = [&](const auto& put_one) {
+    for (const auto& [bodies, rows] : nearest_)
+      for (const ProximityRow& near : rows) put_one(near.row);
+  };
+  const auto curve = [&](const auto& value_of) {
+    for (const auto& [bodies, rows] : nearest_) {
+      Curve values(out);
+      for (const ProximityRow& near : rows) values.add(value_of(near));
+    }
+  };
+  // Bit patterns of floats above 0 have the order of the floats.
+  const auto bits = [](float distance_m) { return int64_t{std::bit_cast<int32_t>(distance_m)}; };
+  curve([](const ProximityRow& near) { return near.frame; });
+  column([&](const ProximityPair& row) { put(out, static_cast<uint8_t>(row.pair.part_a())); });
+  column([&](const ProximityPair& row) { put(out, static_cast<uint8_t>(row.pair.part_b())); });
+  column([&](const ProximityPair& row) {
+    put(out, static_cast<uint8_t>(static_cast<int>(row.level) | (has_points(row) ? kPoints : 0)));
+  });
+  curve([&](const ProximityRow& near) { return bits(near.row.lo_m); });
+  curve([&](const ProximityRow& near) { return bits(near.row.hi_m) - bits(near.row.lo_m); });
+  for (const auto point : {&ProximityPair::point_a_m, &ProximityPair::point_b_m})
+    for (size_t axis = 0; axis < 3; ++axis)
+      for (const auto& [bodies, rows] : nearest_) {
+        Curve values(out);
+        for (const ProximityRow& near : rows)
+          if (has_points(near.row)) values.add(steps((near.row.*point)[axis], kReplayPoint_m));
+      }
+}
+
 Eigen::MatrixXd ReplayRecorder::rows_of(std::span<const size_t> members,
                                         Eigen::Index joints) const {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(members.size() * keys_.size()), joints);
@@ -273,6 +338,8 @@ Bytes ReplayRecorder::finish(const std::string& problem) {
   }
   const size_t pairs_at = columns.size();
   put_pairs(columns);
+  const size_t nearest_at = columns.size();
+  put_nearest(columns);
   json head = {{"position_step_m", kReplayPosition_m},
                {"quaternion_step", kReplayQuaternion},
                {"frames", last_frame_ + 1},
@@ -280,6 +347,11 @@ Bytes ReplayRecorder::finish(const std::string& problem) {
                {"pairs_at", pairs_at},
                {"problem", problem},
                {"models", models}};
+  if (has_proximity_)
+    head["nearest"] = {{"bodies", nearest_.size()},
+                       {"rows", nearest_count_},
+                       {"at", nearest_at},
+                       {"dropped", is_proximity_dropped_}};
   head["keys"] = json::array();
   for (const Key& key : keys_) head["keys"].push_back(key.frame);
   head["frame_us"] = json::array();
@@ -326,7 +398,11 @@ ReplayReport write_replay(ReplayRecorder& recorder, const std::filesystem::path&
   if (!recorder.has_keys())
     throw InputError(html.string(), "a run with people or robots", "no frame");
   const size_t marker = page.find(kMarker);
-  const std::string recording = base64(deflated(recorder.finish(problem)));
+  std::string recording = base64(deflated(recorder.finish(problem)));
+  const double allowed = limit_mb * 1e6;
+  // Proximity rows can be many times the rest: better a file without them than none.
+  if (static_cast<double>(page.size() + recording.size()) > allowed && recorder.drop_proximity())
+    recording = base64(deflated(recorder.finish(problem)));
   std::string text(page.substr(0, marker));
   text += "<script type=\"text/plain\" id=\"recording\">";
   text += recording;

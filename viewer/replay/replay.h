@@ -9,11 +9,13 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lcm_io/codec/encoder.h"
 #include "lcm_io/codec/run_reader.h"
 #include "viewer/server/pair_history.h"
+#include "viewer/server/proximity_message.h"
 #include "viewer/server/run_message.h"
 
 namespace throng {
@@ -44,6 +46,7 @@ inline constexpr double kReplayPosition_m = 0.005;  ///< step of root positions
 inline constexpr double kReplayQuaternion = 1e-3;   ///< step of each component
 inline constexpr double kReplayAngle_rad = 0.02;    ///< error of a revolute joint at a key
 inline constexpr double kReplayTravel_m = 0.002;    ///< error of a prismatic joint at a key
+inline constexpr double kReplayPoint_m = 1e-6;      ///< step of closest points; distances are exact
 
 /// ReplayRecorder takes the messages of one run, in order.
 class ReplayRecorder {
@@ -64,10 +67,17 @@ class ReplayRecorder {
   /// yet compressed. Needs keys. `problem`: missing parts of the run, which the page reports.
   Bytes finish(const std::string& problem);
 
+  /// Omits proximity rows, which are too many for a file. Returns whether there were some.
+  bool drop_proximity();
+
  private:
   struct Key {
     int64_t frame;
     CrowdState crowd;
+  };
+  struct ProximityRow {
+    int64_t frame;
+    ProximityPair row;
   };
   struct ContactInterval {
     int64_t begin, end;
@@ -75,10 +85,12 @@ class ReplayRecorder {
     uint8_t flags;
   };
   void store_changes();
+  void store_nearest();
   void put_people(Bytes& out) const;
   Eigen::MatrixXd rows_of(std::span<const size_t> members, Eigen::Index joints) const;
   PostureBasis put_postures(size_t model_index, Bytes& out);
   void put_pairs(Bytes& out) const;
+  void put_nearest(Bytes& out) const;
 
   RunReader run_;
   PairBegins begins_;
@@ -87,6 +99,10 @@ class ReplayRecorder {
   int64_t last_frame_ = -1;
   std::map<PairKey, std::vector<ContactInterval>> pairs_;
   int64_t interval_count_ = 0;
+  /// Nearest parts of each two bodies, by their ids.
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<ProximityRow>> nearest_;
+  size_t nearest_count_ = 0;
+  bool has_proximity_ = false, is_proximity_dropped_ = false;
   std::vector<float> frame_ms_;
 };
 

@@ -66,6 +66,9 @@ void LiveView::on_text(WebClient& client, std::string_view text) {
   if (query.contacts)
     client.send_binary(std::make_shared<Bytes>(
         history_.changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
+  if (query.proximity)
+    client.send_binary(
+        std::make_shared<Bytes>(proximity_.of(*query.proximity, query.since.value_or(0))));
 }
 
 void LiveView::begin_run() {
@@ -94,7 +97,10 @@ void LiveView::begin_run() {
 
 void LiveView::take(const ReceivedMessage& message) {
   const RunReader& run = receiver_->inbox().run();
-  if (begins_.take(run, message.update)) history_.clear();
+  if (begins_.take(run, message.update)) {
+    history_.clear();
+    proximity_.clear();
+  }
   history_.add(begins_.changes());
   switch (message.update) {
     case RunReader::Update::kRun:
@@ -102,6 +108,9 @@ void LiveView::take(const ReceivedMessage& message) {
       break;
     case RunReader::Update::kEvents:
       note_ends();
+      break;
+    case RunReader::Update::kProximity:
+      proximity_.add(run);
       break;
     case RunReader::Update::kFrameStats:
       last_touching_.clear();

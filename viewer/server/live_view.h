@@ -11,6 +11,7 @@
 #include "lcm_io/wire/receiver.h"
 #include "viewer/server/frame_message.h"
 #include "viewer/server/pair_history.h"
+#include "viewer/server/proximity_message.h"
 #include "viewer/server/web_server.h"
 
 namespace throng {
@@ -53,6 +54,7 @@ class LiveView {
 
   std::atomic<uint64_t> received_{0}, built_{0};
   PairHistory history_;
+  ProximityHistory proximity_;
   std::mutex mutex_;
   SharedBytes run_message_;
   std::string problem_;  ///< reason why the received run cannot be shown

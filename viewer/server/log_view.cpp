@@ -55,6 +55,7 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
   };
   if (channel == Channel::kStates) mark(states_);
   if (channel == Channel::kTouching) mark(touching_);
+  if (channel == Channel::kProximity) mark(proximity_);
   if (channel == Channel::kFrameStats) {
     frame_stats_t stats;
     if (!decode(event.data, stats).empty() || header.frame <= last_frame_) return;
@@ -90,6 +91,22 @@ std::optional<LogIndex::Start> LogIndex::start_of(int64_t frame) const {
   const auto states = newest(states_, frame);
   if (!states) return std::nullopt;
   return Start{*states, newest(touching_, frame).value_or(touching_.front())};
+}
+
+std::vector<LogIndex::Mark> LogIndex::proximity_marks(int64_t first, int64_t last,
+                                                      size_t max) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Mark> marks;
+  auto mark = std::lower_bound(proximity_.begin(), proximity_.end(), first,
+                               [](const Mark& known, int64_t f) { return known.frame < f; });
+  for (; mark != proximity_.end() && mark->frame <= last && marks.size() < max; ++mark)
+    marks.push_back(*mark);
+  return marks;
+}
+
+bool LogIndex::has_proximity() const {
+  const std::lock_guard lock(mutex_);
+  return !proximity_.empty();
 }
 
 std::string LogIndex::to_json(size_t max_samples) const {
@@ -172,9 +189,46 @@ std::shared_ptr<const Bytes> LogPlayer::frame(int64_t number) {
   return messages_.build(++built_, target, run_.touching(), begins_.all());
 }
 
+LogProximity::LogProximity(const LogIndex& index) : index_(index), reader_(index.log()) {
+  for (const std::vector<uint8_t>& piece : index.description())
+    run_.take(name_of(Channel::kRun), piece);
+}
+
+/// Reads the rows of a frame, whose messages follow each other. Returns whether all were read.
+bool LogProximity::read(const LogIndex::Mark& mark) {
+  reader_.seek(mark.offset);
+  LogEvent event;
+  while (reader_.next(event) == LogReader::Status::kEvent &&
+         event.channel == name_of(Channel::kProximity)) {
+    const RunReader::Update update = run_.take(event.channel, event.data);
+    if (update == RunReader::Update::kProximity) return run_.header()->frame == mark.frame;
+    if (update == RunReader::Update::kRejected) return false;
+  }
+  return false;
+}
+
+Bytes LogProximity::of(uint32_t body, int64_t since, std::chrono::milliseconds limit) {
+  constexpr size_t kMaxFrames = 2000, kMaxRows = 50'000;
+  const auto end = std::chrono::steady_clock::now() + limit;
+  ProximityMessage message(body, since);
+  const int64_t last = index_.last_frame();
+  const std::vector<LogIndex::Mark> marks = index_.proximity_marks(since, last, kMaxFrames);
+  int64_t to = std::max(since, last + 1);
+  run_.rewind();
+  for (size_t i = 0; i < marks.size(); ++i) {
+    if (read(marks[i])) message.add(marks[i].frame, nearest_parts(run_, body));
+    const bool is_full = message.size() > kMaxRows || std::chrono::steady_clock::now() > end;
+    if (!is_full && i + 1 < kMaxFrames) continue;
+    to = marks[i].frame + 1;
+    break;
+  }
+  return message.finish(to, index_.has_proximity());
+}
+
 namespace {
 
 constexpr size_t kIndexSamples = 2000;
+constexpr std::chrono::milliseconds kProximityTime{25};
 
 RunReader described(const LogIndex& index) {
   RunReader run;
@@ -188,8 +242,10 @@ RunReader described(const LogIndex& index) {
 
 /// Stored in WebClient::state and used by the client's own thread only.
 struct LogView::Player {
-  Player(const LogIndex& index, const RunGeometry& geometry) : player(index, geometry) {}
+  Player(const LogIndex& index, const RunGeometry& geometry)
+      : player(index, geometry), proximity(index) {}
   LogPlayer player;
+  LogProximity proximity;
 };
 
 LogView::LogView(const std::filesystem::path& log, const WebOptions& options, std::string_view page)
@@ -215,6 +271,9 @@ void LogView::on_text(WebClient& client, std::string_view text) {
   if (query.contacts)
     client.send_binary(std::make_shared<Bytes>(
         index_.history().changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
+  if (query.proximity)
+    client.send_binary(std::make_shared<Bytes>(
+        player.proximity.of(*query.proximity, query.since.value_or(0), kProximityTime)));
   if (query.person) {
     client.send_text(
         index_.history().of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "lcm_io/log/log_gaps.h"
 #include "viewer/server/frame_message.h"
 #include "viewer/server/pair_history.h"
+#include "viewer/server/proximity_message.h"
 #include "viewer/server/web_server.h"
 
 namespace throng {
@@ -37,6 +39,10 @@ class LogIndex {
     Mark touching;  ///< newest list at or before the frame
   };
   std::optional<Start> start_of(int64_t frame) const;
+
+  /// Returns up to `max` frames with proximity rows, from `first` to `last`.
+  std::vector<Mark> proximity_marks(int64_t first, int64_t last, size_t max) const;
+  bool has_proximity() const;
 
   /// The last frame known so far; -1: none.
   int64_t last_frame() const { return last_frame_; }
@@ -71,7 +77,7 @@ class LogIndex {
   PairBegins begins_;
   PairHistory history_;
   mutable std::mutex mutex_;
-  std::vector<Mark> states_, touching_;
+  std::vector<Mark> states_, touching_, proximity_;
   std::vector<Sample> samples_;  // in frame order
   std::string problem_;
   std::atomic<int64_t> last_frame_{-1};
@@ -104,6 +110,24 @@ class LogPlayer {
   PairBegins begins_;
   int64_t frame_ = -1;
   double built_ = 0;
+};
+
+/// LogProximity lists the nearest others of a body in a log, some frames at a time, so that a
+/// client's other requests do not wait.
+class LogProximity {
+ public:
+  /// Keeps a reference.
+  explicit LogProximity(const LogIndex& index);
+
+  /// Returns a proximity message from a frame on. It ends where `limit` or the known log ends.
+  Bytes of(uint32_t body, int64_t since, std::chrono::milliseconds limit);
+
+ private:
+  bool read(const LogIndex::Mark& mark);
+
+  const LogIndex& index_;
+  LogReader reader_;
+  RunReader run_;
 };
 
 /// LogView serves a log: each client plays, steps and scrubs independently. The client requests

@@ -19,9 +19,12 @@ ViewQuery parse_view_query(std::string_view text) {
   query.frame = number("frame", kMaxFrame);
   query.since = number("since", kMaxFrame);
   // Without a valid frame the answer would list the whole run.
-  if (query.since || !json.contains("since"))
+  if (query.since || !json.contains("since")) {
     if (const auto contacts = number("contacts", int64_t{1} << 53))
       query.contacts = static_cast<uint64_t>(*contacts);
+    if (const auto body = number("proximity", UINT32_MAX))
+      query.proximity = static_cast<uint32_t>(*body);
+  }
   if (const auto person = number("history", UINT32_MAX))
     query.person = static_cast<uint32_t>(*person);
   query.index = json.contains("index");

@@ -16,6 +16,9 @@ struct ViewQuery {
   /// {"contacts": n, "since": frame}: those in this frame or later.
   std::optional<uint64_t> contacts;
   std::optional<int64_t> since;
+  /// {"proximity": id, "since": frame}: the nearest parts of the others from this frame on, as
+  /// ProximityHead states. The answer may end early; a page requests the rest with another query.
+  std::optional<uint32_t> proximity;
 };
 
 /// Maximum number of pairs in an answer about one person.

@@ -21,6 +21,17 @@ export function peaks(values: ArrayLike<number>, columns: number): number[] {
   return out;
 }
 
+/** Returns the least value of each of `columns` slices. */
+export function valleys(values: ArrayLike<number>, columns: number): number[] {
+  return Array.from({length: columns}, (_, c) => {
+    const from = Math.floor((c * values.length) / columns);
+    const to = Math.max(from + 1, Math.floor(((c + 1) * values.length) / columns));
+    let min = Infinity;
+    for (let i = from; i < to && i < values.length; ++i) min = Math.min(min, values[i]);
+    return min;
+  });
+}
+
 /** Rounds up to 1, 2 or 5 times a power of ten. */
 export function roundUp(value: number): number {
   if (value <= 0) return 1;
@@ -37,19 +48,62 @@ export class Chart {
     this.context = canvas.getContext('2d', {willReadFrequently: true})!;
   }
 
-  /** `label`: formats a value; `cursor`: 0 to 1 along the time axis, or -1. */
-  draw(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
+  /** Returns the size in CSS pixels of the emptied canvas; null while it is not shown. */
+  private cleared(): [number, number] | null {
     const ratio = window.devicePixelRatio || 1;
     const width = this.canvas.clientWidth;
     const height = this.canvas.clientHeight;
-    if (width === 0) return;
+    if (width === 0) return null;
     if (this.canvas.width !== Math.round(width * ratio)) {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
     }
+    this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.context.clearRect(0, 0, width, height);
+    return [width, height];
+  }
+
+  private finish(top: string, style: ChartStyle, cursor: number): void {
     const c = this.context;
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    c.clearRect(0, 0, width, height);
+    const width = this.canvas.clientWidth;
+    c.fillStyle = style.text;
+    c.font = '10px system-ui, sans-serif';
+    c.fillText(top, 3, 10);
+    if (cursor < 0) return;
+    c.fillStyle = style.cursor;
+    c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, this.canvas.clientHeight);
+  }
+
+  /** Draws the least values, with gaps where none is finite. */
+  drawLeast(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
+    const size = this.cleared();
+    if (!size) return;
+    const [width, height] = size;
+    const c = this.context;
+    const columns = Math.max(2, Math.min(Math.floor(width), values.length));
+    const lows = valleys(values, columns);
+    const top = roundUp(lows.reduce((most, low) => (low < Infinity ? Math.max(most, low) : most), 0));
+    c.beginPath();
+    lows.forEach((low, i) => {
+      if (low === Infinity) return;
+      const x = (i / (columns - 1)) * (width - 2) + 1;
+      const y = height - 1.5 - (low / top) * (height - 4);
+      if (i > 0 && lows[i - 1] < Infinity) c.lineTo(x, y);
+      else c.moveTo(x - 0.75, y);
+      c.lineTo(x + 0.75, y); // a single value is visible
+    });
+    c.strokeStyle = style.line;
+    c.lineWidth = 1.5;
+    c.stroke();
+    this.finish(label(top), style, cursor);
+  }
+
+  /** `label`: formats a value; `cursor`: 0 to 1 along the time axis, or -1. */
+  draw(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
+    const size = this.cleared();
+    if (!size) return;
+    const [width, height] = size;
+    const c = this.context;
     const columns = Math.max(2, Math.min(Math.floor(width), values.length));
     const heights = peaks(values, columns);
     const top = roundUp(Math.max(0, ...heights));
@@ -66,11 +120,6 @@ export class Chart {
     c.strokeStyle = style.line;
     c.lineWidth = 1.5;
     c.stroke();
-    c.fillStyle = style.text;
-    c.font = '10px system-ui, sans-serif';
-    c.fillText(label(top), 3, 10);
-    if (cursor < 0) return;
-    c.fillStyle = style.cursor;
-    c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, height);
+    this.finish(label(top), style, cursor);
   }
 }

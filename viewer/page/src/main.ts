@@ -10,8 +10,9 @@ import {Finder, type Finding} from './find.ts';
 import {CHEST, heightOf, pointOf} from './framing.ts';
 import {readLink, renderCommand, withTheme, writeLink, type PageView} from './link.ts';
 import {pick, poseOf} from './picking.ts';
+import {MAX_CLOSEST, ProximityPanel} from './proximity_panel.ts';
 import {clock, SPEEDS} from './playback.ts';
-import {isPresent, nameOf, pairAt, personOf, type Frame, type Run} from './protocol.ts';
+import {isPresent, nameOf, pairAt, personOf, type Frame, type ProximityRow, type Run} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, socketUrl, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
@@ -56,6 +57,7 @@ class Page {
   private readonly stage = new Stage(el<HTMLCanvasElement>('stage'));
   private readonly card = new Card((id) => this.choose(id));
   private readonly contacts = new ContactsPanel((contact) => this.showContact(contact), () => this.refocus());
+  private readonly proximity = new ProximityPanel((frame) => this.rest(frame), (id) => this.choose(id));
   private readonly finder = new Finder((finding) => this.showFinding(finding));
   private readonly pairChart = new Chart(el<HTMLCanvasElement>('pairChart'));
   private readonly timeChart = new Chart(el<HTMLCanvasElement>('timeChart'));
@@ -145,6 +147,10 @@ class Page {
         if (id === this.card.id) this.card.setHistory(past as any);
         this.isPanelOld = true;
       },
+      proximity: () => {
+        this.showDistances();
+        this.isPanelOld = true;
+      },
       notice: (title: string, detail?: string, retry?: () => void) => this.notice(title, detail, retry),
     };
     const recording = document.getElementById('recording');
@@ -190,6 +196,7 @@ class Page {
     this.recolor();
     this.updateFocus();
     this.updateCard();
+    this.showDistances();
     if (isFirst && this.link) this.openLink(this.link);
     if (isFirst) this.link = null;
   }
@@ -256,6 +263,7 @@ class Page {
     this.updateLink(now);
     this.requestHistory(now, frame, source);
     this.updateCard();
+    this.proximity.update(run, source.proximity, frame.number, source.playback, this.chartStyle());
     this.updateFacts(frame, run);
   }
 
@@ -297,6 +305,18 @@ class Page {
 
   private updateCard(): void {
     if (this.run && this.frame) this.card.update(this.run, this.frame);
+  }
+
+  /** Draws lines to the nearest others of the selected person or robot. */
+  private showDistances(): void {
+    const {source, frame} = this;
+    if (!source || !frame) return;
+    this.stage.setDistances(source.proximity.body, this.nearest(frame));
+    this.updateFocus();
+  }
+
+  private nearest(frame: Frame): ProximityRow[] {
+    return this.source?.proximity.at(frame.number).slice(0, MAX_CLOSEST) ?? [];
   }
 
   private updateFacts(frame: Frame, run: Run): void {
@@ -404,14 +424,20 @@ class Page {
   private showContact(contact: Contact): void {
     const {run, source} = this;
     if (!run || !source) return;
-    if (source.playback) {
-      source.playback.playing = false;
-      source.playback.seek(contact.begin);
-      source.tick(0);
-    }
+    this.rest(contact.begin);
     this.selectBodies([contact.a, contact.b], this.contacts.filter.ofParts ? contact : null);
     this.follow(-1);
     this.whenFrame(source.playback ? contact.begin : -1, () => this.lookAt([contact.a, contact.b]));
+  }
+
+  /** Stops at a frame of a recorded run. */
+  private rest(frame: number): void {
+    const {source} = this;
+    if (!source?.playback) return;
+    source.playback.playing = false;
+    source.playback.seek(frame);
+    source.tick(0);
+    this.isPanelOld = true;
   }
 
   /** Calls `then` as soon as a frame is shown; -1: at once. */
@@ -458,6 +484,7 @@ class Page {
     const staysWithout = !isResting || filter.with === 'robots' || filter.body >= 0;
     for (let id = 0; id < run.avatars && staysWithout; ++id) if (choosesPerson(run, filter, id)) flags[id] = 1;
     for (const id of this.selected) if (id < run.avatars) flags[id] = 1;
+    for (const {other} of this.nearest(frame)) if (other < run.avatars) flags[other] = 1;
     return flags;
   }
 
@@ -653,6 +680,8 @@ class Page {
     this.stage.select(...this.selected);
     this.updateFocus();
     const person = this.selected.find((body) => run && body < run.avatars);
+    this.source?.loadProximity(person ?? -1);
+    this.showDistances();
     if (person === undefined || !run) return this.card.close();
     if (isNarrow() && this.selected.length === 1) this.togglePanel(false);
     this.card.open(run, person);

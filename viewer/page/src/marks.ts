@@ -3,9 +3,9 @@
 import {Matrix4, Quaternion, Vector3, type Camera} from 'three';
 import {Grid} from './cells.ts';
 import type {Bodies} from './filter.ts';
-import {CHEST, pointOf} from './framing.ts';
-import {poseOf, type PartPose} from './picking.ts';
-import {PAIR_WORDS, WHOLE_BODY, type Frame, type Run} from './protocol.ts';
+import {DistanceLines} from './distance_lines.ts';
+import {centreOf, type PartPose} from './picking.ts';
+import {PAIR_WORDS, type Frame, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
 
 const DIAMETER_PX = 9;
@@ -74,6 +74,7 @@ export class Marks {
   accepts: (frame: Frame, pair: number) => boolean = () => true;
   /** The contact whose mark alone is large; null: those of the selected bodies. */
   contact: Bodies | null = null;
+  readonly distances = new DistanceLines();
   readonly canvas = document.createElement('canvas');
   private readonly context = this.canvas.getContext('2d')!;
   private readonly sprites = new Map<number, HTMLCanvasElement>();
@@ -108,18 +109,21 @@ export class Marks {
 
   /** Draws the marks of a frame; without one, removes them. */
   draw(run: Run, frame: Frame | null, camera: Camera, selected: readonly number[]): void {
-    const wasEmpty = this.count === 0;
+    const wasEmpty = this.count === 0 && this.distances.shown === 0;
     this.count = 0;
     if (frame) this.collect(run, frame, camera, selected);
-    if (wasEmpty && this.count === 0) return;
+    this.distances.place(run, frame, this.matrix, this.canvas.width / this.ratio, this.canvas.height / this.ratio);
+    if (wasEmpty && this.count === 0 && this.distances.shown === 0) return;
     this.placed = spread(this.points, this.radii, this.count);
     const {context, ratio} = this;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.distances.draw(context);
     this.drawLeaders();
     for (const isSelected of [0, 1])
       for (let i = 0; i < this.count; ++i) if ((this.levels[i] & 1) === isSelected) this.stamp(i);
+    this.distances.label(context);
   }
 
   /** Returns the index of the pair whose mark lies under a pixel, or -1. */
@@ -174,17 +178,10 @@ export class Marks {
     const words = frame.pairWords;
     const at = PAIR_WORDS * pair;
     const [a, b, rest] = [words[at], words[at + 1], words[at + 2]];
-    if (a >= run.avatars) return this.centreOf(run, frame, b, (rest >>> 8) & 0xff, this.centre);
-    this.centreOf(run, frame, a, rest & 0xff, this.centre);
+    if (a >= run.avatars) return centreOf(run, frame, b, (rest >>> 8) & 0xff, this.centre, this.pose);
+    centreOf(run, frame, a, rest & 0xff, this.centre, this.pose);
     if (b >= run.avatars) return this.centre;
-    return this.centre.lerp(this.centreOf(run, frame, b, (rest >>> 8) & 0xff, this.other), 0.5);
-  }
-
-  private centreOf(run: Run, frame: Frame, id: number, part: number, out: Vector3): Vector3 {
-    if (part === WHOLE_BODY) return pointOf(run, frame, id, CHEST, out);
-    const pose = poseOf(run, frame, id, part, this.pose);
-    const [x, y, z] = run.models[run.modelOfAvatar[id]].parts[part].box.centre_m;
-    return out.set(x, y, z).multiplyScalar(run.scaleOfAvatar[id]).applyQuaternion(pose.rotation).add(pose.origin);
+    return this.centre.lerp(centreOf(run, frame, b, (rest >>> 8) & 0xff, this.other, this.pose), 0.5);
   }
 
   private isSelected(frame: Frame, pair: number, selected: readonly number[]): boolean {

@@ -1,6 +1,7 @@
 // pick() finds the person under the pointer: the ray against the oriented boxes of body parts.
 import {Quaternion, Ray, Sphere, Vector3} from 'three';
-import {isPresent, type Frame, type Run} from './protocol.ts';
+import {CHEST, pointOf} from './framing.ts';
+import {isPresent, WHOLE_BODY, type Frame, type Run} from './protocol.ts';
 
 const low = (word: number): number => (word << 16) >> 16;
 const high = (word: number): number => word >> 16;
@@ -24,6 +25,14 @@ export function poseOf(run: Run, frame: Frame, avatar: number, part: number, out
   out.origin.z += frame.positions[4 * avatar + 2];
   out.rotation.set(low(z), high(z), low(w), high(w)).normalize();
   return out;
+}
+
+/** Returns the middle of a part; the chest for a whole body. */
+export function centreOf(run: Run, frame: Frame, id: number, part: number, out = new Vector3(), pose = newPose()): Vector3 {
+  if (part === WHOLE_BODY) return pointOf(run, frame, id, CHEST, out);
+  poseOf(run, frame, id, part, pose);
+  const [x, y, z] = run.models[run.modelOfAvatar[id]].parts[part].box.centre_m;
+  return out.set(x, y, z).multiplyScalar(run.scaleOfAvatar[id]).applyQuaternion(pose.rotation).add(pose.origin);
 }
 
 /** Returns the distance along the ray to a box around the origin, or Infinity. */

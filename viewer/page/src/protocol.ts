@@ -6,9 +6,12 @@ import type {Motion} from './motion.ts';
 const RUN_MESSAGE = 0x31525454;
 const FRAME_MESSAGE = 0x31465454;
 const CONTACTS_MESSAGE = 0x31435454;
+const PROXIMITY_MESSAGE = 0x31445454;
 const HEAD_BYTES = 64;
 const CONTACTS_HEAD_BYTES = 32;
 const CHANGE_WORDS = 7;
+const PROXIMITY_HEAD_BYTES = 32;
+const PROXIMITY_WORDS = 5;
 
 export const AVATAR_WORDS = 4;
 export const PART_WORDS = 4;
@@ -124,7 +127,7 @@ function meshAt(place: MeshPlace, buffer: ArrayBuffer, base: number): Mesh {
 }
 
 /** Returns the kind of a binary message; '' for unknown ones. */
-export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | '' {
+export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | 'proximity' | '' {
   if (buffer.byteLength < 8) return '';
   switch (new DataView(buffer).getUint32(0, true)) {
     case RUN_MESSAGE:
@@ -133,6 +136,8 @@ export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | '' {
       return 'frame';
     case CONTACTS_MESSAGE:
       return 'contacts';
+    case PROXIMITY_MESSAGE:
+      return 'proximity';
     default:
       return '';
   }
@@ -232,6 +237,58 @@ export function decodeContacts(buffer: ArrayBuffer): ContactChanges {
     return {kind, frame, began, a, b, partA: rest & 0xff, partB: (rest >>> 8) & 0xff, x_m: floats[at + 5], y_m: floats[at + 6]};
   });
   return {first: head.getFloat64(8, true), known: head.getFloat64(16, true), frame: head.getFloat64(24, true), changes};
+}
+
+/** The nearest parts of a body and another one in a frame. */
+export interface ProximityRow {
+  frame: number;
+  other: number;
+  part: number;
+  otherPart: number;
+  level: number;
+  /** Bounds of the distance. */
+  lo_m: number;
+  hi_m: number;
+  /** The closest points of the body and the other one; null: unknown. */
+  points: [Vec3, Vec3] | null;
+}
+
+export interface ProximityRows {
+  body: number;
+  /** Whether the run has proximity rows so far. */
+  isRecorded: boolean;
+  /** The rows cover frames from <= frame < to, in their order. */
+  from: number;
+  to: number;
+  rows: ProximityRow[];
+}
+
+/** Throws a RangeError if the length contradicts the head. */
+export function decodeProximity(buffer: ArrayBuffer): ProximityRows {
+  if (kindOf(buffer) !== 'proximity') throw new RangeError('not a proximity message');
+  const view = new DataView(buffer);
+  const count = view.getUint32(4, true);
+  const pointsAt = Math.ceil((PROXIMITY_HEAD_BYTES + 4 * PROXIMITY_WORDS * count) / 8) * 8;
+  if (pointsAt > buffer.byteLength) throw new RangeError('proximity message has a wrong length');
+  const coordinates = new Float64Array(buffer, pointsAt);
+  let next = 0;
+  const point = (): Vec3 => [coordinates[next++], coordinates[next++], coordinates[next++]];
+  const rows = Array.from({length: count}, (_, i): ProximityRow => {
+    const at = PROXIMITY_HEAD_BYTES + 4 * PROXIMITY_WORDS * i;
+    return {
+      frame: view.getInt32(at, true),
+      other: view.getUint32(at + 4, true),
+      part: view.getUint8(at + 8),
+      otherPart: view.getUint8(at + 9),
+      level: view.getUint8(at + 10),
+      lo_m: view.getFloat32(at + 12, true),
+      hi_m: view.getFloat32(at + 16, true),
+      points: view.getUint8(at + 11) === 1 ? [point(), point()] : null,
+    };
+  });
+  if (next !== coordinates.length) throw new RangeError('proximity message has a wrong length');
+  const [body, recorded] = [view.getUint32(8, true), view.getUint32(12, true)];
+  return {body, isRecorded: recorded === 1, from: view.getFloat64(16, true), to: view.getFloat64(24, true), rows};
 }
 
 export interface Person {

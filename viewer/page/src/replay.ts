@@ -2,7 +2,7 @@
 // Invariant: its frames have the form of the server's frames; the rest of the page sees no difference.
 import {Grid} from './cells.ts';
 import {Motion, ROOT_FLOATS, type Basis} from './motion.ts';
-import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type Run} from './protocol.ts';
+import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type ProximityRow, type ProximityRows, type Run, type Vec3} from './protocol.ts';
 
 // Overlapping spheres of recorded runs; the server marks them in its own frames.
 
@@ -33,6 +33,23 @@ interface Head {
   keys: number[];
   frame_us: number[];
   models: Basis[];
+  /** `dropped`: the rows did not fit into the file. */
+  nearest?: {bodies: number; rows: number; at: number; dropped: boolean};
+}
+
+/** Proximity rows of all bodies: the nearest parts of each two, by their ids, then by frames. */
+interface Nearest {
+  a: Int32Array;
+  b: Int32Array;
+  frame: Int32Array;
+  partA: Uint8Array;
+  partB: Uint8Array;
+  level: Uint8Array;
+  lo_m: Float32Array;
+  hi_m: Float32Array;
+  /** Index of a row's points; -1: unknown. */
+  pointAt: Int32Array;
+  points: Float64Array; // column by column: x, y, z of a's, then of b's
 }
 
 /** A contact from its begin frame to the frame before its end. */
@@ -50,6 +67,10 @@ export interface ContactInterval {
   isLost: boolean;
 }
 
+/** Step of closest points, in metres. */
+const POINT_M = 1e-6;
+/** Flag in the level of a proximity row: its points are known. */
+const HAS_POINTS = 128;
 const BEGAN_BEFORE = 1;
 const END_LOST = 2;
 
@@ -74,7 +95,7 @@ export class Varints {
   }
 
   /** Reads `count` numbers, each the deviation from a straight line through the previous two. */
-  curve(out: Float32Array | Int16Array, from: number, stride: number, count: number, unit: number): void {
+  curve(out: Float32Array | Float64Array | Int16Array | Int32Array, from: number, stride: number, count: number, unit: number): void {
     let last = 0;
     let slope = 0;
     for (let i = 0; i < count; ++i) {
@@ -111,6 +132,8 @@ export class Replay {
   private readonly head: Head;
   private readonly motion: Motion;
   private readonly spheres: Float32Array;
+  private readonly columns: Uint8Array;
+  private nearest: Nearest | null = null;
   private readonly bySecond: number[][] = [];
   private readonly perBucket: number;
   private pairsOf = -1; // the frame of the following two
@@ -128,7 +151,7 @@ export class Replay {
     this.problem = this.head.problem;
     this.frame_ms = this.head.frame_us.map((us) => us / 1000);
     this.perBucket = Math.max(1, Math.round(1 / this.run.step_s));
-    const columns = new Uint8Array(buffer, columnsAt);
+    const columns = (this.columns = new Uint8Array(buffer, columnsAt));
     const numbers = new Varints(columns);
     this.motion = new Motion(this.run, this.head.models, this.head.keys, this.head, numbers);
     this.spheres = new Float32Array(4 * this.run.avatars);
@@ -159,6 +182,58 @@ export class Replay {
       const isLost = (flags[i] & END_LOST) !== 0;
       this.intervals.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end, began, isLost});
     }
+  }
+
+  /** Whether proximity rows were left out of the file, which they would have made too large. */
+  get isProximityDropped(): boolean {
+    return this.head.nearest?.dropped ?? false;
+  }
+
+  /** Returns the nearest parts of the others, in the order of frames. */
+  proximity(body: number): ProximityRows {
+    const {nearest} = this.head;
+    const range = {body, isRecorded: nearest !== undefined, from: 0, to: this.frames};
+    if (!nearest) return {...range, rows: []};
+    const all = (this.nearest ??= this.readProximity(nearest.bodies, nearest.rows, nearest.at));
+    const rows: ProximityRow[] = [];
+    for (let i = 0; i < nearest.rows; ++i)
+      if (all.a[i] === body || all.b[i] === body) rows.push(nearOf(all, i, body));
+    return {...range, rows: rows.sort((p, q) => p.frame - q.frame || p.other - q.other)};
+  }
+
+  private readProximity(bodies: number, count: number, at: number): Nearest {
+    const numbers = new Varints(this.columns, at);
+    const ends = new Int32Array(bodies);
+    const [a, b] = [new Int32Array(count), new Int32Array(count)];
+    let [lastA, lastB, end] = [0, 0, 0];
+    for (let i = 0; i < bodies; ++i) {
+      lastA += numbers.next();
+      lastB += numbers.next();
+      const begin = end;
+      ends[i] = end += numbers.next();
+      a.fill(lastA, begin, end);
+      b.fill(lastB, begin, end);
+    }
+    const curves = <Out extends Int32Array | Float64Array>(out: Out, stops: Int32Array, unit = 1): Out => {
+      stops.forEach((stop, i) => numbers.curve(out, i > 0 ? stops[i - 1] : 0, 1, stop - (i > 0 ? stops[i - 1] : 0), unit));
+      return out;
+    };
+    const frame = curves(new Int32Array(count), ends);
+    const [partA, partB, level] = [numbers.bytesOf(count), numbers.bytesOf(count), numbers.bytesOf(count)];
+    const lo = curves(new Int32Array(count), ends);
+    const hi = curves(new Int32Array(count), ends).map((more, i) => lo[i] + more);
+    let known = 0;
+    const pointAt = Int32Array.from(level, (flags) => (flags & HAS_POINTS ? known++ : -1));
+    // Bodies without a row with points have an empty curve.
+    const pointEnds = Int32Array.from(ends);
+    let [row, seen] = [0, 0];
+    ends.forEach((stop, i) => {
+      for (; row < stop; ++row) if (pointAt[row] >= 0) ++seen;
+      pointEnds[i] = seen;
+    });
+    const points = new Float64Array(6 * known);
+    for (let column = 0; column < 6; ++column) curves(points.subarray(column * known, (column + 1) * known), pointEnds, POINT_M);
+    return {a, b, frame, partA, partB, level, lo_m: new Float32Array(lo.buffer), hi_m: new Float32Array(hi.buffer), pointAt, points};
   }
 
   private countPairs(): Int32Array {
@@ -271,6 +346,24 @@ export class Replay {
       if (b < run.avatars) motion.mark(b, partB, level + 1);
     });
   }
+}
+
+function nearOf(all: Nearest, i: number, body: number): ProximityRow {
+  const isA = all.a[i] === body;
+  const [own, other] = isA ? [all.partA[i], all.partB[i]] : [all.partB[i], all.partA[i]];
+  const known = all.points.length / 6;
+  const point = (first: number): Vec3 =>
+    [0, 1, 2].map((axis) => all.points[(first + axis) * known + all.pointAt[i]]) as Vec3;
+  return {
+    frame: all.frame[i],
+    other: isA ? all.b[i] : all.a[i],
+    part: own,
+    otherPart: other,
+    level: all.level[i] & ~HAS_POINTS,
+    lo_m: all.lo_m[i],
+    hi_m: all.hi_m[i],
+    points: all.pointAt[i] < 0 ? null : isA ? [point(0), point(3)] : [point(3), point(0)],
+  };
 }
 
 function markPerson(run: Run, people: Uint32Array, body: number, mark: number): void {

@@ -2,7 +2,8 @@
 import type {PastContact} from './card.ts';
 import {ContactLog} from './contacts.ts';
 import {clock, Playback} from './playback.ts';
-import {decodeContacts, decodeFrame, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
+import {ProximityLog} from './proximity.ts';
+import {decodeContacts, decodeFrame, decodeProximity, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
 import {Replay} from './replay.ts';
 
 // The connection to `throng view` sends requests, receives messages and reconnects after a loss.
@@ -91,6 +92,8 @@ export interface SourceEvents {
   frame(frame: Frame): void;
   series(series: Series): void;
   history(id: number, past: PastContact[]): void;
+  /** Called after a change of Source.proximity. */
+  proximity(): void;
   /** Shows a notice in the middle of the page; '' hides it. `retry` adds a button. */
   notice(title: string, detail?: string, retry?: () => void): void;
 }
@@ -110,11 +113,17 @@ export interface Source {
   readonly contacts: ContactLog;
   /** Begins to fill `contacts`. */
   loadContacts(): void;
+  /** Distances of one body, for runs with proximity rows; of the latest LIVE_S of a live run. */
+  readonly proximity: ProximityLog;
+  /** Begins to fill `proximity` for a body; -1: for none. */
+  loadProximity(body: number): void;
 }
 
 const ANSWER_MS = 2000;
 /** Time between two requests for new contacts. */
 const CONTACTS_MS = 500;
+/** Time between two requests for new distances. */
+const PROXIMITY_MS = 250;
 const LIVE_S = 60;
 const SAMPLES = 600;
 
@@ -142,6 +151,8 @@ export class ServerSource implements Source {
   private contactsAt = 0;
   /** Whether the log was read completely when contacts were requested last. */
   private wasComplete = false;
+  readonly proximity = new ProximityLog();
+  private proximityAt = 0;
 
   constructor(
     url: string,
@@ -150,7 +161,7 @@ export class ServerSource implements Source {
     this.connection = new Connection(url, {
       connected: () => {
         this.requested = -1;
-        this.lastSeq = this.contactsAt = 0;
+        this.lastSeq = this.contactsAt = this.proximityAt = 0;
         events.notice('');
       },
       lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
@@ -167,6 +178,7 @@ export class ServerSource implements Source {
     const {playback, connection} = this;
     const now = performance.now();
     this.requestContacts(now);
+    this.requestProximity(now);
     if (!playback) {
       if (connection.open && this.run && !this.isEnded && this.receivedAt > 0 && now - this.receivedAt > 2500)
         this.events.notice('No frames', 'waiting for the next frame');
@@ -192,6 +204,7 @@ export class ServerSource implements Source {
   private binary(buffer: ArrayBuffer): void {
     const start = performance.now();
     if (kindOf(buffer) === 'contacts') return this.takeContacts(buffer);
+    if (kindOf(buffer) === 'proximity') return this.takeProximity(buffer);
     if (kindOf(buffer) === 'run') {
       const run = decodeRun(buffer);
       const isSame = this.run !== null && this.run.run_id === run.run_id && this.run.mode === run.mode;
@@ -202,6 +215,7 @@ export class ServerSource implements Source {
       this.pairs.length = this.frame_ms.length = 0;
       this.contacts.clear();
       this.nextChange = this.contactsAt = 0;
+      this.loadProximity(this.proximity.body, true);
       if (run.mode === 'log' && !(isSame && this.playback)) this.playback = new Playback(run.step_s);
       if (run.mode === 'live') this.playback = null;
       this.events.run(run);
@@ -247,6 +261,29 @@ export class ServerSource implements Source {
     if (!this.playback) this.contacts.forget(frame - LIVE_S / this.run.step_s);
     const isAll = this.nextChange >= known;
     this.contactsAt = !isAll ? 0 : this.playback && this.wasComplete ? Infinity : performance.now() + CONTACTS_MS;
+  }
+
+  loadProximity(body: number, isAnew = body !== this.proximity.body): void {
+    if (!isAnew) return;
+    this.proximity.reset(body);
+    this.proximityAt = 0;
+  }
+
+  /** A request without an answer is repeated. */
+  private requestProximity(now: number): void {
+    const {proximity} = this;
+    if (proximity.body < 0 || !this.run || !this.connection.open || now < this.proximityAt) return;
+    this.proximityAt = now + ANSWER_MS;
+    this.connection.send({proximity: proximity.body, since: proximity.to});
+  }
+
+  private takeProximity(buffer: ArrayBuffer): void {
+    const {proximity, playback, run} = this;
+    if (!run || !proximity.take(decodeProximity(buffer))) return;
+    if (!playback) proximity.forget(proximity.to - LIVE_S / run.step_s);
+    const isAll = !playback || proximity.to >= playback.frames;
+    this.proximityAt = !isAll ? 0 : playback && this.isComplete ? Infinity : performance.now() + PROXIMITY_MS;
+    this.events.proximity();
   }
 
   private remember(frame: Frame): void {
@@ -315,6 +352,17 @@ export class FileSource implements Source {
 
   loadContacts(): void {
     if (this.contacts.lastFrame < 0) this.contacts.take(this.replay.changes(), this.replay.frames - 1);
+  }
+
+  readonly proximity = new ProximityLog();
+
+  loadProximity(body: number): void {
+    const {proximity, replay} = this;
+    if (body === proximity.body) return;
+    proximity.reset(body);
+    if (body >= 0) proximity.take(replay.proximity(body));
+    proximity.note = replay.isProximityDropped ? 'left out of this file, which they would make too large; throng view LOG shows them' : '';
+    this.events.proximity();
   }
 
   requestHistory(id: number, frame: number): void {

@@ -21,7 +21,7 @@ import {Crowd, type Layer} from './crowd.ts';
 import {around, fit, pointOf, scenePoints, type Rect, type View} from './framing.ts';
 import {Marks} from './marks.ts';
 import {HeatMap, type HeatCells} from './heat.ts';
-import {personOf, type Frame, type Run} from './protocol.ts';
+import {personOf, type Frame, type ProximityRow, type Run} from './protocol.ts';
 import {GROUND_FRAGMENT, SOLID_VERTEX, shaderMaterial, type Uniforms} from './shaders.ts';
 import {THEMES, type ThemeName} from './theme.ts';
 import {Walls} from './walls.ts';
@@ -396,6 +396,15 @@ export class Stage {
   /** Shows a floor map; null hides it. */
   setHeat(cells: HeatCells | null, isDark: boolean): void {
     this.heat.set(cells, isDark);
+    this.isChanged = true;
+  }
+
+  /** Draws lines between a body and the nearest others. */
+  setDistances(body: number, rows: ProximityRow[]): void {
+    const {distances} = this.marks;
+    if (distances.rows.length === 0 && rows.length === 0) return;
+    distances.body = body;
+    distances.rows = rows;
     this.isChanged = true;
   }
 
