@@ -69,7 +69,7 @@ export class DistanceLines {
 
   /** Writes the distances, of which none covers another. */
   label(context: CanvasRenderingContext2D): void {
-    context.font = '12px system-ui, sans-serif';
+    context.font = "13px 'Source Sans 3', sans-serif";
     context.textBaseline = 'middle';
     const taken: [number, number, number][] = []; // left, right, middle
     for (const {from, to, text} of this.lines) {

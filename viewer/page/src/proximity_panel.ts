@@ -99,7 +99,8 @@ export class ProximityPanel {
 
 function rowOf(run: Run, body: number, near: ProximityRow): HTMLElement {
   const other = [nameOf(run, near.other), partNameOf(run, near.other, near.otherPart)].filter(Boolean).join(' ');
-  const attributes: Record<string, string> = near.other < run.avatars ? {'data-body': String(near.other)} : {};
+  const isAvatar = near.other < run.avatars;
+  const attributes: Record<string, string> = isAvatar ? {'data-body': String(near.other)} : {};
   const text = `${partNameOf(run, body, near.part)} – ${other}`;
-  return make('li', attributes, make('i', {style: 'background:#c9930a'}), make('span', {}, text), make('time', {}, distanceText(near)));
+  return make('li', attributes, make('i', {style: 'background:#c9930a'}), make(isAvatar ? 'button' : 'span', {}, text), make('time', {}, distanceText(near)));
 }
