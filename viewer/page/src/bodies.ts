@@ -8,19 +8,20 @@ import {
   InstancedBufferGeometry,
 } from 'three';
 import type {Box, Model, Mesh, Part, Run, Vec3} from './protocol.ts';
-import {diamond, simplified, sleeve, vertexNormals} from './simplify.ts';
+import {largest, limbRibbons, partRibbons, simplified, sleeve, vertexNormals, type Ribbon} from './simplify.ts';
 import {slotOf} from './theme.ts';
 
 const HAIR = 3;
 
-/** The shape of a part at each level of detail, finest first. */
-const LEVELS: ((part: Part) => Mesh)[] = [
+/** The shape of a part at each level of detail with meshes, finest first. */
+const MESHES: ((part: Part) => Mesh)[] = [
   (part) => part.mesh,
   (part) => simplified(part.mesh, 0.028),
   (part) => sleeve(part.mesh, part.box, 6, 8),
   (part) => sleeve(part.mesh, part.box, 3, 5),
-  (part) => sleeve(part.mesh, part.box, 2, 4),
 ];
+/** Ribbons in the shadows of the most distant people: the trunk and both legs. */
+const SHADOW_RIBBONS = 3;
 
 interface Merged {
   positions: number[];
@@ -49,19 +50,58 @@ function append(out: Merged, mesh: Mesh, part: Part, index: number): void {
   for (const i of mesh.indices) out.indices.push(base + i);
 }
 
-/** Returns a model's geometry at every level of detail. */
-export function bodyGeometries(model: Model): InstancedBufferGeometry[] {
-  return LEVELS.map((shape) => merged(model, shape));
+export interface BodyLevel {
+  body: InstancedBufferGeometry;
+  /** Shares no attribute that changes with `body`. */
+  shadow: InstancedBufferGeometry;
+  /** Whether the geometries are ribbons, for other shaders. */
+  isRibbon: {body: boolean; shadow: boolean};
 }
 
-/** Returns the geometry that casts the shadows of distant people. */
-export function shadowGeometry(model: Model): InstancedBufferGeometry {
-  return merged(model, (part) => diamond(part.box));
+/** Returns a model's geometry at each level of detail, finest first. */
+export function bodyLevels(model: Model): BodyLevel[] {
+  const [full, close, near, middle] = MESHES.map((shape) => merged(model, shape));
+  const parts = ribbons(partRibbons(model), model);
+  const limbs = ribbons(limbRibbons(model), model);
+  const few = ribbons(largest(limbRibbons(model), model, SHADOW_RIBBONS), model);
+  const level = (body: InstancedBufferGeometry, shadow: InstancedBufferGeometry): BodyLevel => ({
+    body: sharing(body),
+    shadow: sharing(shadow),
+    isRibbon: {body: body.hasAttribute('edge'), shadow: shadow.hasAttribute('edge')},
+  });
+  return [level(full, middle), level(close, middle), level(near, parts), level(middle, parts), level(parts, limbs), level(limbs, few)];
+}
+
+/** `normal` is the axis; `edge` is how far a corner lies aside and, seen along the axis, ahead of its end. */
+function ribbons(list: readonly Ribbon[], model: Model): InstancedBufferGeometry {
+  const out: Merged = {positions: [], normals: [], partSlots: [], indices: []};
+  const edges: number[] = [];
+  for (const ends of list) {
+    const base = out.positions.length / 3;
+    ends.forEach(({part, at, axis, half_width_m}, end) => {
+      const {name} = model.parts[part];
+      const slot = /head/i.test(name) && end === 1 ? HAIR : slotOf(name);
+      for (const side of [-1, 1]) {
+        out.positions.push(...at);
+        out.normals.push(...axis);
+        out.partSlots.push(part, slot);
+        edges.push(side * half_width_m, (end === 0 ? -1 : 1) * half_width_m);
+      }
+    });
+    out.indices.push(base, base + 1, base + 2, base + 2, base + 1, base + 3);
+  }
+  const geometry = geometryOf(out);
+  geometry.setAttribute('edge', new BufferAttribute(new Float32Array(edges), 2));
+  return geometry;
 }
 
 function merged(model: Model, shape: (part: Part) => Mesh): InstancedBufferGeometry {
   const out: Merged = {positions: [], normals: [], partSlots: [], indices: []};
   model.parts.forEach((part, index) => append(out, shape(part), part, index));
+  return geometryOf(out);
+}
+
+function geometryOf(out: Merged): InstancedBufferGeometry {
   const geometry = new InstancedBufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(out.positions), 3));
   geometry.setAttribute('normal', new BufferAttribute(new Float32Array(out.normals), 3));
@@ -71,9 +111,9 @@ function merged(model: Model, shape: (part: Part) => Mesh): InstancedBufferGeome
 }
 
 /** Returns a geometry that shares vertices with `shape`, for another list of people. */
-export function sharing(shape: InstancedBufferGeometry): InstancedBufferGeometry {
+function sharing(shape: InstancedBufferGeometry): InstancedBufferGeometry {
   const geometry = new InstancedBufferGeometry();
-  for (const name of ['position', 'normal', 'partSlot']) geometry.setAttribute(name, shape.getAttribute(name));
+  for (const [name, attribute] of Object.entries(shape.attributes)) geometry.setAttribute(name, attribute);
   geometry.setIndex(shape.index);
   return geometry;
 }
@@ -127,7 +167,7 @@ export class Instances {
   readonly attribute: InstancedBufferAttribute;
   private readonly geometries: InstancedBufferGeometry[] = [];
 
-  constructor(capacity: number) {
+  constructor(readonly capacity: number) {
     this.attribute = new InstancedBufferAttribute(new Float32Array(3 * Math.max(1, capacity)), 3);
     this.attribute.setUsage(DynamicDrawUsage);
   }
@@ -144,7 +184,11 @@ export class Instances {
   }
 
   add(run: Run, avatar: number): void {
-    this.attribute.setXYZ(this.count++, avatar, run.firstPart[avatar], run.scaleOfAvatar[avatar]);
+    const {array} = this.attribute;
+    const at = 3 * this.count++;
+    array[at] = avatar;
+    array[at + 1] = run.firstPart[avatar];
+    array[at + 2] = run.scaleOfAvatar[avatar];
   }
 
   done(): void {

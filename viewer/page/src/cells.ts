@@ -15,10 +15,12 @@ export class Grid {
     let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
     for (let i = 0; i < count; ++i) {
       if (!keep(i)) continue;
-      left = Math.min(left, at[stride * i]);
-      right = Math.max(right, at[stride * i]);
-      top = Math.min(top, at[stride * i + 1]);
-      bottom = Math.max(bottom, at[stride * i + 1]);
+      const x = at[stride * i];
+      const y = at[stride * i + 1];
+      left = Math.min(left, x);
+      right = Math.max(right, x);
+      top = Math.min(top, y);
+      bottom = Math.max(bottom, y);
     }
     const [width, height] = right >= left ? [right - left, bottom - top] : [0, 0];
     let edge = size;

@@ -6,9 +6,9 @@ import type {Model, Vec3} from './protocol.ts';
 export const UNIT = 32767;
 
 /**
- * Per joint eight floats: x, y, z relative to the joint before and the column of its position; the axis and the
- * radians per unit of the column, or 0 for a joint that slides along the axis. Fixed transforms are part of the next
- * joint. After the last joint: x, y, z of the part, steps per metre, and its rotation as a quaternion x, y, z, w.
+ * Per joint eight floats: x, y, z relative to the joint before, the column of its position, the axis, and the turn per
+ * unit of the column. A turn of 0 is a joint that slides along the axis. Fixed transforms belong to the next joint.
+ * After the last joint: x, y, z of the part, steps per metre, and its rotation as a quaternion x, y, z, w.
  */
 export interface Chain {
   joints: number;
@@ -71,6 +71,7 @@ export function chainOf(model: Model, link: number): Chain {
 /** All chains of some models, one after the other. */
 export class Chains {
   readonly floats: Float32Array;
+  private readonly current = new Float64Array(7);
   private readonly places: {first: number; joints: number}[][];
 
   constructor(models: readonly Model[]) {
@@ -92,43 +93,54 @@ export class Chains {
   }
 
   /**
-   * Writes the pose of a part relative to the root position, in world axes, to eight int16 at out[at]: x, y, z in
-   * steps of the model, unchanged, and the quaternion x, y, z, w. `root` is x, y, z, qx, qy, qz, qw.
+   * Writes the pose of a part relative to the root position, in world axes, to eight int16 at out[at]. They are x, y, z
+   * in steps of the model, one that stays, and the quaternion x, y, z, w. `root` is x, y, z, qx, qy, qz, qw.
    */
   pose(model: number, part: number, root: ArrayLike<number>, scale: number, valueOf: (column: number) => number, out: Int16Array, at: number): void {
-    const {floats} = this;
+    const {floats, current: pose} = this;
     const {first, joints} = this.places[model][part];
-    let [x, y, z] = [0, 0, 0];
-    let [qx, qy, qz, qw] = [root[3], root[4], root[5], root[6]];
     const end = first + 8 * joints;
-    for (let j = first; j <= end; j += 8) {
-      const isEnd = j === end;
+    pose.fill(0, 0, 3);
+    for (let i = 3; i < 7; ++i) pose[i] = root[i];
+    for (let j = first; j < end; j += 8) {
+      const value = valueOf(floats[j + 3]);
       const factor = floats[j + 7];
-      const value = isEnd ? 0 : valueOf(floats[j + 3]);
-      const along = !isEnd && factor === 0 ? value : 0;
-      const [ox, oy, oz] = [floats[j] + along * floats[j + 4], floats[j + 1] + along * floats[j + 5], floats[j + 2] + along * floats[j + 6]];
-      const [tx, ty, tz] = [2 * (qy * oz - qz * oy), 2 * (qz * ox - qx * oz), 2 * (qx * oy - qy * ox)];
-      x += ox + qw * tx + qy * tz - qz * ty;
-      y += oy + qw * ty + qz * tx - qx * tz;
-      z += oz + qw * tz + qx * ty - qy * tx;
-      if (!isEnd && factor === 0) continue;
-      const half = 0.5 * factor * value;
-      const s = isEnd ? 1 : Math.sin(half);
-      const [bx, by, bz, bw] = [s * floats[j + 4], s * floats[j + 5], s * floats[j + 6], isEnd ? factor : Math.cos(half)];
-      [qx, qy, qz, qw] = [
-        qw * bx + qx * bw + qy * bz - qz * by,
-        qw * by - qx * bz + qy * bw + qz * bx,
-        qw * bz + qx * by - qy * bx + qz * bw,
-        qw * bw - qx * bx - qy * by - qz * bz,
-      ];
+      const along = factor === 0 ? value : 0;
+      move(pose, floats[j] + along * floats[j + 4], floats[j + 1] + along * floats[j + 5], floats[j + 2] + along * floats[j + 6]);
+      if (factor === 0) continue;
+      const s = Math.sin(0.5 * factor * value);
+      turn(pose, s * floats[j + 4], s * floats[j + 5], s * floats[j + 6], Math.cos(0.5 * factor * value));
     }
+    move(pose, floats[end], floats[end + 1], floats[end + 2]);
+    turn(pose, floats[end + 4], floats[end + 5], floats[end + 6], floats[end + 7]);
     const steps = scale * floats[end + 3];
-    out[at] = Math.round(x * steps);
-    out[at + 1] = Math.round(y * steps);
-    out[at + 2] = Math.round(z * steps);
-    out[at + 4] = Math.round(qx * UNIT);
-    out[at + 5] = Math.round(qy * UNIT);
-    out[at + 6] = Math.round(qz * UNIT);
-    out[at + 7] = Math.round(qw * UNIT);
+    for (let i = 0; i < 3; ++i) out[at + i] = Math.round(pose[i] * steps);
+    for (let i = 0; i < 4; ++i) out[at + 4 + i] = Math.round(pose[3 + i] * UNIT);
   }
+}
+
+/** Moves a pose x, y, z, qx, qy, qz, qw along its own axes. */
+function move(pose: Float64Array, x: number, y: number, z: number): void {
+  const qx = pose[3];
+  const qy = pose[4];
+  const qz = pose[5];
+  const qw = pose[6];
+  const tx = 2 * (qy * z - qz * y);
+  const ty = 2 * (qz * x - qx * z);
+  const tz = 2 * (qx * y - qy * x);
+  pose[0] += x + qw * tx + qy * tz - qz * ty;
+  pose[1] += y + qw * ty + qz * tx - qx * tz;
+  pose[2] += z + qw * tz + qx * ty - qy * tx;
+}
+
+/** Turns a pose by a quaternion relative to it. */
+function turn(pose: Float64Array, x: number, y: number, z: number, w: number): void {
+  const qx = pose[3];
+  const qy = pose[4];
+  const qz = pose[5];
+  const qw = pose[6];
+  pose[3] = qw * x + qx * w + qy * z - qz * y;
+  pose[4] = qw * y - qx * z + qy * w + qz * x;
+  pose[5] = qw * z + qx * y - qy * x + qz * w;
+  pose[6] = qw * w - qx * x - qy * y - qz * z;
 }

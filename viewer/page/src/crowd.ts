@@ -1,7 +1,6 @@
 // Crowd draws the people of a run: bodies by distance, shadows, spheres, or-DOPs and boxes.
 // Invariant: a frame costs two texture copies; the distance alone decides the level of detail.
 import {
-  Camera,
   Color,
   DoubleSide,
   EqualStencilFunc,
@@ -13,15 +12,16 @@ import {
   LineSegments,
   Matrix4,
   Mesh,
+  PerspectiveCamera,
   RawShaderMaterial,
-  Sphere,
   Vector2,
+  Vector3,
   type DataTexture,
   type WebGLRenderer,
 } from 'three';
-import {Instances, bodyGeometries, boxGeometry, hullGeometry, shadowGeometry, sharing} from './bodies.ts';
+import {Instances, bodyLevels, boxGeometry, hullGeometry} from './bodies.ts';
 import {Poser} from './poser.ts';
-import {isPresent, type Frame, type Model, type Run} from './protocol.ts';
+import type {Frame, Model, Run} from './protocol.ts';
 import {
   BODY_FRAGMENT,
   BODY_VERTEX,
@@ -32,6 +32,7 @@ import {
   SHADOW_VERTEX,
   SPHERE_FRAGMENT,
   SPHERE_VERTEX,
+  ribbonVertex,
   shaderMaterial,
   type Uniforms,
 } from './shaders.ts';
@@ -41,17 +42,20 @@ import {CLOTHES, MARK_COLORS} from './theme.ts';
 export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
 export type Layer = (typeof LAYERS)[number];
 
-/** Maximum useful distance of each level of detail from the eye, in metres; the last one has no limit. */
-const USEFUL_M = [9, 25, 60, 120];
-const BIN_M = 0.5;
+/** People of at least so many pixels are drawn with a level of detail, as far as the budget allows. */
+const USEFUL_PX = [190, 70, 32, 18, 9, 0];
+/** People as tall as these shares of the picture are drawn with a level in any case. */
+const CERTAIN_SHARE = [0.7, 0.4, 0.15, 0.08, Infinity, 0];
+/** Height of a person in radii of the sphere. */
+const HEIGHT = 1.8;
+/** Sizes are counted in bins: the exponent and three bits of the mantissa of a float, from one pixel on. */
+const BIN_SHIFT = 20;
+const ONE_PIXEL = 0x3f800000 >>> BIN_SHIFT;
+const BINS = 14 * 8;
 const TINT = 0.24;
 /** Bits of a person's looks. */
 const COLOURED = 1;
 const FADED = 2;
-/** Up to this level the shadow is that of the mesh; beyond it, that of the coarse SHADOW_LEVEL. */
-const MAX_LEVEL_WITH_MESH_SHADOWS = 1;
-const SHADOW_LEVEL = 3;
-
 /** Only the first shadow on a pixel counts: overlapping shadows must not add up. */
 export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
   material.stencilWrite = true;
@@ -63,7 +67,7 @@ export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
 
 interface ModelDraws {
   lists: Instances[]; // by level of detail
-  triangles: number[]; // of a body at each level
+  triangles: number[]; // of a body and its shadow at each level
   all: Instances;
 }
 
@@ -74,16 +78,30 @@ export class Crowd {
   private readonly people: DataTexture;
   private parts: DataTexture | null = null; // of a server's frames
   private poser: Poser | null = null; // of a recording
+  private frame: Frame | null = null;
   private readonly looks: DataTexture; // by avatar: colour, then the bits below
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
+  private readonly wanted: Record<Layer, boolean> = {
+    meshes: true,
+    spheres: false,
+    hulls: false,
+    boxes: false,
+    shadows: true,
+    tint: false,
+  };
   private readonly own: Uniforms;
   private readonly frustum = new Frustum();
-  private readonly sphere = new Sphere();
+  private readonly planes = new Float64Array(24);
+  private readonly size = new Float32Array(1);
+  private readonly sizeBits = new Uint32Array(this.size.buffer);
+  private readonly matrix = new Matrix4();
+  private readonly reachOf: Float32Array; // radius of each avatar's sphere
+  private readonly triangles: number[]; // of a person at each level, on average over the models
   private readonly visible: Uint32Array;
   private readonly binOf: Uint16Array;
   private visibleCount = 0;
-  private readonly bins = new Uint32Array(Math.ceil(USEFUL_M.at(-1)! / BIN_M) + 1);
+  private readonly bins = new Uint32Array(BINS); // number of people by size
   private readonly levels = new Uint8Array(this.bins.length);
 
   constructor(
@@ -109,7 +127,11 @@ export class Crowd {
       this.group.add(this.byLayer[layer]);
     }
     run.models.forEach((model, index) => this.addModel(model, index));
-    for (const layer of ['spheres', 'hulls', 'boxes'] as Layer[]) this.byLayer[layer].visible = false;
+    this.reachOf = Float32Array.from(run.modelOfAvatar, (m, id) => run.models[m].sphere.radius_m * run.scaleOfAvatar[id]);
+    this.triangles = USEFUL_PX.map((_, level) =>
+      this.draws.reduce((sum, {triangles, all}) => sum + (triangles[level] * all.capacity) / Math.max(1, run.avatars), 0),
+    );
+    for (const layer of LAYERS) this.show(layer, this.wanted[layer]);
   }
 
   private material(vertexShader: string, fragmentShader: string, more: Uniforms): RawShaderMaterial {
@@ -119,23 +141,24 @@ export class Crowd {
   private addModel(model: Model, index: number): void {
     const count = this.run.modelOfAvatar.filter((m) => m === index).length;
     const step = {uPartStep: {value: model.part_step_m}};
-    const body = this.material(BODY_VERTEX, BODY_FRAGMENT, step);
-    const shadow = oncePerPixel(this.material(SHADOW_VERTEX, SHADOW_FRAGMENT, step));
-    shadow.transparent = true;
-    shadow.depthWrite = false;
-    shadow.side = DoubleSide;
-    const shapes = bodyGeometries(model);
-    const farShadow = shadowGeometry(model);
+    const body = [BODY_VERTEX, ribbonVertex(BODY_VERTEX)].map((vertex) => this.material(vertex, BODY_FRAGMENT, step));
+    const shadow = [SHADOW_VERTEX, ribbonVertex(SHADOW_VERTEX)].map((vertex) => {
+      const material = oncePerPixel(this.material(vertex, SHADOW_FRAGMENT, step));
+      material.transparent = true;
+      material.depthWrite = false;
+      return material;
+    });
+    // A ribbon is turned to the eye with either side; shadows are flat.
+    for (const material of [body[1], ...shadow]) material.side = DoubleSide;
     const lists: Instances[] = [];
     const triangles: number[] = [];
-    shapes.forEach((geometry, level) => {
+    for (const level of bodyLevels(model)) {
       const list = new Instances(count);
-      this.add('meshes', new Mesh(list.drives(geometry), body));
-      const outline = level <= MAX_LEVEL_WITH_MESH_SHADOWS ? shapes[SHADOW_LEVEL] : farShadow;
-      this.add('shadows', new Mesh(list.drives(sharing(outline)), shadow), 1);
+      this.add('meshes', new Mesh(list.drives(level.body), body[Number(level.isRibbon.body)]));
+      this.add('shadows', new Mesh(list.drives(level.shadow), shadow[Number(level.isRibbon.shadow)]), 1);
       lists.push(list);
-      triangles.push(geometry.index!.count / 3);
-    });
+      triangles.push((level.body.index!.count + level.shadow.index!.count) / 3);
+    }
     const all = new Instances(count);
 
     const ball = new InstancedBufferGeometry();
@@ -161,7 +184,11 @@ export class Crowd {
 
   show(layer: Layer, visible: boolean): void {
     if (layer === 'tint') this.own.uTint.value = visible ? TINT : 0;
-    else this.byLayer[layer].visible = visible;
+    this.wanted[layer] = visible;
+    if (visible && (layer === 'tint' || layer === 'spheres') && this.frame) this.take(this.frame);
+    for (const name of LAYERS) this.byLayer[name].visible = this.wanted[name];
+    // Hidden bodies cast no shadow.
+    this.byLayer.shadows.visible &&= this.wanted.meshes;
   }
 
   /** Highlights up to two people; -1 for none. */
@@ -192,6 +219,8 @@ export class Crowd {
   }
 
   take(frame: Frame): void {
+    this.frame = frame;
+    if (this.wanted.spheres || this.wanted.tint) frame.motion?.markCrowded();
     dataOf(this.people, 'RGBA32UI').set(frame.people);
     this.people.needsUpdate = true;
     if (frame.motion) {
@@ -215,13 +244,14 @@ export class Crowd {
     this.poser?.restore();
   }
 
-  /** Assigns a level of detail to each visible person: the nearer the finer, within the budget. */
-  arrange(frame: Frame, camera: Camera, triangles: number): void {
+  /** Assigns a level of detail to each visible person: the larger the finer, within the budget. */
+  arrange(frame: Frame, camera: PerspectiveCamera, triangles: number, height_px: number): void {
     this.frustum.setFromProjectionMatrix(
-      new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
+      this.matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse),
     );
-    this.findVisible(frame, camera);
-    const levels = this.levelsByBin(triangles);
+    this.findVisible(frame, camera.position, (0.5 * height_px) / Math.tan((0.5 * camera.fov * Math.PI) / 180));
+    const levels = this.levelsByBin(triangles, height_px);
+    const drawsAll = this.byLayer.spheres.visible || this.byLayer.hulls.visible || this.byLayer.boxes.visible;
     for (const draw of this.draws) {
       draw.all.clear();
       for (const list of draw.lists) list.clear();
@@ -229,7 +259,7 @@ export class Crowd {
     for (let i = 0; i < this.visibleCount; ++i) {
       const id = this.visible[i];
       const draw = this.draws[this.run.modelOfAvatar[id]];
-      draw.all.add(this.run, id);
+      if (drawsAll) draw.all.add(this.run, id);
       draw.lists[levels[this.binOf[i]]].add(this.run, id);
     }
     for (const draw of this.draws) {
@@ -238,50 +268,60 @@ export class Crowd {
     }
   }
 
-  private findVisible(frame: Frame, camera: Camera): void {
-    const at = frame.positions;
+  /** `focus_px` is the size in pixels of a metre one metre ahead. */
+  private findVisible(frame: Frame, eye: Vector3, focus_px: number): void {
+    const {run, reachOf, planes, visible, binOf, bins, size, sizeBits} = this;
+    const {positions, people} = frame;
     const drawn = this.poser?.drawnFlags;
     drawn?.fill(0);
-    this.visibleCount = 0;
-    this.bins.fill(0);
-    for (let id = 0, word = 0; id < frame.avatars; ++id, word += 4) {
-      if (!isPresent(frame, id)) continue;
-      const reach = this.run.models[this.run.modelOfAvatar[id]].sphere.radius_m * this.run.scaleOfAvatar[id];
-      this.sphere.center.set(at[word], at[word + 1], at[word + 2] + 0.5 * reach);
+    bins.fill(0);
+    this.frustum.planes.forEach(({normal, constant}, i) => planes.set([normal.x, normal.y, normal.z, constant], 4 * i));
+    let count = 0;
+    for (let id = 0, word = 0; id < run.avatars; ++id, word += 4) {
+      if ((people[word + 3] & 1) === 0) continue;
+      const reach = reachOf[id];
+      const x = positions[word];
+      const y = positions[word + 1];
+      const z = positions[word + 2] + 0.5 * reach;
       // The shadow may be in the picture while its person is not.
-      this.sphere.radius = 2.2 * reach;
-      if (!this.frustum.intersectsSphere(this.sphere)) continue;
-      const away = this.sphere.center.distanceTo(camera.position);
-      const bin = Math.min(this.bins.length - 1, Math.floor(away / BIN_M));
-      ++this.bins[bin];
-      this.binOf[this.visibleCount] = bin;
-      this.visible[this.visibleCount++] = id;
+      const limit = -2.2 * reach;
+      let plane = 0;
+      while (plane < 24 && planes[plane] * x + planes[plane + 1] * y + planes[plane + 2] * z + planes[plane + 3] >= limit) plane += 4;
+      if (plane < 24) continue;
+      const away = Math.sqrt((x - eye.x) ** 2 + (y - eye.y) ** 2 + (z - eye.z) ** 2);
+      size[0] = (HEIGHT * reach * focus_px) / Math.max(away, 1e-3);
+      const bin = Math.min(BINS - 1, Math.max(0, (sizeBits[0] >>> BIN_SHIFT) - ONE_PIXEL));
+      ++bins[bin];
+      binOf[count] = bin;
+      visible[count++] = id;
       if (drawn) drawn[id] = 1;
     }
+    this.visibleCount = count;
   }
 
-  /** Returns the level of detail of each ring around the eye; rings shrink until the budget holds. */
-  private levelsByBin(budget: number): Uint8Array {
+  /** Returns the level of detail of each size; levels get coarser until the budget holds. */
+  private levelsByBin(budget: number, height_px: number): Uint8Array {
     let [low, high] = [0, 1];
-    if (this.fillLevels(high) <= budget) return this.levels;
+    if (this.fillLevels(high, height_px) <= budget) return this.levels;
     for (let i = 0; i < 10; ++i) {
       const middle = (low + high) / 2;
-      if (this.fillLevels(middle) <= budget) low = middle;
+      if (this.fillLevels(middle, height_px) <= budget) low = middle;
       else high = middle;
     }
-    this.fillLevels(low);
+    this.fillLevels(low, height_px);
     return this.levels;
   }
 
-  /** Fills the levels with all useful distances scaled by `nearer`; returns their triangle count. */
-  private fillLevels(nearer: number): number {
-    const {triangles} = this.draws[0];
+  /** Fills the levels as if people were `nearer` times as tall; returns their triangle count. */
+  private fillLevels(nearer: number, height_px: number): number {
     let level = 0;
     let cost = 0;
-    for (let bin = 0; bin < this.bins.length; ++bin) {
-      while (level < USEFUL_M.length && bin * BIN_M >= nearer * USEFUL_M[level]) ++level;
+    for (let bin = BINS - 1; bin >= 0; --bin) {
+      this.sizeBits[0] = (bin + ONE_PIXEL) << BIN_SHIFT;
+      const size_px = this.size[0];
+      while (size_px * nearer < USEFUL_PX[level] && size_px < CERTAIN_SHARE[level] * height_px) ++level;
       this.levels[bin] = level;
-      cost += this.bins[bin] * triangles[level];
+      cost += this.bins[bin] * this.triangles[level];
     }
     return cost;
   }

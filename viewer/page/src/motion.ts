@@ -1,5 +1,6 @@
 // Motion gives roots and part poses of recorded people at any time, from ten keys per second.
 // Invariant: between frames only roots are computed for everybody; parts are computed on request, or by the Poser.
+import {Grid} from './cells.ts';
 import {Chains} from './chains.ts';
 import type {Run} from './protocol.ts';
 
@@ -47,9 +48,12 @@ export class Motion {
   private statesOf = -1;
   private readonly marked: number[] = [];
   private readonly halves: Int16Array;
+  private readonly spheres: Float32Array; // x, y, z and radius of each avatar
+  private crowdedCount = -1; // -1: unknown
+  private chosen = -1; // avatar of the following two; -1: unknown
   private readonly root = new Float64Array(ROOT_FLOATS);
-  private readonly member = {model: -1, at: 0};
   private readonly memberAmounts: Float64Array;
+  private readonly rows: Float64Array[]; // bases by column: the mean, then the directions
 
   constructor(
     private readonly run: Run,
@@ -63,6 +67,13 @@ export class Motion {
     this.members = run.models.map(() => 0);
     this.memberOf = Uint32Array.from(run.modelOfAvatar, (m) => this.members[m]++);
     this.amountsPerMember = bases.map(({directions}) => 4 * Math.ceil(directions.length / 4));
+    this.rows = bases.map(({mean, directions}, m) => {
+      const size = 1 + this.amountsPerMember[m];
+      return Float64Array.from({length: mean.length * size}, (_, i) => {
+        const [column, c] = [Math.floor(i / size), (i % size) - 1];
+        return c < 0 ? mean[column] : (directions[c]?.[column] ?? 0);
+      });
+    });
     this.memberAmounts = new Float64Array(Math.max(0, ...this.amountsPerMember));
     this.roots = this.readRoots(steps, numbers);
     this.amounts = this.readAmounts(numbers);
@@ -73,6 +84,7 @@ export class Motion {
     this.parts = new Uint32Array(4 * run.firstPart[avatars]);
     this.halves = new Int16Array(this.parts.buffer);
     this.marks = new Uint8Array(run.firstPart[avatars]);
+    this.spheres = new Float32Array(4 * avatars);
   }
 
   private readRoots({position_step_m, quaternion_step}: Steps, numbers: Curves): Float32Array {
@@ -136,7 +148,8 @@ export class Motion {
     around[2] = next;
     around[3] = Math.min(last, next + 1);
     this.weights = cubic(t);
-    this.member.model = -1;
+    this.chosen = -1;
+    this.crowdedCount = -1;
     this.fillStates();
     this.fillPeople();
   }
@@ -177,8 +190,38 @@ export class Motion {
     ++this.marksVersion;
   }
 
+  /** Marks a person, unless its mark is higher already; obstacles have none. */
+  markPerson(body: number, mark: number): void {
+    if (body >= this.run.avatars) return;
+    const word = body * 4 + 3;
+    if (mark > ((this.people[word] >>> 8) & 0xff)) this.people[word] = (this.people[word] & ~0xff00) | (mark << 8);
+  }
+
+  /** Marks people whose spheres overlap, which few pictures show; returns their number. */
+  markCrowded(): number {
+    if (this.crowdedCount >= 0) return this.crowdedCount;
+    const {run, spheres, positions, people} = this;
+    for (let i = 0, at = 0; i < run.avatars; ++i, at += 4) {
+      const {sphere} = run.models[run.modelOfAvatar[i]];
+      const scale = run.scaleOfAvatar[i];
+      spheres[at] = positions[at];
+      spheres[at + 1] = positions[at + 1];
+      spheres[at + 2] = positions[at + 2] + sphere.centre_z_m * scale;
+      spheres[at + 3] = people[at + 3] & 1 ? sphere.radius_m * scale : 0;
+    }
+    const flags = crowded(spheres);
+    this.crowdedCount = 0;
+    for (let i = 0; i < run.avatars; ++i) {
+      if (!flags[i]) continue;
+      people[4 * i + 3] |= 2;
+      ++this.crowdedCount;
+    }
+    return this.crowdedCount;
+  }
+
   /** Marks a part, unless its mark is higher already. */
-  mark(body: number, part: number, mark: number): void {
+  markPart(body: number, part: number, mark: number): void {
+    if (body >= this.run.avatars) return;
     const at = this.run.firstPart[body] + part;
     if (at >= this.run.firstPart[body + 1] || mark <= this.marks[at]) return;
     this.marks[at] = mark;
@@ -189,33 +232,40 @@ export class Motion {
   fillPart(avatar: number, part: number): void {
     const {run, root} = this;
     const model = run.modelOfAvatar[avatar];
-    this.chooseMember(avatar, model);
+    this.choose(avatar, model);
     this.chains.pose(model, part, root, run.scaleOfAvatar[avatar], this.valueOf, this.halves, 8 * (run.firstPart[avatar] + part));
   }
 
-  private chooseMember(avatar: number, model: number): void {
-    const {member, root, weights, around, memberAmounts} = this;
-    const at = this.memberOf[avatar] * this.amountsPerMember[model];
-    if (member.model === model && member.at === at) return;
-    member.model = model;
-    member.at = at;
+  private choose(avatar: number, model: number): void {
+    if (this.chosen === avatar) return;
+    this.chosen = avatar;
+    const {root, weights, around, memberAmounts} = this;
     root.fill(0);
     memberAmounts.fill(0);
+    const amounts = this.amounts[model];
+    const perMember = this.amountsPerMember[model];
+    const at = this.memberOf[avatar] * perMember;
     for (let k = 0; k < 4; ++k) {
-      const roots = this.rootsAt(around[k]);
-      const amounts = this.amountsAt(model, around[k]);
-      for (let c = 0; c < 7; ++c) root[c] += weights[k] * roots[avatar * ROOT_FLOATS + c];
-      for (let c = 0; c < this.amountsPerMember[model]; ++c) memberAmounts[c] += weights[k] * amounts[at + c];
+      const weight = weights[k];
+      if (weight === 0) continue;
+      const rootAt = (around[k] * this.run.avatars + avatar) * ROOT_FLOATS;
+      const amountAt = around[k] * this.members[model] * perMember + at;
+      for (let c = 0; c < 7; ++c) root[c] += weight * this.roots[rootAt + c];
+      for (let c = 0; c < perMember; ++c) memberAmounts[c] += weight * amounts[amountAt + c];
     }
     const length = Math.hypot(root[3], root[4], root[5], root[6]) || 1;
     for (let c = 3; c < 7; ++c) root[c] /= length;
   }
 
-  /** Returns the joint position in a column of the chosen member. */
+  /** Returns the joint position in a column of the chosen avatar. */
   private readonly valueOf = (column: number): number => {
-    const {mean, directions} = this.bases[this.member.model];
-    let value = mean[column];
-    for (let c = 0; c < directions.length; ++c) value += this.memberAmounts[c] * directions[c][column];
+    const {memberAmounts} = this;
+    const model = this.run.modelOfAvatar[this.chosen];
+    const rows = this.rows[model];
+    const size = 1 + this.amountsPerMember[model];
+    const row = column * size;
+    let value = rows[row];
+    for (let c = 1; c < size; ++c) value += memberAmounts[c - 1] * rows[row + c];
     return value;
   };
 }
@@ -230,4 +280,21 @@ export function cubic(t: number): [number, number, number, number] {
     -1.5 * t3 + 2 * t2 + 0.5 * t,
     0.5 * t3 - 0.5 * t2,
   ];
+}
+
+/** `spheres`: x, y, z, radius each; radius 0: not present. Returns 1 for each sphere that overlaps another. */
+export function crowded(spheres: Float32Array): Uint8Array {
+  const count = spheres.length / 4;
+  const flags = new Uint8Array(count);
+  let largest_m = 1e-3;
+  for (let i = 0; i < count; ++i) largest_m = Math.max(largest_m, 2 * spheres[4 * i + 3]);
+  new Grid(spheres, 4, count, largest_m, (i) => spheres[4 * i + 3] > 0).eachPair((i, j) => {
+    if (flags[i] && flags[j]) return;
+    const x = spheres[4 * i] - spheres[4 * j];
+    const y = spheres[4 * i + 1] - spheres[4 * j + 1];
+    const z = spheres[4 * i + 2] - spheres[4 * j + 2];
+    const reach = spheres[4 * i + 3] + spheres[4 * j + 3];
+    if (x * x + y * y + z * z <= reach * reach) flags[i] = flags[j] = 1;
+  });
+  return flags;
 }

@@ -35,7 +35,7 @@ uniform sampler2D uRoots;
 uniform sampler2D uBases;
 void main() {
   uvec4 column = at(uColumns, index());
-  if (column.y == 0u) {
+  if (column.w == 1u) {
     vec4 first = at(uRoots, 2u * column.x);
     texel = floatBitsToUint(vec4(first.w, at(uRoots, 2u * column.x + 1u).xyz));
     return;
@@ -188,7 +188,7 @@ export class Poser {
     return {bases: map, placeOf};
   }
 
-  /** Per texel of columns: first texel and number of amounts, place in the bases; of a root: avatar and 0. */
+  /** Per texel of columns: first texel and number of amounts, place in the bases, 0; of a root: avatar, 0, 0, 1. */
   private columnTexels(placeOf: number[]): {columns: DataTexture; firstColumn: Uint32Array; count: number} {
     const {run, motion} = this;
     const perAvatar = motion.bases.map(({mean}) => 1 + Math.ceil(mean.length / 4));
@@ -204,6 +204,7 @@ export class Poser {
       const model = run.modelOfAvatar[id];
       const texels = motion.amountsPerMember[model] / 4;
       words[4 * firstColumn[id]] = id;
+      words[4 * firstColumn[id] + 3] = 1;
       for (let i = 1; i < perAvatar[model]; ++i) {
         const at = 4 * (firstColumn[id] + i);
         words[at] = this.memberTexels[model] + motion.memberOf[id] * texels;
@@ -237,7 +238,7 @@ export class Poser {
     const before = renderer.getRenderTarget();
     const {autoClear} = renderer;
     renderer.autoClear = false;
-    // A slot without a key must exist, too: its weight is 0.
+    // A slot without a key must exist as well: its weight is 0.
     if (this.slotKeys.every((key) => key < 0)) for (const slot of this.slots) renderer.initRenderTarget(slot);
     this.weights.set(0, 0, 0, 0);
     motion.around.forEach((key, i) => {

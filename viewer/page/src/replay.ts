@@ -1,27 +1,7 @@
 // Replay decodes a recording inside the page and rebuilds a frame at any time from ten keys per second.
 // Invariant: its frames have the form of the server's frames; the rest of the page sees no difference.
-import {Grid} from './cells.ts';
 import {Motion, ROOT_FLOATS, type Basis} from './motion.ts';
 import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type ProximityRow, type ProximityRows, type Run, type Vec3} from './protocol.ts';
-
-// Overlapping spheres of recorded runs; the server marks them in its own frames.
-
-/** `spheres`: x, y, z, radius each; radius 0: not present. Returns 1 for each sphere that overlaps another. */
-export function crowded(spheres: Float32Array): Uint8Array {
-  const count = spheres.length / 4;
-  const flags = new Uint8Array(count);
-  let largest_m = 1e-3;
-  for (let i = 0; i < count; ++i) largest_m = Math.max(largest_m, 2 * spheres[4 * i + 3]);
-  new Grid(spheres, 4, count, largest_m, (i) => spheres[4 * i + 3] > 0).eachPair((i, j) => {
-    if (flags[i] && flags[j]) return;
-    const x = spheres[4 * i] - spheres[4 * j];
-    const y = spheres[4 * i + 1] - spheres[4 * j + 1];
-    const z = spheres[4 * i + 2] - spheres[4 * j + 2];
-    const reach = spheres[4 * i + 3] + spheres[4 * j + 3];
-    if (x * x + y * y + z * z <= reach * reach) flags[i] = flags[j] = 1;
-  });
-  return flags;
-}
 
 interface Head {
   position_step_m: number;
@@ -131,7 +111,6 @@ export class Replay {
   readonly frame_ms: number[];
   private readonly head: Head;
   private readonly motion: Motion;
-  private readonly spheres: Float32Array;
   private readonly columns: Uint8Array;
   private nearest: Nearest | null = null;
   private readonly bySecond: number[][] = [];
@@ -154,7 +133,6 @@ export class Replay {
     const columns = (this.columns = new Uint8Array(buffer, columnsAt));
     const numbers = new Varints(columns);
     this.motion = new Motion(this.run, this.head.models, this.head.keys, this.head, numbers);
-    this.spheres = new Float32Array(4 * this.run.avatars);
     this.readPairs(new Varints(columns, this.head.pairs_at));
     this.pairs = this.countPairs();
   }
@@ -251,8 +229,12 @@ export class Replay {
 
   /** Returns the touching pairs in the server's order. */
   touching(frame: number): ContactInterval[] {
-    const candidates = this.bySecond[Math.floor(frame / this.perBucket)] ?? [];
-    return candidates.map((i) => this.intervals[i]).filter((s) => s.begin <= frame && frame < s.end);
+    const found: ContactInterval[] = [];
+    for (const index of this.bySecond[Math.floor(frame / this.perBucket)] ?? []) {
+      const interval = this.intervals[index];
+      if (interval.begin <= frame && frame < interval.end) found.push(interval);
+    }
+    return found;
   }
 
   /** Returns all begins and ends in the order of frames. */
@@ -290,16 +272,20 @@ export class Replay {
     const {run, motion} = this;
     const number = Math.min(this.frames - 1, Math.max(0, Math.floor(position)));
     motion.seek(position);
-    const crowdedCount = this.markCrowded();
     if (number !== this.pairsOf) this.fillPairs(number);
-    for (const {a, b, level} of this.pairsNow) for (const body of [a, b]) markPerson(run, motion.people, body, level + 1);
+    for (const {a, b, level} of this.pairsNow) {
+      motion.markPerson(a, level + 1);
+      motion.markPerson(b, level + 1);
+    }
     return {
       number,
       time_s: number * run.step_s,
       seq: 0,
       frame_ms: this.frame_ms[number] ?? 0,
       build_ms: 0,
-      crowded: crowdedCount,
+      get crowded() {
+        return motion.markCrowded();
+      },
       present: motion.present,
       lost: 0,
       avatars: run.avatars,
@@ -312,38 +298,16 @@ export class Replay {
     };
   }
 
-  /** Marks people whose spheres overlap; returns their number. */
-  private markCrowded(): number {
-    const {run, spheres, motion} = this;
-    const {positions, people} = motion;
-    for (let i = 0, at = 0; i < run.avatars; ++i, at += 4) {
-      const {sphere} = run.models[run.modelOfAvatar[i]];
-      const scale = run.scaleOfAvatar[i];
-      spheres[at] = positions[at];
-      spheres[at + 1] = positions[at + 1];
-      spheres[at + 2] = positions[at + 2] + sphere.centre_z_m * scale;
-      spheres[at + 3] = people[at + 3] & 1 ? sphere.radius_m * scale : 0;
-    }
-    const flags = crowded(spheres);
-    let count = 0;
-    for (let i = 0; i < run.avatars; ++i) {
-      if (!flags[i]) continue;
-      people[4 * i + 3] |= 2;
-      ++count;
-    }
-    return count;
-  }
-
   private fillPairs(number: number): void {
-    const {run, motion} = this;
+    const {motion} = this;
     this.pairsOf = number;
     this.pairsNow = this.touching(number);
     this.pairWords = new Uint32Array(this.pairsNow.length * PAIR_WORDS);
     motion.clearMarks();
     this.pairsNow.forEach(({a, b, partA, partB, level, began}, index) => {
       this.pairWords.set([a, b, partA | (partB << 8) | (level << 16), began], index * PAIR_WORDS);
-      if (a < run.avatars) motion.mark(a, partA, level + 1);
-      if (b < run.avatars) motion.mark(b, partB, level + 1);
+      motion.markPart(a, partA, level + 1);
+      motion.markPart(b, partB, level + 1);
     });
   }
 }
@@ -364,10 +328,4 @@ function nearOf(all: Nearest, i: number, body: number): ProximityRow {
     hi_m: all.hi_m[i],
     points: all.pointAt[i] < 0 ? null : isA ? [point(0), point(3)] : [point(3), point(0)],
   };
-}
-
-function markPerson(run: Run, people: Uint32Array, body: number, mark: number): void {
-  if (body >= run.avatars) return;
-  const word = body * 4 + 3;
-  if (mark > ((people[word] >>> 8) & 0xff)) people[word] = (people[word] & ~0xff00) | (mark << 8);
 }

@@ -106,6 +106,10 @@ export const BODY_VERTEX = POSES + CLOTHES + /* glsl */ `
 in vec3 position;
 in vec3 normal;
 in vec2 partSlot;
+#ifdef RIBBON
+in vec2 edge;
+uniform vec3 uEye;
+#endif
 uniform vec2 uSelected;
 out vec3 vNormal;
 out vec3 vColor;
@@ -119,6 +123,17 @@ void main() {
   Pose p = pose(partSlot.x);
   vec3 world = placed(who, p, position);
   vNormal = turned(p.q, normal);
+#ifdef RIBBON
+  vec3 toEye = normalize(uEye - world);
+  float facing = dot(vNormal, toEye);
+  vec3 along = vNormal - facing * toEye;
+  // From exactly ahead, a ribbon may lie in any direction.
+  along = length(along) > 1e-3 ? normalize(along) : normalize(cross(toEye, vec3(0.31, 0.95, 0.02)));
+  vec3 aside = cross(along, toEye);
+  world += instance.z * (edge.x * aside + abs(facing) * edge.y * along);
+  // As round as the limb that it replaces.
+  vNormal = normalize(toEye + 0.8 * sign(edge.x) * aside);
+#endif
   vWorld = world;
   uint mark = max(p.mark, who.mark == 1u || who.mark == 2u ? who.mark : 0u);
   vec3 cloth = clothes(partSlot.y, uint(instance.x));
@@ -191,12 +206,27 @@ void main() {
 export const SHADOW_VERTEX = POSES + SHADE + /* glsl */ `
 in vec3 position;
 in vec2 partSlot;
+#ifdef RIBBON
+in vec3 normal;
+in vec2 edge;
+#endif
 void main() {
   Person who = person();
   if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(partSlot.x);
-  gl_Position = projectionMatrix * viewMatrix * shade(placed(who, p, position));
+  vec4 ground = shade(placed(who, p, position));
+#ifdef RIBBON
+  vec3 axis = turned(p.q, normal);
+  vec2 along = axis.xy - uSun.xy * (axis.z / uSun.z);
+  ground.xy += instance.z * edge.x * vec2(-along.y, along.x) / max(length(along), 1e-3);
+#endif
+  gl_Position = projectionMatrix * viewMatrix * ground;
 }`;
+
+/** Returns a vertex shader of bodies or shadows for ribbons, which turn to the eye. */
+export function ribbonVertex(shader: string): string {
+  return `#define RIBBON\n${shader}`;
+}
 
 export const FLAT_SHADOW_VERTEX = /* glsl */ `
 precision highp float;

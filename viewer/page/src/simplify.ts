@@ -1,6 +1,6 @@
 // Coarser meshes for distant people.
 // Invariant: a simplified part stays near its original, and a person keeps all limbs.
-import type {Box, Mesh} from './protocol.ts';
+import type {Box, Mesh, Model, Vec3} from './protocol.ts';
 
 /** Exceeds the number of cells of a body part along an axis; its cube fits exactly into a double. */
 const SPAN = 131_072;
@@ -100,19 +100,6 @@ function spansOf(mesh: Mesh, box: Box, along: number, rings: number): Span[] {
   return spans.map((span) => (known = span.low[0] <= span.high[0] ? span : known));
 }
 
-/** Returns two triangles across the two longer axes of a part's box, for the shadow of a distant person. */
-export function diamond({centre_m, half_m}: Box): Mesh {
-  const positions = new Float32Array(18);
-  for (let corner = 0; corner < 6; ++corner) {
-    positions.set(centre_m, 3 * corner);
-    // A fifth outside the box: covers as much ground as the rounder part.
-    positions[3 * corner + (corner >> 1)] += (corner & 1 ? -1.2 : 1.2) * half_m[corner >> 1];
-  }
-  const flattest = half_m.indexOf(Math.min(...half_m));
-  const [u, v] = [0, 1, 2].filter((axis) => axis !== flattest);
-  return {positions, indices: Uint32Array.of(2 * u, 2 * v, 2 * u + 1, 2 * u, 2 * u + 1, 2 * v + 1)};
-}
-
 /** Returns normals at the vertices, weighted by the area of the adjacent triangles. */
 export function vertexNormals(mesh: Mesh): Float32Array {
   const {positions: p, indices} = mesh;
@@ -129,4 +116,70 @@ export function vertexNormals(mesh: Mesh): Float32Array {
     for (let i = 0; i < 3; ++i) normals[v + i] /= length;
   }
   return normals;
+}
+
+/** An end of a ribbon, in the frame of its part. */
+export interface RibbonEnd {
+  part: number;
+  at: Vec3;
+  half_width_m: number;
+  /** The direction of the ribbon, from its first to its second end. */
+  axis: Vec3;
+}
+
+/** A ribbon replaces a limb of distant people: two triangles, which the graphics card turns to the eye. */
+export type Ribbon = [RibbonEnd, RibbonEnd];
+
+/** Limbs of more parts than this end before the last one: hands and feet are too small to be seen. */
+const MAX_LIMB_PARTS = 2;
+
+/** Returns a ribbon for each part of a model. */
+export function partRibbons(model: Model): Ribbon[] {
+  return model.parts.map((_, part) => [endOf(model, part, false), endOf(model, part, true)]);
+}
+
+/** Returns a ribbon for each limb: a series of parts without a branch. */
+export function limbRibbons(model: Model): Ribbon[] {
+  const parents = model.parts.map((_, part) => parentOf(model, part));
+  const childrenOf = (part: number): number[] => parents.flatMap((parent, child) => (parent === part ? [child] : []));
+  const starts = parents.flatMap((parent, part) => (parent < 0 || childrenOf(parent).length > 1 ? [part] : []));
+  return starts.map((start) => {
+    const limb = [start];
+    for (let next = childrenOf(start); next.length === 1; next = childrenOf(next[0])) limb.push(next[0]);
+    if (limb.length > MAX_LIMB_PARTS) limb.pop();
+    return [endOf(model, start, false), endOf(model, limb.at(-1)!, true)];
+  });
+}
+
+/** Returns the largest ribbons, which suffice for the shadow of a distant person. */
+export function largest(ribbons: readonly Ribbon[], model: Model, count: number): Ribbon[] {
+  const area = ([first, second]: Ribbon): number =>
+    (first.half_width_m + second.half_width_m) * (lengthOf(model, first) + lengthOf(model, second));
+  return [...ribbons].sort((p, q) => area(q) - area(p)).slice(0, count);
+}
+
+const lengthOf = (model: Model, {part}: RibbonEnd): number => Math.max(...model.parts[part].box.half_m);
+
+/** Returns the part on the nearest link before a part's own; -1: none. */
+function parentOf(model: Model, part: number): number {
+  let link = model.parts[part].link;
+  while (link > 0) {
+    link = model.joints[link - 1].parent_link;
+    const found = model.parts.findIndex((other) => other.link === link);
+    if (found >= 0) return found;
+  }
+  return -1;
+}
+
+/** Returns the end of a part's box that is near or far from its joint, along the longest axis. */
+function endOf({parts}: Model, part: number, isFar: boolean): RibbonEnd {
+  const {centre_m, half_m} = parts[part].box;
+  const along = half_m.indexOf(Math.max(...half_m));
+  const outwards = centre_m[along] < 0 ? -1 : 1;
+  const at = [...centre_m] as Vec3;
+  at[along] += (isFar ? outwards : -outwards) * half_m[along];
+  const axis: Vec3 = [0, 0, 0];
+  axis[along] = outwards;
+  const [u, v] = [half_m[(along + 1) % 3], half_m[(along + 2) % 3]];
+  return {part, at, half_width_m: Math.sqrt(u * v), axis};
 }

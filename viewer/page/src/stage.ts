@@ -465,7 +465,7 @@ export class Stage {
     this.camera.updateMatrixWorld();
     this.shared.uEye.value.copy(this.camera.position);
     if (frame) {
-      this.crowd?.arrange(frame, this.camera, triangles);
+      this.crowd?.arrange(frame, this.camera, triangles, this.renderer.domElement.height);
       this.crowd?.pose(this.renderer);
       this.arrangeWalls(frame);
     }

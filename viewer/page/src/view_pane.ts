@@ -132,6 +132,7 @@ export class ViewPane {
 
   /** Hides levels that do not occur in this run. */
   updateCounts(run: Run, frame: Frame): void {
+    if (el('viewPane').hidden) return;
     const counts = [frame.crowded, 0, 0, 0, 0];
     for (let i = 0; i < frame.pairs; ++i) ++counts[pairAt(frame, i).level + 1];
     const decided = run.exact ? 4 : 3;
