@@ -6,9 +6,9 @@ import type {Model, Vec3} from './protocol.ts';
 export const UNIT = 32767;
 
 /**
- * Per joint eight floats: x, y, z relative to the joint before, the column of its position, the axis, and the turn per
- * unit of the column. A turn of 0 is a joint that slides along the axis. Fixed transforms belong to the next joint.
- * After the last joint: x, y, z of the part, steps per metre, and its rotation as a quaternion x, y, z, w.
+ * A joint is eight floats: x, y, z relative to the joint before, the column of its position, the axis, and a turn.
+ * The turn is in radians per unit of the column; 0 is a joint that slides. Fixed transforms belong to the next joint.
+ * After the last joint: x, y, z of the part; steps per metre; its rotation as a quaternion x, y, z, w.
  */
 export interface Chain {
   joints: number;
@@ -93,8 +93,9 @@ export class Chains {
   }
 
   /**
-   * Writes the pose of a part relative to the root position, in world axes, to eight int16 at out[at]. They are x, y, z
-   * in steps of the model, one that stays, and the quaternion x, y, z, w. `root` is x, y, z, qx, qy, qz, qw.
+   * Writes the pose of a part relative to the root position, in world axes, to a texel of eight int16 at out[at].
+   * The texel is x, y, z in steps of the model, a mark that stays, and a quaternion.
+   * `root` has seven numbers: x, y, z and a quaternion.
    */
   pose(model: number, part: number, root: ArrayLike<number>, scale: number, valueOf: (column: number) => number, out: Int16Array, at: number): void {
     const {floats, current: pose} = this;

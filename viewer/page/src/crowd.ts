@@ -1,5 +1,5 @@
 // Crowd draws the people of a run: bodies by distance, shadows, spheres, or-DOPs and boxes.
-// Invariant: a frame costs two texture copies; the distance alone decides the level of detail.
+// Invariant: a frame costs at most two texture copies; the size in the picture decides the level of detail.
 import {
   Color,
   DoubleSide,
@@ -42,9 +42,9 @@ import {CLOTHES, MARK_COLORS} from './theme.ts';
 export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
 export type Layer = (typeof LAYERS)[number];
 
-/** People of at least so many pixels are drawn with a level of detail, as far as the budget allows. */
+/** Least height of people in pixels for each level of detail, finest first; a small budget increases it. */
 const USEFUL_PX = [190, 70, 32, 18, 9, 0];
-/** People as tall as these shares of the picture are drawn with a level in any case. */
+/** Height as a share of the picture from which people have a level of detail in spite of the budget. */
 const CERTAIN_SHARE = [0.7, 0.4, 0.15, 0.08, Infinity, 0];
 /** Height of a person in radii of the sphere. */
 const HEIGHT = 1.8;
@@ -82,7 +82,7 @@ export class Crowd {
   private readonly looks: DataTexture; // by avatar: colour, then the bits below
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
-  private readonly wanted: Record<Layer, boolean> = {
+  private readonly shown: Record<Layer, boolean> = {
     meshes: true,
     spheres: false,
     hulls: false,
@@ -131,7 +131,7 @@ export class Crowd {
     this.triangles = USEFUL_PX.map((_, level) =>
       this.draws.reduce((sum, {triangles, all}) => sum + (triangles[level] * all.capacity) / Math.max(1, run.avatars), 0),
     );
-    for (const layer of LAYERS) this.show(layer, this.wanted[layer]);
+    for (const layer of LAYERS) this.show(layer, this.shown[layer]);
   }
 
   private material(vertexShader: string, fragmentShader: string, more: Uniforms): RawShaderMaterial {
@@ -184,11 +184,11 @@ export class Crowd {
 
   show(layer: Layer, visible: boolean): void {
     if (layer === 'tint') this.own.uTint.value = visible ? TINT : 0;
-    this.wanted[layer] = visible;
+    this.shown[layer] = visible;
     if (visible && (layer === 'tint' || layer === 'spheres') && this.frame) this.take(this.frame);
-    for (const name of LAYERS) this.byLayer[name].visible = this.wanted[name];
+    for (const name of LAYERS) this.byLayer[name].visible = this.shown[name];
     // Hidden bodies cast no shadow.
-    this.byLayer.shadows.visible &&= this.wanted.meshes;
+    this.byLayer.shadows.visible &&= this.shown.meshes;
   }
 
   /** Highlights up to two people; -1 for none. */
@@ -220,7 +220,7 @@ export class Crowd {
 
   take(frame: Frame): void {
     this.frame = frame;
-    if (this.wanted.spheres || this.wanted.tint) frame.motion?.markCrowded();
+    if (this.shown.spheres || this.shown.tint) frame.motion?.markCrowded();
     dataOf(this.people, 'RGBA32UI').set(frame.people);
     this.people.needsUpdate = true;
     if (frame.motion) {

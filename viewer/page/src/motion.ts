@@ -1,5 +1,5 @@
 // Motion gives roots and part poses of recorded people at any time, from ten keys per second.
-// Invariant: between frames only roots are computed for everybody; parts are computed on request, or by the Poser.
+// Invariant: the processor computes roots of all people, but parts on request only; the Poser computes the others.
 import {Grid} from './cells.ts';
 import {Chains} from './chains.ts';
 import type {Run} from './protocol.ts';

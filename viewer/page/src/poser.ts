@@ -281,7 +281,7 @@ export class Poser {
 
   dispose(): void {
     const {roots, amounts, marks, drawn, statics, slots, blend, parts} = this;
-    for (const held of [roots, amounts, marks, drawn, ...statics, ...slots, blend, parts]) held.dispose();
+    for (const texture of [roots, amounts, marks, drawn, ...statics, ...slots, blend, parts]) texture.dispose();
     for (const material of [this.keyPass, this.blendPass, this.posePass]) material.dispose();
     this.quad.geometry.dispose();
   }
