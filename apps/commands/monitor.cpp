@@ -1,7 +1,6 @@
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -9,8 +8,10 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/commands/monitor_screen.h"
 #include "apps/commands/monitor_view.h"
 #include "apps/process/stop_signal.h"
+#include "apps/process/terminal.h"
 #include "base/console.h"
 #include "base/text.h"
 #include "lcm_io/log/log_check.h"
@@ -22,7 +23,8 @@ namespace {
 
 constexpr const char* kMonitorFooter = R"(
 Shows channels with rates and missing messages, the stage counters as N_u C_u N_v C_v N_p C_p C_o and T, the
-parts that touch most, and the newest contacts by name. Ctrl-C ends it.
+parts that touch most, and the newest contacts by name. In a terminal the newest contacts come first, and keys
+sort, filter, choose one of several runs, and quit. Ctrl-C ends it.
 
 Examples:
   throng monitor                                    live, updates in place
@@ -43,40 +45,9 @@ struct MonitorOptions {
 
 constexpr double kOnce_s = 3;
 constexpr int64_t kMaxReported = 3;
+constexpr std::chrono::milliseconds kWait{50};
 constexpr std::chrono::milliseconds kRedraw{200};
 constexpr double kLine_s = 1;
-
-/// Columns and lines of the terminal on stdout; empty if it is not a terminal.
-std::optional<winsize> terminal() {
-  winsize size{};
-  if (isatty(STDOUT_FILENO) == 0 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0) return {};
-  if (size.ws_col < 20 || size.ws_row < 5) return {};
-  return size;
-}
-
-/// Switches the terminal to its alternate screen without a cursor until destroyed.
-class Screen {
- public:
-  explicit Screen(bool is_used) : is_used_(is_used) {
-    if (is_used_) print_result("\033[?1049h\033[?25l");
-  }
-  ~Screen() {
-    if (is_used_) print_result("\033[?25h\033[?1049l");
-    flush_results();
-  }
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
-
-  static void draw(const std::vector<std::string>& lines) {
-    std::string text = "\033[H";
-    for (const std::string& line : lines) text += line + "\033[K\r\n";
-    if (!lines.empty()) text.resize(text.size() - 2);  // a final line break would scroll
-    print_result("{}\033[J", text);
-  }
-
- private:
-  bool is_used_;
-};
 
 int print_view(MonitorView view, bool as_json) {
   view.overall = true;
@@ -97,43 +68,62 @@ int print_view(MonitorView view, bool as_json) {
   return kExitCheckFailed;
 }
 
+double seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Acts on typed keys and draws if it is time or a key was typed. Returns false to stop.
+bool update_screen(Terminal& terminal, MonitorScreen& screen, MonitorView& view, double& drawn_s) {
+  const std::string keys = terminal.typed();
+  for (const char key : keys)
+    if (!screen.press(key)) return false;
+  if (keys.empty() && view.now_s - drawn_s < seconds(kRedraw)) return true;
+  drawn_s = view.now_s;
+  const Terminal::Size size = terminal.size();
+  view.width = size.columns;
+  view.height = size.rows;
+  return terminal.draw(screen.lines(view));
+}
+
+/// Prints a line for each second. Returns false if the reader has closed the pipe.
+bool print_line(const MonitorView& view, double& printed_s) {
+  if (view.now_s - printed_s < kLine_s) return true;
+  printed_s = view.now_s;
+  print_result("{}\n", line_of(view));
+  return flush_results();
+}
+
 int watch_live(const MonitorOptions& options) {
   Receiver receiver(options.lcm);
   Monitor monitor(receiver.inbox());
   MonitorView view{receiver.inbox(), monitor, options.lcm};
   const auto start = std::chrono::steady_clock::now();
-  const auto now_s = [&start] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
+  const auto now_s = [&start] { return seconds(std::chrono::steady_clock::now() - start); };
   const bool once = options.once || options.json;
   double limit_s = options.seconds.value_or(1e18);
   if (once && !options.seconds && !options.until_end) limit_s = kOnce_s;
   const StopSignal stop;
   {
-    const Screen screen(!once && terminal().has_value());
-    double drawn_s = 0;
-    while (!StopSignal::requested() && now_s() < limit_s) {
-      receiver.receive(std::min(kRedraw, std::chrono::milliseconds(50)),
-                       [&](const ReceivedMessage& m) { monitor.take(m.update, now_s()); });
+    std::optional<Terminal> terminal;
+    if (!once && Terminal::is_available()) terminal.emplace();
+    MonitorScreen screen(receiver.inbox(), terminal && terminal->has_keys());
+    double shown_s = 0;
+    view.overall = once;
+    bool continues = true;
+    while (continues && !StopSignal::requested() && now_s() < limit_s) {
+      receiver.receive(kWait, [&](const ReceivedMessage& m) { monitor.take(m.update, now_s()); });
       view.now_s = now_s();
       if (options.until_end && receiver.inbox().run().end()) break;
-      if (once) continue;
-      view.overall = false;
-      if (const std::optional<winsize> size = terminal()) {
-        if (view.now_s - drawn_s < std::chrono::duration<double>(kRedraw).count()) continue;
-        view.width = size->ws_col;
-        view.height = size->ws_row;
-        Screen::draw(lines_of(view));
-      } else {
-        if (view.now_s - drawn_s < kLine_s) continue;
-        print_result("{}\n", line_of(view));
-      }
-      if (!flush_results()) break;  // the reader has closed the pipe
-      drawn_s = view.now_s;
+      if (terminal)
+        continues = update_screen(*terminal, screen, view, shown_s);
+      else if (!once)
+        continues = print_line(view, shown_s);
     }
   }
   if (stdout_is_closed()) return kExitSuccess;
-  return print_view(view, options.json);
+  MonitorView all{receiver.inbox(), monitor, options.lcm};
+  all.now_s = view.now_s;
+  return print_view(all, options.json);
 }
 
 int watch_log(const MonitorOptions& options) {

@@ -11,6 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr size_t kNewest = 64;
+
 std::string hash_text(int64_t hash) { return fmt::format("{:016x}", static_cast<uint64_t>(hash)); }
 
 /// Number of messages that the run sent on a channel; null before THRONG_END. Checksums follow
@@ -128,11 +130,14 @@ Json json_of(const MonitorView& view) {
     json["parts"][part.name] = {
         {"begins", part.begins}, {"touching", part.touching}, {"contact_s", part.contact_s}};
   json["newest"] = Json::array();
-  for (const Monitor::Note& note : view.monitor.notes())
+  const std::deque<Monitor::Note>& notes = view.monitor.notes();
+  for (size_t i = notes.size() - std::min(notes.size(), kNewest); i < notes.size(); ++i) {
+    const Monitor::Note& note = notes[i];
     json["newest"].push_back({{"time_s", static_cast<double>(note.utime_us) * 1e-6},
                               {"kind", note.kind == EventKind::kBegin ? "begin" : "end"},
                               {"text", text_of(note, view.inbox.run().run())},
                               {"level", static_cast<int>(note.level)}});
+  }
   return json;
 }
 

@@ -26,6 +26,23 @@ double span_of(const Monitor::Totals& totals) { return std::max(totals.now_s, 1e
 
 std::string clock_ns(double ns) { return ns > 0 ? fmt::format("{:.1f}", ns) : "-"; }
 
+std::vector<std::string> note_lines(const MonitorView& view, size_t max_lines) {
+  std::vector<std::string> lines = {"newest contacts"};
+  const std::deque<Monitor::Note>& notes = view.monitor.notes();
+  for (auto note = notes.rbegin(); note != notes.rend() && lines.size() < max_lines; ++note)
+    lines.push_back(fmt::format("{:>9.3f} s  {}", static_cast<double>(note->utime_us) * 1e-6,
+                                text_of(*note, view.inbox.run().run())));
+  return lines;
+}
+
+}  // namespace
+
+int64_t lost_of(const RunTally& run) {
+  int64_t lost = 0;
+  for (const ChannelTally& tally : run.channels) lost += tally.missing;
+  return lost;
+}
+
 std::string title_of(const MonitorView& view) {
   const RunReader& run = view.inbox.run();
   if (view.inbox.runs().empty()) return "waiting for a run on " + view.source;
@@ -42,8 +59,25 @@ std::string title_of(const MonitorView& view) {
   return text;
 }
 
-void add_channels(const MonitorView& view, const Monitor::Totals& totals,
-                  std::vector<std::string>& lines) {
+std::vector<std::string> rate_lines(const MonitorView& view) {
+  const Monitor::Totals totals = totals_of(view);
+  const Monitor::FrameTime frame = view.monitor.frame_time();
+  const double span = span_of(totals);
+  const size_t runs = view.inbox.runs().size();
+  std::string frames = fmt::format("{:.1f} frames/s", static_cast<double>(totals.frames) / span);
+  if (frame.last_ms > 0)
+    frames += fmt::format(", a frame {:.2f} ms, median {:.2f}", frame.last_ms, frame.median_ms);
+  return {frames + fmt::format("; {}", counted(view.inbox.run().touching().size(), "pair touches",
+                                               "pairs touch")),
+          fmt::format("{:.1f} begin and {:.1f} end per second; lost {}, rejected {}, other runs {}",
+                      static_cast<double>(totals.begins) / span,
+                      static_cast<double>(totals.ends) / span, lost_of(view.inbox.run().tally()),
+                      view.inbox.rejected(), runs > 1 ? runs - 1 : 0)};
+}
+
+std::vector<std::string> channel_lines(const MonitorView& view) {
+  const Monitor::Totals totals = totals_of(view);
+  std::vector<std::string> lines;
   lines.push_back(fmt::format("{:<21}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}{:>9}", "channel",
                               "messages", "per s", "kB/s", "last frame", "missing", "before",
                               "rejected"));
@@ -62,10 +96,12 @@ void add_channels(const MonitorView& view, const Monitor::Totals& totals,
   lines.push_back(fmt::format("lost {}, rejected {}, on other channels {}, other runs {}",
                               lost_of(view.inbox.run().tally()), view.inbox.rejected(),
                               view.inbox.others(), runs > 1 ? runs - 1 : 0));
+  return lines;
 }
 
-void add_stages(const MonitorView& view, const Monitor::Totals& totals,
-                std::vector<std::string>& lines) {
+std::vector<std::string> stage_lines(const MonitorView& view) {
+  const Monitor::Totals totals = totals_of(view);
+  std::vector<std::string> lines;
   const CostTerms terms = cost_terms(totals, view.inbox.run().run());
   lines.push_back(fmt::format("{:<10}{:>12}{:>10}{:>12}{:>10}{:>12}", "a frame", "N_u", "C_u ns",
                               "N_v", "C_v ns", "passed"));
@@ -78,14 +114,6 @@ void add_stages(const MonitorView& view, const Monitor::Totals& totals,
   };
   lines.push_back(fmt::format("N_p {:.0f}, C_p {} ns, C_o {}, T {}", terms.n_p,
                               clock_ns(terms.c_p_ns), ms(terms.c_o_ns), ms(terms.t_ns)));
-}
-
-std::vector<std::string> note_lines(const MonitorView& view, size_t max_lines) {
-  std::vector<std::string> lines = {"newest contacts"};
-  const std::deque<Monitor::Note>& notes = view.monitor.notes();
-  for (auto note = notes.rbegin(); note != notes.rend() && lines.size() < max_lines; ++note)
-    lines.push_back(fmt::format("{:>9.3f} s  {}", static_cast<double>(note->utime_us) * 1e-6,
-                                text_of(*note, view.inbox.run().run())));
   return lines;
 }
 
@@ -98,14 +126,6 @@ std::vector<std::string> part_lines(const MonitorView& view, size_t max_lines) {
                                 part.begins, part.touching, part.contact_s));
   }
   return lines;
-}
-
-}  // namespace
-
-int64_t lost_of(const RunTally& run) {
-  int64_t lost = 0;
-  for (const ChannelTally& tally : run.channels) lost += tally.missing;
-  return lost;
 }
 
 std::string text_of(const Monitor::Note& note, const run_description_t* run) {
@@ -150,8 +170,11 @@ std::vector<std::string> lines_of(const MonitorView& view) {
   if (!view.inbox.runs().empty()) {
     const double span = span_of(totals);
     const Monitor::FrameTime frame = view.monitor.frame_time();
-    lines.push_back("");
-    add_channels(view, totals, lines);
+    const auto add_section = [&lines](const std::vector<std::string>& section) {
+      lines.emplace_back();
+      lines.insert(lines.end(), section.begin(), section.end());
+    };
+    add_section(channel_lines(view));
     lines.push_back("");
     lines.push_back(fmt::format(
         "{:.1f} frames/s{}; {}, {:.1f} begin and {:.1f} end per second",
@@ -161,8 +184,7 @@ std::vector<std::string> lines_of(const MonitorView& view) {
             : "",
         counted(view.inbox.run().touching().size(), "pair touches", "pairs touch"),
         static_cast<double>(totals.begins) / span, static_cast<double>(totals.ends) / span));
-    lines.push_back("");
-    add_stages(view, totals, lines);
+    add_section(stage_lines(view));
     lines.push_back("");
     const auto left =
         static_cast<size_t>(std::max(2, view.height - static_cast<int>(lines.size())));

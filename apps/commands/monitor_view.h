@@ -22,6 +22,14 @@ struct MonitorView {
 
 std::vector<std::string> lines_of(const MonitorView& view);
 
+// The parts of lines_of(). A section begins with the names of its columns.
+std::string title_of(const MonitorView& view);
+/// Frames, pairs and events per second, and losses.
+std::vector<std::string> rate_lines(const MonitorView& view);
+std::vector<std::string> channel_lines(const MonitorView& view);
+std::vector<std::string> stage_lines(const MonitorView& view);
+std::vector<std::string> part_lines(const MonitorView& view, size_t max_lines);
+
 /// One line, for output that cannot be redrawn.
 std::string line_of(const MonitorView& view);
 

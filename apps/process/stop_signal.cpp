@@ -25,6 +25,7 @@ constexpr int64_t kRepeatWindow_ns = 500'000'000;
 std::atomic<bool> g_work_is_open{false};
 std::atomic<int64_t> g_first_ns{0};
 std::atomic<int> g_signal{0};
+std::atomic<void (*)()> g_before_exit{nullptr};
 static_assert(std::atomic<int64_t>::is_always_lock_free, "a handler must not wait");
 
 int64_t now_ns() {
@@ -56,6 +57,7 @@ void handle(int signal) {
     }
     if (now - never < kRepeatWindow_ns) return;
   }
+  if (void (*const restore)() = g_before_exit) restore();
   print_in_signal_handler("throng: stopped by ");
   print_in_signal_handler(name_of_signal(signal));
   print_in_signal_handler("\n");
@@ -88,6 +90,8 @@ void StopSignal::install() {
     sigaction(signal, &action, nullptr);
   }
 }
+
+void StopSignal::before_exit(void (*restore)()) { g_before_exit = restore; }
 
 bool StopSignal::requested() { return g_signal != 0; }
 

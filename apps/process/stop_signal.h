@@ -22,6 +22,9 @@ class StopSignal {
   /// Call once, at the start of main(). An ignored SIGHUP (nohup) stays ignored.
   static void install();
 
+  /// `restore` is called in the signal handler before a signal ends the process; null: nothing is.
+  static void before_exit(void (*restore)());
+
   static bool requested();
   /// 130, 143 or 129 for SIGINT, SIGTERM and SIGHUP, as shells report them; 0 without a signal.
   static int exit_code();

@@ -16,11 +16,12 @@ bool RunReader::follows(Channel channel) {
   }
   // First round of the description; later rounds have a higher seq.
   const bool begins = channel == Channel::kRun && header_.seq < header_.chunk_count;
-  if (!is_free_ && !begins && !end_) {
+  const bool is_chosen = chosen_ && *chosen_ == std::pair(header_.run_id, header_.instance);
+  if (!is_free_ && !is_chosen && !(begins && !chosen_) && !end_) {
     ++foreign_;
     return false;
   }
-  *this = [this] {
+  *this = [this, is_chosen] {
     RunReader fresh;
     fresh.tally_.run_id = header_.run_id;
     fresh.tally_.instance = header_.instance;
@@ -28,6 +29,7 @@ bool RunReader::follows(Channel channel) {
     fresh.is_sound_ = true;
     fresh.has_run_ = true;
     fresh.is_free_ = false;
+    if (is_chosen) fresh.chosen_ = chosen_;
     fresh.rejected_ = rejected_;
     fresh.foreign_ = foreign_;
     fresh.rejection_ = std::move(rejection_);

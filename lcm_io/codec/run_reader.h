@@ -2,7 +2,7 @@
 // Invariant: it accepts any bytes in any order; rejected and missing messages are counted, never
 // fatal.
 // It follows one run and counts messages of others as foreign. Another run takes over after the end
-// of this one, at its own start, or after forget().
+// of this one, at its own start, after follow() or after forget().
 #pragma once
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "lcm_io/codec/description.h"
@@ -56,7 +57,14 @@ class RunReader {
 
   /// Lets the next run take over; the same run may also continue. A receiver calls this after some
   /// seconds of silence.
-  void forget() { is_free_ = true; }
+  void forget() {
+    is_free_ = true;
+    chosen_.reset();
+  }
+
+  /// Switches to a run with its next message. Until it ends, or until forget(), no other run that
+  /// starts takes over.
+  void follow(int64_t run_id, int64_t instance) { chosen_ = {run_id, instance}; }
 
   /// Forgets the progress of the run but not its identity, so that older messages may follow. A
   /// player calls this before a jump. Counts of missing messages start again.
@@ -136,6 +144,7 @@ class RunReader {
   RunTally tally_;
   bool has_run_ = false;
   bool is_free_ = true;
+  std::optional<std::pair<int64_t, int64_t>> chosen_;  // run_id and instance
   bool is_sound_ = false;
   MessageHeader header_;
   int64_t rejected_ = 0;

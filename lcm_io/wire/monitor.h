@@ -52,7 +52,7 @@ class Monitor {
   };
   /// The newest is last.
   const std::deque<Note>& notes() const { return notes_; }
-  static constexpr size_t kNotes = 64;
+  static constexpr size_t kNotes = 4096;
 
   /// Totals of all parts with one name, over all models.
   struct PartTotal {

@@ -217,6 +217,27 @@ TEST(RunReader, DistinguishesTwoRuns) {
   EXPECT_EQ(reader.instance(), 100) << "after forget() any run takes over";
 }
 
+TEST(RunReader, FollowsTheChosenRun) {
+  const Messages first = run_of(1, 40, 20, 100), second = run_of(1, 40, 20, 200),
+                 third = run_of(1, 40, 20, 300);
+  RunReader reader;
+  take(reader, first.front());
+  reader.follow(reader.run_id(), 200);
+  take(reader, first[1]);
+  EXPECT_EQ(reader.instance(), 100) << "until the chosen run sends";
+  take(reader, second[second.size() / 2]);
+  ASSERT_EQ(reader.instance(), 200);
+  take(reader, third.front());
+  EXPECT_EQ(reader.instance(), 200) << "a starting run does not replace the chosen one";
+  for (const auto& m : second)
+    if (m.channel == Channel::kEnd) take(reader, m);
+  ASSERT_TRUE(reader.end());
+  take(reader, third.front());
+  EXPECT_EQ(reader.instance(), 300) << "after the end of the chosen run";
+  take(reader, first.front());
+  EXPECT_EQ(reader.instance(), 100) << "a choice holds for one run";
+}
+
 TEST(RunReader, IgnoresMaliciousMessages) {
   RunReader reader;
   const Messages all = run_of(4, 10);
