@@ -193,6 +193,7 @@ export class Instances {
 
   done(): void {
     for (const geometry of this.geometries) geometry.instanceCount = this.count;
+    if (this.count === 0) return; // a length of 0 would upload all
     this.attribute.clearUpdateRanges();
     this.attribute.addUpdateRange(0, 3 * this.count);
     this.attribute.needsUpdate = true;
