@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -104,6 +105,40 @@ TEST_F(RecordedCrowd, FramesEqualTheRun) {
     }
     ASSERT_EQ(head.present, present) << "frame " << number;
   }
+}
+
+TEST_F(RecordedCrowd, SamplesThePositionsOfTheRun) {
+  const SyntheticRun::Options options{.avatars = 12, .seed = 8, .comings = true};
+  record(options);
+  LogIndex index(log_.path());
+  index.wait();
+  LogPositions positions(index);
+  SyntheticRun again(options);
+  int64_t stepped = -1;
+  const Frame* frame = nullptr;
+  int64_t next = 30;
+  for (int samples = 0; next <= 99; ++samples) {
+    const Bytes message = positions.of(next, 99, 7, std::chrono::milliseconds(0));
+    PositionsHead head;
+    std::memcpy(&head, message.data(), sizeof head);
+    ASSERT_EQ(head.kind, kPositionsMessage);
+    ASSERT_EQ(head.samples, 1u) << "one sample per answer within no time";
+    ASSERT_EQ(head.from, next);
+    ASSERT_EQ(message.size(), sizeof head + 2 * sizeof(float) * head.avatars);
+    for (; stepped < next; ++stepped) frame = &again.step();
+    for (size_t i = 0; i < head.avatars; ++i) {
+      float xy[2];
+      std::memcpy(xy, message.data() + sizeof head + i * sizeof xy, sizeof xy);
+      const bool is_there = frame->present.empty() || frame->present[i] != 0;
+      ASSERT_EQ(std::isnan(xy[0]), !is_there) << "avatar " << i << " in frame " << next;
+      if (!is_there) continue;
+      EXPECT_NEAR(xy[1], frame->roots[i].position_m.y(), 1e-4);
+    }
+    next = static_cast<int64_t>(head.to);
+    EXPECT_EQ(next, std::min<int64_t>(100, 30 + 7 * (samples + 1)));
+  }
+  const Bytes rest = positions.of(kFrames, 10 * kFrames, 1, std::chrono::hours(1));
+  EXPECT_EQ(rest.size(), sizeof(PositionsHead));
 }
 
 TEST_F(RecordedCrowd, IndexesTheWholeLog) {

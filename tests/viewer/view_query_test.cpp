@@ -12,7 +12,7 @@ namespace {
 
 bool is_empty(const ViewQuery& query) {
   return !query.frame && !query.person && !query.index && !query.contacts && !query.since &&
-         !query.proximity;
+         !query.proximity && !query.positions;
 }
 
 TEST(ViewQuery, ReadsRequests) {
@@ -30,6 +30,11 @@ TEST(ViewQuery, ReadsRequests) {
   const ViewQuery near = parse_view_query(R"({"proximity": 4, "since": 60})");
   EXPECT_EQ(near.proximity, 4u);
   EXPECT_EQ(near.since, 60);
+  const ViewQuery places = parse_view_query(R"({"positions": 30, "to": 90, "every": 6})");
+  EXPECT_EQ(places.positions, 30);
+  EXPECT_EQ(places.to, 90);
+  EXPECT_EQ(places.every, 6);
+  EXPECT_EQ(parse_view_query(R"({"positions": 30, "every": 0})").every, 1);
 }
 
 TEST(ViewQuery, RejectsMalformedRequests) {
@@ -51,6 +56,7 @@ TEST(ViewQuery, RejectsMalformedRequests) {
                            R"({"contacts": 0, "since": 0.5})",
                            R"({"contacts": 0, "since": 1099511627777})",
                            R"({"proximity": -1})",
+                           R"({"positions": -1})",
                            R"({"proximity": 4294967296})",
                            R"({"proximity": 4, "since": "5"})"})
     EXPECT_TRUE(is_empty(parse_view_query(text))) << text;

@@ -179,6 +179,9 @@ void ReplayRecorder::take(std::string_view channel, std::span<const uint8_t> byt
     case RunReader::Update::kProximity:
       store_nearest();
       break;
+    case RunReader::Update::kSeparation:
+      shortfalls_.take(run_.header()->frame, run_.new_shortfalls());
+      break;
     case RunReader::Update::kFrameStats:
       if (run_.frame_stats()->frame >= kMaxFrames)
         throw EnvironmentError(fmt::format("--html stores at most {} frames, found frame {}",
@@ -347,6 +350,8 @@ Bytes ReplayRecorder::finish(const std::string& problem) {
                {"pairs_at", pairs_at},
                {"problem", problem},
                {"models", models}};
+  if (json shortfalls = shortfalls_.to_json(); !shortfalls.empty())
+    head["shortfalls"] = std::move(shortfalls);
   if (has_proximity_)
     head["nearest"] = {{"bodies", nearest_.size()},
                        {"rows", nearest_count_},

@@ -17,6 +17,7 @@
 #include "viewer/server/pair_history.h"
 #include "viewer/server/proximity_message.h"
 #include "viewer/server/run_message.h"
+#include "viewer/server/shortfall_list.h"
 
 namespace throng {
 
@@ -102,6 +103,7 @@ class ReplayRecorder {
   /// Nearest parts of each two bodies, by their ids.
   std::map<std::pair<uint32_t, uint32_t>, std::vector<ProximityRow>> nearest_;
   size_t nearest_count_ = 0;
+  ShortfallList shortfalls_;
   bool has_proximity_ = false, is_proximity_dropped_ = false;
   std::vector<float> frame_ms_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/errors.h"
@@ -48,6 +49,9 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
     history_.add(begins_.changes());
   }
   if (channel == Channel::kStates) run_.take(event.channel, event.data);
+  const bool has_shortfalls =
+      channel == Channel::kSeparation &&
+      run_.take(event.channel, event.data) == RunReader::Update::kSeparation;
   const std::lock_guard lock(mutex_);
   const auto mark = [&](std::vector<Mark>& marks) {
     if (header.chunk == 0 && (marks.empty() || marks.back().frame < header.frame))
@@ -56,6 +60,7 @@ void LogIndex::take(const LogEvent& event, Channel channel) {
   if (channel == Channel::kStates) mark(states_);
   if (channel == Channel::kTouching) mark(touching_);
   if (channel == Channel::kProximity) mark(proximity_);
+  if (has_shortfalls) shortfalls_.take(header.frame, run_.new_shortfalls());
   if (channel == Channel::kFrameStats) {
     frame_stats_t stats;
     if (!decode(event.data, stats).empty() || header.frame <= last_frame_) return;
@@ -93,6 +98,21 @@ std::optional<LogIndex::Start> LogIndex::start_of(int64_t frame) const {
   return Start{*states, newest(touching_, frame).value_or(touching_.front())};
 }
 
+std::vector<LogIndex::Mark> LogIndex::states_marks(int64_t first, int64_t last, int64_t every,
+                                                   size_t max) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Mark> marks;
+  for (int64_t next = first; next <= last && marks.size() < max;) {
+    const auto mark =
+        std::lower_bound(states_.begin(), states_.end(), next,
+                         [](const Mark& known, int64_t f) { return known.frame < f; });
+    if (mark == states_.end() || mark->frame > last) break;
+    marks.push_back(*mark);
+    next = mark->frame + every;
+  }
+  return marks;
+}
+
 std::vector<LogIndex::Mark> LogIndex::proximity_marks(int64_t first, int64_t last,
                                                       size_t max) const {
   const std::lock_guard lock(mutex_);
@@ -128,7 +148,8 @@ std::string LogIndex::to_json(size_t max_samples) const {
                           {"first_shown", states_.empty() ? 0 : states_.front().frame},
                           {"every", every},
                           {"pairs", pairs},
-                          {"frame_ms", frame_ms}}}}
+                          {"frame_ms", frame_ms},
+                          {"shortfalls", shortfalls_.to_json()}}}}
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -225,10 +246,62 @@ Bytes LogProximity::of(uint32_t body, int64_t since, std::chrono::milliseconds l
   return message.finish(to, index_.has_proximity());
 }
 
+LogPositions::LogPositions(const LogIndex& index) : index_(index), reader_(index.log()) {
+  for (const std::vector<uint8_t>& piece : index.description())
+    run_.take(name_of(Channel::kRun), piece);
+}
+
+/// Reads the states of a frame, whose messages follow each other. Returns whether all were read.
+bool LogPositions::read(const LogIndex::Mark& mark) {
+  reader_.seek(mark.offset);
+  LogEvent event;
+  while (reader_.next(event) == LogReader::Status::kEvent &&
+         event.channel == name_of(Channel::kStates))
+    if (run_.take(event.channel, event.data) == RunReader::Update::kState)
+      return run_.state().frame == mark.frame;
+  return false;
+}
+
+Bytes LogPositions::of(int64_t first, int64_t last, int64_t every,
+                       std::chrono::milliseconds limit) {
+  constexpr size_t kMaxSamples = 1000, kMaxBytes = size_t{4} << 20;
+  const auto end = std::chrono::steady_clock::now() + limit;
+  last = std::min(last, index_.last_frame());
+  const std::vector<LogIndex::Mark> marks = index_.states_marks(first, last, every, kMaxSamples);
+  PositionsHead head;
+  head.avatars = static_cast<uint32_t>(run_.run()->avatar_count);
+  head.from = static_cast<double>(first);
+  head.to = static_cast<double>(std::max(first, last + 1));
+  std::vector<float> places;
+  run_.rewind();
+  for (size_t i = 0; i < marks.size(); ++i) {
+    if (read(marks[i])) {
+      ++head.samples;
+      const CrowdState& crowd = run_.state();
+      for (size_t id = 0; id < crowd.roots.size(); ++id)
+        for (const int axis : {0, 1})
+          places.push_back(crowd.present[id] != 0
+                               ? static_cast<float>(crowd.roots[id].position_m[axis])
+                               : std::numeric_limits<float>::quiet_NaN());
+    }
+    const bool is_full =
+        places.size() * sizeof(float) > kMaxBytes || std::chrono::steady_clock::now() > end;
+    if (!is_full && i + 1 < kMaxSamples) continue;
+    // The next sample is due `every` frames after this one.
+    head.to = std::min(head.to, static_cast<double>(marks[i].frame + every));
+    break;
+  }
+  Bytes out;
+  put(out, head);
+  put_all(out, std::span<const float>(places));
+  return out;
+}
+
 namespace {
 
 constexpr size_t kIndexSamples = 2000;
-constexpr std::chrono::milliseconds kProximityTime{25};
+/// Time of an answer that reads the log; other requests of the client wait.
+constexpr std::chrono::milliseconds kReadTime{25};
 
 RunReader described(const LogIndex& index) {
   RunReader run;
@@ -243,9 +316,10 @@ RunReader described(const LogIndex& index) {
 /// Stored in WebClient::state and used by the client's own thread only.
 struct LogView::Player {
   Player(const LogIndex& index, const RunGeometry& geometry)
-      : player(index, geometry), proximity(index) {}
+      : player(index, geometry), proximity(index), positions(index) {}
   LogPlayer player;
   LogProximity proximity;
+  LogPositions positions;
 };
 
 LogView::LogView(const std::filesystem::path& log, const WebOptions& options, std::string_view page)
@@ -273,7 +347,10 @@ void LogView::on_text(WebClient& client, std::string_view text) {
         index_.history().changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
   if (query.proximity)
     client.send_binary(std::make_shared<Bytes>(
-        player.proximity.of(*query.proximity, query.since.value_or(0), kProximityTime)));
+        player.proximity.of(*query.proximity, query.since.value_or(0), kReadTime)));
+  if (query.positions)
+    client.send_binary(std::make_shared<Bytes>(
+        player.positions.of(*query.positions, query.to, query.every, kReadTime)));
   if (query.person) {
     client.send_text(
         index_.history().of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));

@@ -15,6 +15,7 @@
 #include "viewer/server/frame_message.h"
 #include "viewer/server/pair_history.h"
 #include "viewer/server/proximity_message.h"
+#include "viewer/server/shortfall_list.h"
 #include "viewer/server/web_server.h"
 
 namespace throng {
@@ -40,6 +41,8 @@ class LogIndex {
   };
   std::optional<Start> start_of(int64_t frame) const;
 
+  /// Returns up to `max` frames with states, from `first` to `last` and at least `every` apart.
+  std::vector<Mark> states_marks(int64_t first, int64_t last, int64_t every, size_t max) const;
   /// Returns up to `max` frames with proximity rows, from `first` to `last`.
   std::vector<Mark> proximity_marks(int64_t first, int64_t last, size_t max) const;
   bool has_proximity() const;
@@ -50,7 +53,8 @@ class LogIndex {
   /// Returns the missing parts of the run; empty: none known.
   std::string problem() const;
   /// Returns {"index": {"frames", "complete", "problem", "first_shown", "every", "pairs": [...],
-  /// "frame_ms": [...]}} with at most `max_samples` samples and the first frame that has states.
+  /// "frame_ms": [...], "shortfalls": [...]}} with at most `max_samples` samples and the first
+  /// frame that has states.
   std::string to_json(size_t max_samples) const;
 
   const PairHistory& history() const { return history_; }
@@ -79,6 +83,7 @@ class LogIndex {
   mutable std::mutex mutex_;
   std::vector<Mark> states_, touching_, proximity_;
   std::vector<Sample> samples_;  // in frame order
+  ShortfallList shortfalls_;
   std::string problem_;
   std::atomic<int64_t> last_frame_{-1};
   std::atomic<bool> complete_{false}, stopping_{false};
@@ -121,6 +126,33 @@ class LogProximity {
 
   /// Returns a proximity message from a frame on. It ends where `limit` or the known log ends.
   Bytes of(uint32_t body, int64_t since, std::chrono::milliseconds limit);
+
+ private:
+  bool read(const LogIndex::Mark& mark);
+
+  const LogIndex& index_;
+  LogReader reader_;
+  RunReader run_;
+};
+
+/// Start of a positions message: head | f32 x, y of each avatar for each sample; NaN: not present.
+struct PositionsHead {
+  uint32_t kind = kPositionsMessage;
+  uint32_t samples = 0;
+  uint32_t avatars = 0;
+  uint32_t zero = 0;
+  double from = 0, to = 0;  ///< the samples are those of from <= frame < to
+};
+static_assert(sizeof(PositionsHead) == 32);
+
+/// LogPositions samples where people are, some frames at a time.
+class LogPositions {
+ public:
+  /// Keeps a reference.
+  explicit LogPositions(const LogIndex& index);
+
+  /// Returns a positions message. It ends where `limit`, its size or the known log ends.
+  Bytes of(int64_t first, int64_t last, int64_t every, std::chrono::milliseconds limit);
 
  private:
   bool read(const LogIndex::Mark& mark);

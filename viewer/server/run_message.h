@@ -14,6 +14,7 @@ inline constexpr uint32_t kRunMessage = 0x31525454;        // "TTR1"
 inline constexpr uint32_t kFrameMessage = 0x31465454;      // "TTF1"
 inline constexpr uint32_t kContactsMessage = 0x31435454;   // "TTC1"
 inline constexpr uint32_t kProximityMessage = 0x31445454;  // "TTD1"
+inline constexpr uint32_t kPositionsMessage = 0x31505454;  // "TTP1"
 
 /// A sphere in the root frame that encloses all postures of a model's gait, metres at scale 1.
 struct AvatarSphere {

@@ -1,5 +1,6 @@
 #include "viewer/server/view_query.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace throng {
@@ -27,6 +28,9 @@ ViewQuery parse_view_query(std::string_view text) {
   }
   if (const auto person = number("history", UINT32_MAX))
     query.person = static_cast<uint32_t>(*person);
+  query.positions = number("positions", kMaxFrame);
+  query.to = number("to", kMaxFrame).value_or(0);
+  query.every = std::max(int64_t{1}, number("every", kMaxFrame).value_or(1));
   query.index = json.contains("index");
   return query;
 }

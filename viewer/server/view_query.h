@@ -19,6 +19,10 @@ struct ViewQuery {
   /// {"proximity": id, "since": frame}: the nearest parts of the others from this frame on, as
   /// ProximityHead states. The answer may end early; a page requests the rest with another query.
   std::optional<uint32_t> proximity;
+  /// {"positions": first, "to": last, "every": n}: positions of all avatars in frames from `first`
+  /// to `to`, at least `every` frames apart, as PositionsHead states. The answer may end early.
+  std::optional<int64_t> positions;
+  int64_t to = 0, every = 1;
 };
 
 /// Maximum number of pairs in an answer about one person.

@@ -127,6 +127,7 @@ test('a link restores the view', () => {
     layers: ['meshes', 'hulls'],
     coloring: 'speed',
     heat: [10, Infinity],
+    isDensity: true,
     filter: {...NO_FILTER, ofParts: true, with: 'robots', group: 'a, b & c=d', part: 'left hand', min_s: 0.25, order: 'length', isDescending: true},
     theme: 'dark',
   };

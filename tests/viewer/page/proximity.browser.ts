@@ -1,7 +1,8 @@
 // Tests distances to others in a real browser: they equal the exported rows, and lead to their frames.
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
-import {statSync} from 'node:fs';
+import {readFileSync, statSync} from 'node:fs';
+import {createRequire} from 'node:module';
 import {join} from 'node:path';
 import {before, test} from 'node:test';
 import type {Page} from 'playwright-core';
@@ -104,6 +105,23 @@ test('a click on the least distance of the curve shows its frame, with a line be
     await until(page, atLeast);
     await until(page, `document.querySelector('#nearChart').getAttribute('aria-valuenow') === '${least.frame}'`);
   });
+});
+
+test('the distances have no violation of accessibility rules', async () => {
+  const axe = readFileSync(createRequire(`${process.env.NPM}/`).resolve('axe-core/axe.min.js'), 'utf8');
+  for (const viewport of [{width: 1366, height: 768}, {width: 390, height: 844}]) {
+    const {page, close} = await open(`file://${html}`, viewport);
+    await page.addScriptTag({content: axe});
+    await page.evaluate('window.throng.source.playback.playing = false; window.throng.choose(1); window.throng.togglePanel(false)');
+    await page.evaluate('window.throng.rest(window.throng.source.proximity.least.frame)');
+    for (const theme of ['light', 'dark']) {
+      await page.evaluate(`window.throng.setTheme('${theme}')`);
+      await page.waitForTimeout(600);
+      const found: {id: string; nodes: {html: string}[]}[] = await page.evaluate('axe.run().then(({violations}) => violations)');
+      assert.deepEqual(found.map(({id, nodes}) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`), [], theme);
+    }
+    await close();
+  }
 });
 
 test('a live run shows the distances of the received frames', async (t) => {

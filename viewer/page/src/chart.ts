@@ -1,6 +1,9 @@
 // Chart draws a small line over time: touching pairs, or milliseconds per frame.
 // Invariant: a peak never falls between two pixels.
 
+const MARK_PX = 4;
+const MARK_COLOR = '#d55e00';
+
 export interface ChartStyle {
   line: string;
   fill: string;
@@ -96,6 +99,16 @@ export class Chart {
     c.lineWidth = 1.5;
     c.stroke();
     this.finish(label(top), style, cursor);
+  }
+
+  /** Draws bars at the top over spans of frames; `last`: the frame at the right end. */
+  mark(spans: readonly [number, number][], last: number): void {
+    const width = this.canvas.clientWidth;
+    this.context.fillStyle = MARK_COLOR;
+    for (const [begin, end] of spans) {
+      const left = (begin / Math.max(1, last)) * width;
+      this.context.fillRect(Math.min(left, width - 2), 0, Math.max(2, ((end - begin) / Math.max(1, last)) * width), MARK_PX);
+    }
   }
 
   /** `label`: formats a value; `cursor`: 0 to 1 along the time axis, or -1. */

@@ -1,16 +1,19 @@
-// The floor map counts contacts per cell of the ground. Invariant: its cells sum to its contacts.
+// The floor map colours cells of the ground by contacts or density. Invariant: counts sum to the placed contacts.
 import {DataTexture, Mesh, NearestFilter, PlaneGeometry, SRGBColorSpace, type RawShaderMaterial} from 'three';
 import {scaleColor} from './coloring.ts';
 import type {Contact} from './contacts.ts';
 import type {Run} from './protocol.ts';
 import {shaderMaterial} from './shaders.ts';
 
-export interface HeatCells {
-  counts: Uint32Array; // row by row from the south-west
+export interface Grid {
   columns: number;
   rows: number;
   min_m: [number, number];
   cell_m: number;
+}
+
+export interface HeatCells extends Grid {
+  counts: Uint32Array | Float32Array; // row by row from the south-west
   /** The highest count. */
   most: number;
 }
@@ -18,18 +21,36 @@ export interface HeatCells {
 const MIN_CELL_M = 0.5;
 const MAX_CELLS = 256; // per side
 
-/** Counts contacts by their place, where it is known; places off the ground count in the nearest cell. */
-export function heatOf(run: Run, contacts: Iterable<Contact>): HeatCells {
+/** Returns cells that cover the ground, of at least this length. */
+export function gridOf(run: Run, minCell_m = MIN_CELL_M): Grid {
   const {min_m, max_m} = run.ground;
   const size = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
-  const cell_m = Math.max(MIN_CELL_M, Math.max(...size) / MAX_CELLS);
+  const cell_m = Math.max(minCell_m, Math.max(...size) / MAX_CELLS);
   const [columns, rows] = size.map((length) => Math.max(1, Math.ceil(length / cell_m)));
-  const counts = new Uint32Array(columns * rows);
+  return {columns, rows, min_m, cell_m};
+}
+
+/** Returns the index of the cell at a place; of the nearest one for places off the ground. */
+export function cellOf({columns, rows, min_m, cell_m}: Grid, x_m: number, y_m: number): number {
   const cell = (at: number, axis: number, most: number): number =>
     Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]) / cell_m)));
-  for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cell(y_m, 1, rows) * columns + cell(x_m, 0, columns)];
+  return cell(y_m, 1, rows) * columns + cell(x_m, 0, columns);
+}
+
+/** Returns the value of the cell at a place; null off the cells. */
+export function valueAt(cells: HeatCells, x_m: number, y_m: number): number | null {
+  const [across, up] = [(x_m - cells.min_m[0]) / cells.cell_m, (y_m - cells.min_m[1]) / cells.cell_m];
+  const isInside = across >= 0 && up >= 0 && across < cells.columns && up < cells.rows;
+  return isInside ? cells.counts[cellOf(cells, x_m, y_m)] : null;
+}
+
+/** Counts contacts by their place, where it is known. */
+export function heatOf(run: Run, contacts: Iterable<Contact>): HeatCells {
+  const grid = gridOf(run);
+  const counts = new Uint32Array(grid.columns * grid.rows);
+  for (const {x_m, y_m} of contacts) if (!Number.isNaN(x_m)) ++counts[cellOf(grid, x_m, y_m)];
   const most = counts.reduce((max, count) => Math.max(max, count), 0);
-  return {counts, columns, rows, min_m, cell_m, most};
+  return {...grid, counts, most};
 }
 
 const VERTEX = /* glsl */ `
@@ -71,10 +92,10 @@ export class HeatMap {
     if (!cells) return;
     const {columns, rows, counts, min_m, cell_m, most} = cells;
     const rgba = new Uint8Array(4 * counts.length);
-    counts.forEach((count, i) => {
-      const value = count / most;
-      if (count > 0) rgba.set([...scaleColor(isDark ? value : 1 - value), 110 + 130 * value], 4 * i);
-    });
+    for (let i = 0; i < counts.length; ++i) {
+      const value = counts[i] / most;
+      if (counts[i] > 0) rgba.set([...scaleColor(isDark ? value : 1 - value), 110 + 130 * value], 4 * i);
+    }
     const texture = new DataTexture(rgba, columns, rows);
     texture.magFilter = texture.minFilter = NearestFilter;
     texture.colorSpace = SRGBColorSpace;

@@ -19,6 +19,8 @@ export interface PageView {
   coloring: Coloring;
   /** Span of the floor map in seconds; null: none. */
   heat: [number, number] | null;
+  /** Whether the floor map shows people per square metre; else contacts. */
+  isDensity: boolean;
   filter: Filter;
   /** The theme that the reader chose; null: that of the system. */
   theme: ThemeName | null;
@@ -37,6 +39,7 @@ export function writeLink(view: PageView): string {
     ['layers', view.layers.join(',')],
     ['color', view.coloring],
     ['heat', view.heat ? view.heat.map((time_s) => (time_s < Infinity ? time_s : '')).join(',') : ''],
+    ['map', view.heat && view.isDensity ? 'density' : ''],
     ['rows', filter.ofParts ? 'parts' : ''],
     ['with', filter.with],
     ['group', filter.group],
@@ -101,6 +104,7 @@ export function readLink(text: string): Partial<PageView> {
   if ([...fields.keys()].length > 0) view.heat = span ? [Number(span[1]) || 0, Number(span[2]) || Infinity] : null;
   const theme = (['light', 'dark'] as const).find((name) => name === fields.get('theme'));
   if (theme) view.theme = theme;
+  if (view.heat) view.isDensity = fields.get('map') === 'density';
   const order = /^(time|length|who)(-?)$/.exec(fields.get('order') ?? '');
   const other = ['people', 'robots', 'obstacles'].find((name) => name === fields.get('with'));
   if ([...fields.keys()].length > 0)

@@ -11,8 +11,8 @@ import {CHEST, heightOf, pointOf} from './framing.ts';
 import {readLink, renderCommand, withTheme, writeLink, type PageView} from './link.ts';
 import {pick, poseOf} from './picking.ts';
 import {MAX_CLOSEST, ProximityPanel} from './proximity_panel.ts';
-import {clock, SPEEDS} from './playback.ts';
-import {isPresent, nameOf, pairAt, personOf, type Frame, type ProximityRow, type Run} from './protocol.ts';
+import {clock, SPEEDS, whenOf} from './playback.ts';
+import {isPresent, nameOf, pairAt, personOf, type Frame, type ProximityRow, type Run, type Shortfall} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, socketUrl, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
@@ -47,6 +47,7 @@ const PANEL_MS = 120;
 const FPS_MS = 500;
 const LINK_MS = 1000;
 const FRAME_WAIT_MS = 20_000;
+const MAX_SHORTFALLS = 100;
 const TABS = ['contacts', 'view', 'charts', 'engine'] as const;
 type Tab = (typeof TABS)[number];
 
@@ -88,6 +89,7 @@ class Page {
   private contact: Bodies | null = null;
   private focus = '';
   private counted = '';
+  private shortfalls = '';
   private linkAt = 0;
   /** The frame that a link asks for, until it is known; -1: none. */
   private wantedFrame = -1;
@@ -147,6 +149,7 @@ class Page {
         if (id === this.card.id) this.card.setHistory(past as any);
         this.isPanelOld = true;
       },
+      density: () => (this.isPanelOld = true),
       proximity: () => {
         this.showDistances();
         this.isPanelOld = true;
@@ -387,6 +390,29 @@ class Page {
     el('timeChartBox').hidden = !hasTimes;
     if (hasTimes) this.timeChart.draw(series.frame_ms, (ms) => `${ms} ms`, style, cursor);
     if (playback) this.scrubChart.draw(series.pairs, () => '', style);
+    if (playback) this.scrubChart.mark(series.shortfalls.map(([begin, end]) => [begin, end < 0 ? playback.frames : end]), playback.last);
+    this.listShortfalls(series.shortfalls);
+  }
+
+  /** A row shows the begin of its shortfall. */
+  private listShortfalls(shortfalls: readonly Shortfall[]): void {
+    const {run} = this;
+    el('shortfallBox').hidden = shortfalls.length === 0;
+    const state = `${run?.run_id} ${shortfalls.length} ${shortfalls.filter(([, end]) => end < 0).length}`;
+    if (!run || state === this.shortfalls) return;
+    this.shortfalls = state;
+    const rows = shortfalls.slice(0, MAX_SHORTFALLS).map(([begin, end, robot, person, region, lack_m]) => {
+      const when = whenOf({begin, end, isOlder: false, isLost: false}, this.series?.frames ?? begin, run.step_s);
+      const button = make('button', {}, `${nameOf(run, robot)} – ${nameOf(run, person)} ${region}, ${when}, ${lack_m.toFixed(2)} m too close`);
+      button.onclick = () => {
+        this.rest(begin);
+        this.selectBodies([robot, person]);
+        this.whenFrame(begin, () => this.lookAt([robot, person]));
+      };
+      return make('li', {}, button);
+    });
+    if (shortfalls.length > rows.length) rows.push(make('li', {class: 'none'}, `${thousands(shortfalls.length - rows.length)} more`));
+    el('shortfalls').replaceChildren(...rows);
   }
 
   private recolor(): void {
@@ -398,7 +424,11 @@ class Page {
   }
 
   private updateHeat(): void {
-    if (this.run && this.source) this.look.updateHeat(this.run, this.contacts.filter, this.source.contacts);
+    const {run, source} = this;
+    if (!run || !source) return;
+    const span = this.look.isDensity ? this.look.heat : null;
+    if (span) source.loadDensity(Math.floor(span[0] / run.step_s), Math.ceil(span[1] / run.step_s));
+    this.look.updateHeat(run, this.contacts.filter, source);
   }
 
   // Contacts
@@ -526,6 +556,7 @@ class Page {
       layers: this.look.layers,
       coloring: this.look.coloring,
       heat: this.look.heat,
+      isDensity: this.look.isDensity,
       filter: this.contacts.filter,
       theme: this.chosenTheme,
     };
@@ -540,7 +571,7 @@ class Page {
     const playback = this.source?.playback;
     if (view.layers) this.look.showLayers(view.layers);
     if (view.coloring) this.look.setColoring(view.coloring);
-    if (view.heat !== undefined) this.look.setHeat(view.heat);
+    if (view.heat !== undefined) this.look.setHeat(view.heat, view.isDensity ?? false);
     if (view.filter) this.contacts.set(view.filter);
     if (view.selected) this.selectBodies(view.selected, contactOf(view));
     const tab = TABS.find((name) => name === view.tab);

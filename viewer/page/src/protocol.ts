@@ -7,6 +7,8 @@ const RUN_MESSAGE = 0x31525454;
 const FRAME_MESSAGE = 0x31465454;
 const CONTACTS_MESSAGE = 0x31435454;
 const PROXIMITY_MESSAGE = 0x31445454;
+const POSITIONS_MESSAGE = 0x31505454;
+const POSITIONS_HEAD_BYTES = 32;
 const HEAD_BYTES = 64;
 const CONTACTS_HEAD_BYTES = 32;
 const CHANGE_WORDS = 7;
@@ -127,7 +129,7 @@ function meshAt(place: MeshPlace, buffer: ArrayBuffer, base: number): Mesh {
 }
 
 /** Returns the kind of a binary message; '' for unknown ones. */
-export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | 'proximity' | '' {
+export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | 'proximity' | 'positions' | '' {
   if (buffer.byteLength < 8) return '';
   switch (new DataView(buffer).getUint32(0, true)) {
     case RUN_MESSAGE:
@@ -138,6 +140,8 @@ export function kindOf(buffer: ArrayBuffer): 'run' | 'frame' | 'contacts' | 'pro
       return 'contacts';
     case PROXIMITY_MESSAGE:
       return 'proximity';
+    case POSITIONS_MESSAGE:
+      return 'positions';
     default:
       return '';
   }
@@ -290,6 +294,28 @@ export function decodeProximity(buffer: ArrayBuffer): ProximityRows {
   const [body, recorded] = [view.getUint32(8, true), view.getUint32(12, true)];
   return {body, isRecorded: recorded === 1, from: view.getFloat64(16, true), to: view.getFloat64(24, true), rows};
 }
+
+export interface Positions {
+  samples: number;
+  /** The samples are those of from <= frame < to. */
+  from: number;
+  to: number;
+  /** x, y of each avatar for each sample; NaN: not present. */
+  places: Float32Array;
+}
+
+/** Throws a RangeError if the length contradicts the head. */
+export function decodePositions(buffer: ArrayBuffer): Positions {
+  if (kindOf(buffer) !== 'positions') throw new RangeError('not a positions message');
+  const head = new DataView(buffer, 0, POSITIONS_HEAD_BYTES);
+  const [samples, avatars] = [head.getUint32(4, true), head.getUint32(8, true)];
+  const places = new Float32Array(buffer, POSITIONS_HEAD_BYTES);
+  if (places.length !== 2 * samples * avatars) throw new RangeError('positions message has a wrong length');
+  return {samples, from: head.getFloat64(16, true), to: head.getFloat64(24, true), places};
+}
+
+/** A robot that was too close to a person: begin, the frame after the last or -1, robot, person, region, lack in metres. */
+export type Shortfall = [number, number, number, number, string, number];
 
 export interface Person {
   present: boolean;

@@ -1,7 +1,8 @@
 // Replay decodes a recording inside the page and rebuilds a frame at any time from ten keys per second.
 // Invariant: its frames have the form of the server's frames; the rest of the page sees no difference.
+import type {DensityLog} from './density.ts';
 import {Motion, ROOT_FLOATS, type Basis} from './motion.ts';
-import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type ProximityRow, type ProximityRows, type Run, type Vec3} from './protocol.ts';
+import {decodeRun, PAIR_WORDS, type ContactChange, type Frame, type ProximityRow, type ProximityRows, type Run, type Shortfall, type Vec3} from './protocol.ts';
 
 interface Head {
   position_step_m: number;
@@ -13,6 +14,7 @@ interface Head {
   keys: number[];
   frame_us: number[];
   models: Basis[];
+  shortfalls?: Shortfall[];
   /** `dropped`: the rows did not fit into the file. */
   nearest?: {bodies: number; rows: number; at: number; dropped: boolean};
 }
@@ -159,6 +161,27 @@ export class Replay {
       const began = flags[i] & BEGAN_BEFORE ? ~begin : begin;
       const isLost = (flags[i] & END_LOST) !== 0;
       this.intervals.push({a: a[i], b: b[i], partA: partA[i], partB: partB[i], level: level[i], begin, end, began, isLost});
+    }
+  }
+
+  get shortfalls(): Shortfall[] {
+    return this.head.shortfalls ?? [];
+  }
+
+  /** Fills `log` with the keys of its span. */
+  sampleDensity(log: DensityLog): void {
+    const {run} = this;
+    const {keys} = this.head;
+    const places = new Float32Array(2 * run.avatars);
+    for (let key = 0; key < keys.length; ++key) {
+      if (keys[key] < log.first || keys[key] >= log.end) continue;
+      const roots = this.motion.rootsAt(key);
+      for (let id = 0; id < run.avatars; ++id) {
+        const at = id * ROOT_FLOATS;
+        places[2 * id] = roots[at + 7] > 0.5 ? roots[at] : NaN;
+        places[2 * id + 1] = roots[at + 1];
+      }
+      log.add(run, places, (id) => 2 * id, keys[key]);
     }
   }
 

@@ -2,8 +2,9 @@
 import type {PastContact} from './card.ts';
 import {ContactLog} from './contacts.ts';
 import {clock, Playback} from './playback.ts';
+import {DensityLog} from './density.ts';
 import {ProximityLog} from './proximity.ts';
-import {decodeContacts, decodeFrame, decodeProximity, decodeRun, kindOf, type Frame, type Run} from './protocol.ts';
+import {decodeContacts, decodeFrame, decodePositions, decodeProximity, decodeRun, kindOf, type Frame, type Run, type Shortfall} from './protocol.ts';
 import {Replay} from './replay.ts';
 
 // The connection to `throng view` sends requests, receives messages and reconnects after a loss.
@@ -85,6 +86,7 @@ export interface Series {
   pairs: ArrayLike<number>;
   frame_ms: ArrayLike<number>;
   problem: string;
+  shortfalls: Shortfall[];
 }
 
 export interface SourceEvents {
@@ -94,6 +96,8 @@ export interface SourceEvents {
   history(id: number, past: PastContact[]): void;
   /** Called after a change of Source.proximity. */
   proximity(): void;
+  /** Called after a change of Source.density. */
+  density(): void;
   /** Shows a notice in the middle of the page; '' hides it. `retry` adds a button. */
   notice(title: string, detail?: string, retry?: () => void): void;
 }
@@ -115,6 +119,10 @@ export interface Source {
   loadContacts(): void;
   /** Distances of one body, for runs with proximity rows; of the latest LIVE_S of a live run. */
   readonly proximity: ProximityLog;
+  /** Where people were; in a live run since this page was opened. */
+  readonly density: DensityLog;
+  /** Begins to fill `density` for a span of a recorded run: first <= frame < end. */
+  loadDensity(first: number, end: number): void;
   /** Begins to fill `proximity` for a body; -1: for none. */
   loadProximity(body: number): void;
 }
@@ -125,6 +133,10 @@ const CONTACTS_MS = 500;
 /** Time between two requests for new distances. */
 const PROXIMITY_MS = 250;
 const LIVE_S = 60;
+const DENSITY_S = 0.1;
+/** Maximum numbers of samples of a density, and of places in them. */
+const MAX_SAMPLES = 600;
+const MAX_PLACES = 5e6;
 const SAMPLES = 600;
 
 /** ServerSource provides the live run or log of the server. */
@@ -153,6 +165,11 @@ export class ServerSource implements Source {
   private wasComplete = false;
   readonly proximity = new ProximityLog();
   private proximityAt = 0;
+  readonly density = new DensityLog();
+  private densityAt = 0;
+  /** The next frame to sample. */
+  private densityNext = 0;
+  private densityEvery = 1;
 
   constructor(
     url: string,
@@ -161,7 +178,7 @@ export class ServerSource implements Source {
     this.connection = new Connection(url, {
       connected: () => {
         this.requested = -1;
-        this.lastSeq = this.contactsAt = this.proximityAt = 0;
+        this.lastSeq = this.contactsAt = this.proximityAt = this.densityAt = 0;
         events.notice('');
       },
       lost: () => events.notice('Connection lost', 'throng view does not answer; trying again'),
@@ -179,6 +196,7 @@ export class ServerSource implements Source {
     const now = performance.now();
     this.requestContacts(now);
     this.requestProximity(now);
+    this.requestDensity(now);
     if (!playback) {
       if (connection.open && this.run && !this.isEnded && this.receivedAt > 0 && now - this.receivedAt > 2500)
         this.events.notice('No frames', 'waiting for the next frame');
@@ -205,6 +223,7 @@ export class ServerSource implements Source {
     const start = performance.now();
     if (kindOf(buffer) === 'contacts') return this.takeContacts(buffer);
     if (kindOf(buffer) === 'proximity') return this.takeProximity(buffer);
+    if (kindOf(buffer) === 'positions') return this.takePositions(buffer);
     if (kindOf(buffer) === 'run') {
       const run = decodeRun(buffer);
       const isSame = this.run !== null && this.run.run_id === run.run_id && this.run.mode === run.mode;
@@ -216,6 +235,7 @@ export class ServerSource implements Source {
       this.contacts.clear();
       this.nextChange = this.contactsAt = 0;
       this.loadProximity(this.proximity.body, true);
+      this.density.reset(run, 0, run.mode === 'live' ? Infinity : -1);
       if (run.mode === 'log' && !(isSame && this.playback)) this.playback = new Playback(run.step_s);
       if (run.mode === 'live') this.playback = null;
       this.events.run(run);
@@ -232,6 +252,7 @@ export class ServerSource implements Source {
       this.receivedAt = performance.now();
       this.lastTime_s = frame.time_s;
       this.remember(frame);
+      this.density.addFrame(this.run, frame);
       if (this.isEnded) this.showEnd();
       else this.events.notice('');
     }
@@ -283,7 +304,42 @@ export class ServerSource implements Source {
     if (!playback) proximity.forget(proximity.to - LIVE_S / run.step_s);
     const isAll = !playback || proximity.to >= playback.frames;
     this.proximityAt = !isAll ? 0 : playback && this.isComplete ? Infinity : performance.now() + PROXIMITY_MS;
+    // Waiting for the next picture would slow down a log of many frames.
+    if (!isAll) this.requestProximity(performance.now());
     this.events.proximity();
+  }
+
+  loadDensity(first: number, end: number): void {
+    const {density, run, playback} = this;
+    if (!run || !playback || (density.first === first && density.end === end)) return;
+    density.reset(run, first, end);
+    const max = Math.max(20, Math.min(MAX_SAMPLES, Math.floor(MAX_PLACES / run.avatars)));
+    const frames = Math.min(end, playback.frames) - first;
+    this.densityEvery = Math.max(1, Math.round(DENSITY_S / run.step_s), Math.ceil(frames / max));
+    this.densityNext = first;
+    this.densityAt = 0;
+  }
+
+  /** A request without an answer is repeated. */
+  private requestDensity(now: number): void {
+    const {density, playback, connection} = this;
+    if (!playback || !this.run || density.end < 0 || !connection.open || now < this.densityAt) return;
+    const end = Math.min(density.end, playback.frames);
+    this.densityAt = now + (this.densityNext < end ? ANSWER_MS : PROXIMITY_MS);
+    if (this.densityNext >= end) return;
+    connection.send({positions: this.densityNext, to: end - 1, every: this.densityEvery});
+  }
+
+  private takePositions(buffer: ArrayBuffer): void {
+    const {density, run} = this;
+    const {samples, from, to, places} = decodePositions(buffer);
+    if (!run || from !== this.densityNext || places.length !== 2 * samples * run.avatars) return;
+    for (let i = 0; i < samples; ++i)
+      density.add(run, places, (id) => 2 * (i * run.avatars + id), Math.min(to, from + i * this.densityEvery));
+    this.densityNext = to;
+    this.densityAt = 0;
+    this.requestDensity(performance.now());
+    this.events.density();
   }
 
   private remember(frame: Frame): void {
@@ -293,7 +349,7 @@ export class ServerSource implements Source {
       this.pairs.shift();
       this.frame_ms.shift();
     }
-    this.events.series({frames: 0, pairs: this.pairs, frame_ms: this.frame_ms, problem: ''});
+    this.events.series({frames: 0, pairs: this.pairs, frame_ms: this.frame_ms, problem: '', shortfalls: []});
   }
 
   private text(json: any): void {
@@ -338,8 +394,8 @@ export class FileSource implements Source {
     // The page must know its source first.
     queueMicrotask(() => {
       events.run(replay.run);
-      const {frames, pairs, frame_ms, problem} = replay;
-      events.series({frames, pairs, frame_ms, problem});
+      const {frames, pairs, frame_ms, problem, shortfalls} = replay;
+      events.series({frames, pairs, frame_ms, problem, shortfalls});
     });
   }
 
@@ -355,6 +411,14 @@ export class FileSource implements Source {
   }
 
   readonly proximity = new ProximityLog();
+  readonly density = new DensityLog();
+
+  loadDensity(first: number, end: number): void {
+    const {density, replay} = this;
+    if (density.first === first && density.end === end) return;
+    density.reset(replay.run, first, end);
+    replay.sampleDensity(density);
+  }
 
   loadProximity(body: number): void {
     const {proximity, replay} = this;

@@ -552,6 +552,14 @@ export class Stage {
     }
   }
 
+  /** Returns the place on the ground under a pixel; null above the horizon. */
+  groundAt(x: number, y: number): Vector3 | null {
+    const [width, height] = this.size;
+    const {position} = this.camera;
+    const ray = new Vector3((2 * x) / width - 1, 1 - (2 * y) / height, 0.5).unproject(this.camera).sub(position);
+    return ray.z < 0 ? ray.multiplyScalar(-position.z / ray.z).add(position) : null;
+  }
+
   /** Returns the normalised device coordinates of a point. */
   project(x: number, y: number, z: number): [number, number] {
     const p = new Vector3(x, y, z).project(this.camera);

@@ -4,8 +4,9 @@ import type {ContactLog} from './contacts.ts';
 import {LAYERS, type Layer} from './crowd.ts';
 import {counted, el, make, setText, thousands} from './dom.ts';
 import {matching, type Filter} from './filter.ts';
-import {heatOf} from './heat.ts';
+import {heatOf, valueAt, type HeatCells} from './heat.ts';
 import {pairAt, type Frame, type Run} from './protocol.ts';
+import type {Source} from './sources.ts';
 import type {Stage} from './stage.ts';
 import {MARKS} from './theme.ts';
 
@@ -24,6 +25,7 @@ export class ViewPane {
   private readonly boxes = new Map<Layer, HTMLInputElement>();
   private legend = 'null';
   private heatOf = '';
+  private cells: HeatCells | null = null;
 
   /** `recolor` is called after a choice of colours. */
   constructor(
@@ -44,6 +46,8 @@ export class ViewPane {
     });
     for (const bar of document.querySelectorAll<HTMLElement>('.scale i')) bar.style.background = scaleGradient();
     el('heat').addEventListener('input', () => this.setHeat(this.heat));
+    el('stage').addEventListener('pointermove', ({clientX, clientY}) => this.point(clientX, clientY));
+    el('stage').addEventListener('pointerleave', () => (el('heatTip').hidden = true));
     for (const id of ['heatFrom', 'heatTo']) el(id).addEventListener('input', recolor);
     const choice = el<HTMLSelectElement>('coloring');
     choice.append(...COLORINGS.map(([value, name]) => make('option', {value}, name)));
@@ -84,8 +88,13 @@ export class ViewPane {
     return [value('heatFrom', 0), value('heatTo', Infinity)];
   }
 
-  setHeat(span: [number, number] | null): void {
-    el<HTMLSelectElement>('heat').value = span ? 'contacts' : '';
+  /** Whether the floor map shows people per square metre; else contacts. */
+  get isDensity(): boolean {
+    return el<HTMLSelectElement>('heat').value === 'density';
+  }
+
+  setHeat(span: [number, number] | null, isDensity = this.isDensity): void {
+    el<HTMLSelectElement>('heat').value = span ? (isDensity ? 'density' : 'contacts') : '';
     el('heatBox').hidden = span === null;
     if (span) {
       el<HTMLInputElement>('heatFrom').value = span[0] > 0 ? String(span[0]) : '';
@@ -95,22 +104,51 @@ export class ViewPane {
   }
 
   /** Counts again only if contacts, filter or span have changed. */
-  updateHeat(run: Run, filter: Filter, contacts: ContactLog): void {
-    const span = this.heat;
+  updateHeat(run: Run, filter: Filter, source: Source): void {
+    const {heat: span, isDensity} = this;
     const isDark = document.documentElement.dataset.theme === 'dark';
-    const state = JSON.stringify([run.run_id, span, span ? [filter, contacts.version, isDark] : null]);
+    const shown = isDensity ? source.density.version : [filter, source.contacts.version];
+    const state = JSON.stringify([run.run_id, span, span ? [shown, isDensity, isDark] : null]);
     if (state === this.heatOf) return;
     this.heatOf = state;
-    if (!span) return this.stage.setHeat(null, isDark);
+    this.cells = !span ? null : isDensity ? this.densityOf(run, source) : this.contactsOf(run, filter, source.contacts, span);
+    this.stage.setHeat(this.cells, isDark);
+    if (!this.cells) el('heatTip').hidden = true;
+    el('heatSpan').hidden = isDensity && source.playback === null;
+    el('heatScale').style.background = scaleGradient(!isDark);
+  }
+
+  private contactsOf(run: Run, filter: Filter, contacts: ContactLog, span: [number, number]): HeatCells {
     const [first, end] = span.map((time_s) => time_s / run.step_s);
     const found = matching(run, {...filter, ofParts: false}, contacts).filter(({begin}) => begin >= first && begin < end);
     const cells = heatOf(run, found);
-    this.stage.setHeat(cells, isDark);
-    el('heatScale').style.background = scaleGradient(!isDark);
     setText(el('heatMost'), `${cells.most} in a cell of ${Number(cells.cell_m.toFixed(2))} m`);
-    const placed = cells.counts.reduce((sum, count) => sum + count, 0);
+    const placed = found.filter(({x_m}) => !Number.isNaN(x_m)).length;
     const missing = found.length - placed;
     setText(el('heatTotal'), counted(placed, 'contact') + (missing > 0 ? `, ${missing} without a known place` : ''));
+    return cells;
+  }
+
+  private densityOf(run: Run, source: Source): HeatCells | null {
+    const {cells, samples, range} = source.density;
+    setText(el('heatMost'), cells ? `${cells.most.toFixed(2)} per m² in a cell of ${Number(cells.cell_m.toFixed(2))} m` : '');
+    const [first, last] = range.map((frame) => (frame * run.step_s).toFixed(1));
+    const since = source.playback ? '' : ', since this page was opened';
+    setText(el('heatTotal'), cells ? `mean of ${counted(samples, 'sample')}, ${first}–${last} s${since}` : 'no sample yet');
+    return cells;
+  }
+
+  /** Shows the place under the mouse and its value. */
+  private point(x: number, y: number): void {
+    const tip = el('heatTip');
+    const at = this.cells ? this.stage.groundAt(x, y) : null;
+    const value = at && this.cells ? valueAt(this.cells, at.x, at.y) : null;
+    tip.hidden = value === null;
+    if (!at || value === null) return;
+    const what = this.isDensity ? `${value.toFixed(2)} people per m²` : counted(value, 'contact');
+    setText(tip, `${at.x.toFixed(1)}, ${at.y.toFixed(1)} m: ${what}`);
+    tip.style.left = `${Math.min(x + 14, innerWidth - tip.offsetWidth - 4)}px`;
+    tip.style.top = `${Math.max(4, y - tip.offsetHeight - 8)}px`;
   }
 
   updateColors(run: Run, frame: Frame, contacts: ContactLog): void {
