@@ -12,7 +12,7 @@ import {readLink, renderCommand, withTheme, writeLink, type PageView} from './li
 import {pick, poseOf} from './picking.ts';
 import {MAX_CLOSEST, ProximityPanel} from './proximity_panel.ts';
 import {clock, SPEEDS, whenOf} from './playback.ts';
-import {isPresent, nameOf, pairAt, personOf, type Frame, type ProximityRow, type Run, type Shortfall} from './protocol.ts';
+import {displayName, isPresent, nameOf, pairAt, personOf, type Frame, type ProximityRow, type Run, type Shortfall} from './protocol.ts';
 import {inflated, Replay} from './replay.ts';
 import {FileSource, ServerSource, socketUrl, type Series, type Source} from './sources.ts';
 import {Stage} from './stage.ts';
@@ -403,7 +403,7 @@ class Page {
     this.shortfalls = state;
     const rows = shortfalls.slice(0, MAX_SHORTFALLS).map(([begin, end, robot, person, region, lack_m]) => {
       const when = whenOf({begin, end, isOlder: false, isLost: false}, this.series?.frames ?? begin, run.step_s);
-      const button = make('button', {}, `${nameOf(run, robot)} – ${nameOf(run, person)} ${region}, ${when}, ${lack_m.toFixed(2)} m too close`);
+      const button = make('button', {}, `${nameOf(run, robot)} – ${nameOf(run, person)} ${displayName(region)}, ${when}, ${lack_m.toFixed(2)} m too close`);
       button.onclick = () => {
         this.rest(begin);
         this.selectBodies([robot, person]);
