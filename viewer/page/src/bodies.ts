@@ -3,11 +3,10 @@
 import {
   BufferAttribute,
   BufferGeometry,
-  DynamicDrawUsage,
-  InstancedBufferAttribute,
   InstancedBufferGeometry,
 } from 'three';
-import type {Box, Model, Mesh, Part, Run, Vec3} from './protocol.ts';
+import type {Box, Model, Mesh, Part, Vec3} from './protocol.ts';
+import {RIBBON_PEOPLE} from './shaders.ts';
 import {largest, limbRibbons, partRibbons, simplified, sleeve, vertexNormals, type Ribbon} from './simplify.ts';
 import {slotOf} from './theme.ts';
 
@@ -52,10 +51,15 @@ function append(out: Merged, mesh: Mesh, part: Part, index: number): void {
 
 export interface BodyLevel {
   body: InstancedBufferGeometry;
-  /** Shares no attribute that changes with `body`. */
   shadow: InstancedBufferGeometry;
   /** Whether the geometries are ribbons, for other shaders. */
   isRibbon: {body: boolean; shadow: boolean};
+  /** Of a body and its shadow. */
+  triangles: number;
+}
+
+function trianglesOf(shape: InstancedBufferGeometry): number {
+  return shape.index!.count / 3 / (shape.hasAttribute('member') ? RIBBON_PEOPLE : 1);
 }
 
 /** Returns a model's geometry at each level of detail, finest first. */
@@ -67,16 +71,21 @@ export function bodyLevels(model: Model): BodyLevel[] {
   const level = (body: InstancedBufferGeometry, shadow: InstancedBufferGeometry): BodyLevel => ({
     body: sharing(body),
     shadow: sharing(shadow),
-    isRibbon: {body: body.hasAttribute('edge'), shadow: shadow.hasAttribute('edge')},
+    isRibbon: {body: body.hasAttribute('member'), shadow: shadow.hasAttribute('member')},
+    triangles: trianglesOf(body) + trianglesOf(shadow),
   });
   return [level(full, middle), level(close, middle), level(near, parts), level(middle, parts), level(parts, limbs), level(limbs, few)];
 }
 
-/** `normal` is the axis; `edge` is how far a corner lies aside and, seen along the axis, ahead of its end. */
+/**
+ * `normal` is the axis; `edge` is how far a corner lies aside and, seen along the axis, ahead of its end. One geometry
+ * has the ribbons of several people: graphics cards draw small instances slowly.
+ */
 function ribbons(list: readonly Ribbon[], model: Model): InstancedBufferGeometry {
   const out: Merged = {positions: [], normals: [], partSlots: [], indices: []};
   const edges: number[] = [];
-  for (const ends of list) {
+  const members: number[] = [];
+  const append = (ends: Ribbon, member: number): void => {
     const base = out.positions.length / 3;
     ends.forEach(({part, at, axis, half_width_m}, end) => {
       const {name} = model.parts[part];
@@ -86,12 +95,15 @@ function ribbons(list: readonly Ribbon[], model: Model): InstancedBufferGeometry
         out.normals.push(...axis);
         out.partSlots.push(part, slot);
         edges.push(side * half_width_m, (end === 0 ? -1 : 1) * half_width_m);
+        members.push(member);
       }
     });
     out.indices.push(base, base + 1, base + 2, base + 2, base + 1, base + 3);
-  }
+  };
+  for (let member = 0; member < RIBBON_PEOPLE; ++member) for (const ends of list) append(ends, member);
   const geometry = geometryOf(out);
   geometry.setAttribute('edge', new BufferAttribute(new Float32Array(edges), 2));
+  geometry.setAttribute('member', new BufferAttribute(new Float32Array(members), 1));
   return geometry;
 }
 
@@ -161,42 +173,26 @@ export function boxGeometry(model: Model): InstancedBufferGeometry {
   return geometry;
 }
 
-/** Instances is a list of people to draw, shared by several geometries. */
-export class Instances {
+/** PeopleList is a range in the order of visible people, which several geometries draw. */
+export class PeopleList {
   count = 0;
-  readonly attribute: InstancedBufferAttribute;
+  /** The uniform of the first one. */
+  readonly first = {value: 0};
   private readonly geometries: InstancedBufferGeometry[] = [];
 
-  constructor(readonly capacity: number) {
-    this.attribute = new InstancedBufferAttribute(new Float32Array(3 * Math.max(1, capacity)), 3);
-    this.attribute.setUsage(DynamicDrawUsage);
-  }
-
   drives(geometry: InstancedBufferGeometry): InstancedBufferGeometry {
-    geometry.setAttribute('instance', this.attribute);
     geometry.instanceCount = 0;
     this.geometries.push(geometry);
     return geometry;
   }
 
-  clear(): void {
-    this.count = 0;
-  }
-
-  add(run: Run, avatar: number): void {
-    const {array} = this.attribute;
-    const at = 3 * this.count++;
-    array[at] = avatar;
-    array[at + 1] = run.firstPart[avatar];
-    array[at + 2] = run.scaleOfAvatar[avatar];
-  }
-
-  done(): void {
-    for (const geometry of this.geometries) geometry.instanceCount = this.count;
-    if (this.count === 0) return; // a length of 0 would upload all
-    this.attribute.clearUpdateRanges();
-    this.attribute.addUpdateRange(0, 3 * this.count);
-    this.attribute.needsUpdate = true;
+  /** Draws `count` people from `first` on; returns the end of the range, to which the last instances reach. */
+  place(first: number): number {
+    this.first.value = first;
+    const instances = Math.ceil(this.count / RIBBON_PEOPLE);
+    for (const geometry of this.geometries)
+      geometry.instanceCount = geometry.hasAttribute('member') ? instances : this.count;
+    return first + instances * RIBBON_PEOPLE;
   }
 }
 

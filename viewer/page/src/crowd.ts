@@ -19,7 +19,7 @@ import {
   type DataTexture,
   type WebGLRenderer,
 } from 'three';
-import {Instances, bodyLevels, boxGeometry, hullGeometry} from './bodies.ts';
+import {PeopleList, bodyLevels, boxGeometry, hullGeometry} from './bodies.ts';
 import {Poser} from './poser.ts';
 import type {Frame, Model, Run} from './protocol.ts';
 import {
@@ -31,6 +31,7 @@ import {
   SHADOW_FRAGMENT,
   SHADOW_VERTEX,
   SPHERE_FRAGMENT,
+  RIBBON_PEOPLE,
   SPHERE_VERTEX,
   ribbonVertex,
   shaderMaterial,
@@ -66,9 +67,10 @@ export function oncePerPixel(material: RawShaderMaterial): RawShaderMaterial {
 }
 
 interface ModelDraws {
-  lists: Instances[]; // by level of detail
+  members: number;
+  lists: PeopleList[]; // by level of detail
   triangles: number[]; // of a body and its shadow at each level
-  all: Instances;
+  all: PeopleList;
 }
 
 export class Crowd {
@@ -80,6 +82,7 @@ export class Crowd {
   private poser: Poser | null = null; // of a recording
   private frame: Frame | null = null;
   private readonly looks: DataTexture; // by avatar: colour, then the bits below
+  private readonly ordered: DataTexture; // people in the picture, list by list
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
   private readonly shown: Record<Layer, boolean> = {
@@ -112,8 +115,10 @@ export class Crowd {
     this.binOf = new Uint16Array(run.avatars);
     this.people = texelMap('RGBA32UI', run.avatars);
     this.looks = texelMap('RGBA8UI', run.avatars);
+    this.ordered = texelMap('RGBA32F', run.avatars + RIBBON_PEOPLE * USEFUL_PX.length * run.models.length);
     this.own = {
       uPeople: {value: this.people},
+      uOrder: {value: this.ordered},
       uParts: {value: this.people},
       uLooks: {value: this.looks},
       uMarks: {value: MARK_COLORS},
@@ -129,7 +134,7 @@ export class Crowd {
     run.models.forEach((model, index) => this.addModel(model, index));
     this.reachOf = Float32Array.from(run.modelOfAvatar, (m, id) => run.models[m].sphere.radius_m * run.scaleOfAvatar[id]);
     this.triangles = USEFUL_PX.map((_, level) =>
-      this.draws.reduce((sum, {triangles, all}) => sum + (triangles[level] * all.capacity) / Math.max(1, run.avatars), 0),
+      this.draws.reduce((sum, {triangles, members}) => sum + (triangles[level] * members) / Math.max(1, run.avatars), 0),
     );
     for (const layer of LAYERS) this.show(layer, this.shown[layer]);
   }
@@ -139,41 +144,45 @@ export class Crowd {
   }
 
   private addModel(model: Model, index: number): void {
-    const count = this.run.modelOfAvatar.filter((m) => m === index).length;
     const step = {uPartStep: {value: model.part_step_m}};
-    const body = [BODY_VERTEX, ribbonVertex(BODY_VERTEX)].map((vertex) => this.material(vertex, BODY_FRAGMENT, step));
-    const shadow = [SHADOW_VERTEX, ribbonVertex(SHADOW_VERTEX)].map((vertex) => {
-      const material = oncePerPixel(this.material(vertex, SHADOW_FRAGMENT, step));
-      material.transparent = true;
-      material.depthWrite = false;
-      return material;
+    const levels = bodyLevels(model);
+    const lists = levels.map(({body, shadow, isRibbon}) => {
+      const list = new PeopleList();
+      this.add('meshes', new Mesh(list.drives(body), this.bodyMaterial(isRibbon.body, {...step, uFirst: list.first})));
+      this.add('shadows', new Mesh(list.drives(shadow), this.shadowMaterial(isRibbon.shadow, {...step, uFirst: list.first})), 1);
+      return list;
     });
-    // A ribbon is turned to the eye with either side; shadows are flat.
-    for (const material of [body[1], ...shadow]) material.side = DoubleSide;
-    const lists: Instances[] = [];
-    const triangles: number[] = [];
-    for (const level of bodyLevels(model)) {
-      const list = new Instances(count);
-      this.add('meshes', new Mesh(list.drives(level.body), body[Number(level.isRibbon.body)]));
-      this.add('shadows', new Mesh(list.drives(level.shadow), shadow[Number(level.isRibbon.shadow)]), 1);
-      lists.push(list);
-      triangles.push((level.body.index!.count + level.shadow.index!.count) / 3);
-    }
-    const all = new Instances(count);
+    const all = new PeopleList();
+    const more = {...step, uFirst: all.first};
 
     const ball = new InstancedBufferGeometry();
     const shape = new IcosahedronGeometry(1, 3);
     ball.setAttribute('position', shape.getAttribute('position'));
     const spheres = this.material(SPHERE_VERTEX, SPHERE_FRAGMENT, {
-      ...step,
+      ...more,
       uSphere: {value: new Vector2(model.sphere.centre_z_m, model.sphere.radius_m)},
     });
     this.add('spheres', new Mesh(all.drives(ball), translucent(spheres)), 3);
-    const hulls = translucent(this.material(HULL_VERTEX, LINE_FRAGMENT, step));
+    const hulls = translucent(this.material(HULL_VERTEX, LINE_FRAGMENT, more));
     this.add('hulls', new LineSegments(all.drives(hullGeometry(model)), hulls), 2);
-    const boxes = translucent(this.material(BOX_VERTEX, LINE_FRAGMENT, step));
+    const boxes = translucent(this.material(BOX_VERTEX, LINE_FRAGMENT, more));
     this.add('boxes', new LineSegments(all.drives(boxGeometry(model)), boxes), 2);
-    this.draws.push({lists, triangles, all});
+    const members = this.run.modelOfAvatar.filter((m) => m === index).length;
+    this.draws.push({members, lists, triangles: levels.map(({triangles}) => triangles), all});
+  }
+
+  private bodyMaterial(isRibbon: boolean, more: Uniforms): RawShaderMaterial {
+    const material = this.material(isRibbon ? ribbonVertex(BODY_VERTEX) : BODY_VERTEX, BODY_FRAGMENT, more);
+    if (isRibbon) material.side = DoubleSide;
+    return material;
+  }
+
+  private shadowMaterial(isRibbon: boolean, more: Uniforms): RawShaderMaterial {
+    const material = this.material(isRibbon ? ribbonVertex(SHADOW_VERTEX) : SHADOW_VERTEX, SHADOW_FRAGMENT, more);
+    material.transparent = true;
+    material.depthWrite = false;
+    material.side = DoubleSide;
+    return oncePerPixel(material);
   }
 
   private add(layer: Layer, object: Mesh | LineSegments, order = 0): void {
@@ -251,21 +260,36 @@ export class Crowd {
     );
     this.findVisible(frame, camera.position, (0.5 * height_px) / Math.tan((0.5 * camera.fov * Math.PI) / 180));
     const levels = this.levelsByBin(triangles, height_px);
-    const drawsAll = this.byLayer.spheres.visible || this.byLayer.hulls.visible || this.byLayer.boxes.visible;
-    for (const draw of this.draws) {
-      draw.all.clear();
-      for (const list of draw.lists) list.clear();
+    this.order(levels);
+  }
+
+  /** Orders visible people by model and level of detail; -1 fills the last instance of a list. */
+  private order(levels: Uint8Array): void {
+    const {run, draws, visible, binOf, visibleCount} = this;
+    const texels = dataOf(this.ordered, 'RGBA32F');
+    for (const {lists} of draws) for (const list of lists) list.count = 0;
+    for (let i = 0; i < visibleCount; ++i) ++draws[run.modelOfAvatar[visible[i]]].lists[levels[binOf[i]]].count;
+    let end = 0;
+    for (const {lists, all} of draws) {
+      const start = end;
+      for (const list of lists) {
+        const first = end;
+        end = list.place(first);
+        for (let i = first + list.count; i < end; ++i) texels[4 * i] = -1;
+        list.count = 0;
+      }
+      all.count = end - start;
+      all.place(start);
     }
-    for (let i = 0; i < this.visibleCount; ++i) {
-      const id = this.visible[i];
-      const draw = this.draws[this.run.modelOfAvatar[id]];
-      if (drawsAll) draw.all.add(this.run, id);
-      draw.lists[levels[this.binOf[i]]].add(this.run, id);
+    for (let i = 0; i < visibleCount; ++i) {
+      const id = visible[i];
+      const list = draws[run.modelOfAvatar[id]].lists[levels[binOf[i]]];
+      const at = 4 * (list.first.value + list.count++);
+      texels[at] = id;
+      texels[at + 1] = run.firstPart[id];
+      texels[at + 2] = run.scaleOfAvatar[id];
     }
-    for (const draw of this.draws) {
-      draw.all.done();
-      for (const list of draw.lists) list.done();
-    }
+    this.ordered.needsUpdate = true;
   }
 
   /** `focus_px` is the size in pixels of a metre one metre ahead. */
@@ -331,6 +355,7 @@ export class Crowd {
     this.parts?.dispose();
     this.poser?.dispose();
     this.looks.dispose();
+    this.ordered.dispose();
     this.group.traverse((object) => {
       if (object instanceof Mesh || object instanceof LineSegments) {
         object.geometry.dispose();

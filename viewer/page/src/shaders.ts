@@ -34,7 +34,10 @@ vec4 product(vec4 a, vec4 b) {
 }
 `;
 
-/** Reads people and parts. Instances are (avatar, first part, scale). */
+/** People that a geometry of ribbons has. */
+export const RIBBON_PEOPLE = 64;
+
+/** Reads people and parts. `instance` is avatar (-1: none), first part and scale. */
 const POSES = FETCH + QUATERNIONS + /* glsl */ `
 uniform usampler2D uPeople;
 uniform usampler2D uParts;
@@ -42,7 +45,15 @@ uniform usampler2D uLooks;
 uniform float uPartStep;
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
-in vec3 instance;
+uniform sampler2D uOrder;
+uniform uint uFirst;
+#ifdef RIBBON
+in float member;
+uint number() { return uint(gl_InstanceID) * ${RIBBON_PEOPLE}u + uint(member); }
+#else
+uint number() { return uint(gl_InstanceID); }
+#endif
+vec3 instance;
 
 float low(uint word) { return float(int(word << 16u) >> 16); }
 float high(uint word) { return float(int(word) >> 16); }
@@ -55,6 +66,8 @@ Looks looks() {
 }
 struct Person { vec3 root; bool there; bool crowded; uint mark; };
 Person person() {
+  instance = at(uOrder, uFirst + number()).xyz;
+  if (instance.x < 0.0) return Person(vec3(0.0), false, false, 0u);
   uvec4 t = at(uPeople, uint(instance.x));
   return Person(uintBitsToFloat(t.xyz), (t.w & 1u) != 0u, (t.w & 2u) != 0u, (t.w >> 8u) & 255u);
 }
