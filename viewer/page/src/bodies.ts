@@ -54,7 +54,7 @@ export interface BodyLevel {
   shadow: InstancedBufferGeometry;
   /** Whether the geometries are ribbons, for other shaders. */
   isRibbon: {body: boolean; shadow: boolean};
-  /** Of a body and its shadow. */
+  /** Number for a body with its shadow. */
   triangles: number;
 }
 
