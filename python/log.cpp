@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/limits.h"
 #include "lcm_io/codec/run_reader.h"
@@ -313,7 +314,7 @@ py::array render_frame(const fs::path& log, int64_t number, int width, int heigh
     throw InputError("eye_m", "another point than target_m", "the same");
   auto image = result_from_thread<Image>([=] {
     RecordedFrame frame(log, number);
-    return picture_of(frame, options);
+    return CrowdPainter(frame, options, core_count()).paint();
   });
   return array_of(std::move(image.rgb), {image.height, image.width, 3});
 }

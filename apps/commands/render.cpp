@@ -3,35 +3,40 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
+#include "apps/process/progress.h"
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/text.h"
 #include "viewer/picture/picture.h"
 #include "viewer/picture/recorded_frame.h"
+#include "viewer/picture/sequence.h"
 
 namespace throng {
 namespace {
 
 constexpr int kMaxPixels = 8192;
-constexpr float kAnimationQuality = 55;
 
 constexpr const char* kRenderFooter = R"(
 Touching body parts are orange; red if triangles decided. Without --eye and --target the picture shows the whole
-crowd.
+crowd. With --frames, --out FOLDER writes numbered PNGs, FILE.webp an animation, and FILE.mp4 or FILE.webm a video,
+for which ffmpeg must be installed.
 
 Examples:
   throng render out/plaza.lcmlog --frame 300 --out plaza.png
   throng render out/plaza.lcmlog --frames 300:420 --every 5 --out plaza.webp
+  throng render out/plaza.lcmlog --frames 0:599 --every 1 --out pictures
+  throng render out/plaza.lcmlog --frames 0:599 --every 1 --out plaza.mp4
   throng render out/plaza.lcmlog --frame 300 --volumes body-box,ordop26 --out volumes.png
   throng render out/plaza.lcmlog --frame 300 --eye 4,-9,3 --target 0,-5,1 --out close.png)";
 
@@ -51,13 +56,9 @@ struct RenderCommand {
 /// Throws for options that cannot be drawn, before any file is read.
 void require_drawable(const RenderCommand& command) {
   const bool moves = !command.frames.empty();
-  const char* ending = moves ? ".webp" : ".png";
-  const std::string found = std::filesystem::path(command.out).extension().string();
-  if (found != ending)
-    throw InputError("--out",
-                     fmt::format("a name that ends in {}: {}", ending,
-                                 moves ? "--frames makes an animation"
-                                       : "one frame is a PNG, --frames A:B makes a .webp"),
+  if (moves) static_cast<void>(sequence_kind(command.out, "--out"));
+  if (!moves && std::filesystem::path(command.out).extension() != ".png")
+    throw InputError("--out", "a name that ends in .png: --frames makes animations and videos",
                      fmt::format("'{}'", command.out));
   if (moves && command.frames[0] > command.frames[1])
     throw InputError("--frames", "FIRST:LAST with FIRST up to LAST",
@@ -105,26 +106,41 @@ int ended(const std::string& log, RecordedFrame& frame) {
 }
 
 int render_frames(const RenderCommand& command) {
-  static_cast<void>(RecordedFrame(command.log, command.frames[1]));  // throws if it is missing
-  RecordedFrame frame(command.log, command.frames[0]);
+  const auto [first, last] = std::pair(command.frames[0], command.frames[1]);
+  static_cast<void>(RecordedFrame(command.log, last));  // throws if it is missing
+  RecordedFrame frame(command.log, first);
   require_in_log(command, frame);
-  const PictureOptions options = with_fixed_camera(frame.crowd(), command.picture);
-  const double shown_ms = 1000 * frame.run().run()->step_s * static_cast<double>(command.every);
-  Animation animation(options.width, options.height, kAnimationQuality);
+  CrowdPainter painter(frame, command.picture, core_count());
+  painter.fix_camera();
+  const double shown_s = frame.run().run()->step_s * static_cast<double>(command.every);
+  const auto sequence = make_sequence(command.out, {.width = command.picture.width,
+                                                    .height = command.picture.height,
+                                                    .shown_s = shown_s,
+                                                    .threads = core_count()});
+  ProgressBar progress("render", (last - first) / command.every + 1, "pictures");
   int pictures = 0, with_states = 0;
-  for (int64_t number = command.frames[0]; number <= command.frames[1]; number += command.every) {
+  for (int64_t number = first; number <= last; number += command.every) {
     frame.advance_to(number);
     with_states += frame.crowd().frame == number;
-    animation.add(picture_of(frame, options), static_cast<int>(std::lround(shown_ms)));
-    ++pictures;
+    sequence->add(painter.paint(), number);
+    progress.show(++pictures);
   }
-  const size_t bytes = animation.write(command.out);
+  const int64_t bytes = sequence->finish();
   print_result("{}: {}, {:.2f} MB\n", command.out, counted(pictures, "picture"),
                static_cast<double>(bytes) * 1e-6);
   if (with_states < pictures)
     print_message("note: {} of {} have states; the others show the previous states\n", with_states,
                   counted(pictures, "frame"));
   return ended(command.log, frame);
+}
+
+/// Plans --out: a file, or a folder for numbered PNGs.
+void plan_output(const RenderCommand& command, OutputPlan& plan) {
+  if (!command.frames.empty()) require_possible(command.out, "--out");
+  if (!command.frames.empty() && sequence_kind(command.out, "--out") == SequenceKind::kPngs)
+    plan.fills("--out", command.out, {"*.png"});
+  else
+    plan.writes({.option = "--out", .path = command.out});
 }
 
 int render_frame(RenderCommand command) {
@@ -143,12 +159,12 @@ int render_frame(RenderCommand command) {
   if (command.volumes_of) command.picture.volumes_of = people_of(*command.volumes_of);
   OutputPlan plan;
   plan.reads("which is drawn", command.log);
-  plan.writes({.option = "--out", .path = command.out});
+  plan_output(command, plan);
   const OpenOutputs outputs = plan.open();
   if (!command.frames.empty()) return render_frames(command);
   RecordedFrame frame(command.log, command.frame);
   require_in_log(command, frame);
-  write_png(command.out, picture_of(frame, command.picture));
+  write_png(command.out, CrowdPainter(frame, command.picture, core_count()).paint());
   print_result("{}: frame {}, {}, {}\n", command.out, command.frame,
                counted(frame.crowd().roots.size(), "avatar"),
                counted(frame.touching().size(), "pair of parts touches", "pairs of parts touch"));
@@ -171,18 +187,18 @@ void add_point(CommandOptions& app, const char* name, std::vector<float>& xyz, c
 }  // namespace
 
 Command add_render_command(CommandLine& parent) {
-  CommandOptions* app = parent.add_subcommand("render", "Draw a frame of a log, or an animation");
+  CommandOptions* app = parent.add_subcommand("render", "Draw a frame of a log, or a video");
   app->footer(kRenderFooter);
   const auto command = std::make_shared<RenderCommand>();
   app->add_option("LOG", command->log, "Log of a run")->required();
   Option* frame = app->add_option("--frame", command->frame, "Number of the frame, from 0")
                       ->check(whole_option(0, INT64_MAX, "a whole number from 0"))
                       ->type_name("N");
-  Option* frames =
-      app->add_list("--frames", command->frames, 2, ':', whole_option(0, INT64_MAX, ""),
-                    "two whole numbers from 0, A:B", "Draw frames A to B as an animated WebP")
-          ->type_name("A:B")
-          ->excludes(frame);
+  Option* frames = app->add_list("--frames", command->frames, 2, ':',
+                                 whole_option(0, INT64_MAX, ""), "two whole numbers from 0, A:B",
+                                 "Draw frames A to B as PNGs, an animation or a video")
+                       ->type_name("A:B")
+                       ->excludes(frame);
   Option* volumes =
       app->add_option(
              "--volumes", command->volumes,
@@ -197,7 +213,8 @@ Command add_render_command(CommandLine& parent) {
       ->check(whole_option(1, 10000, "a whole number from 1 to 10000"))
       ->needs(frames)
       ->type_name("N");
-  app->add_option("--out", command->out, "Picture to write, FILE.png; with --frames FILE.webp")
+  app->add_option("--out", command->out,
+                  "Picture to write, FILE.png; with --frames also FOLDER, .webp, .mp4, .webm")
       ->required()
       ->type_name("FILE");
   add_point(*app, "--eye", command->eye_m, "Position of the eye, in metres");

@@ -17,6 +17,7 @@
 #include "apps/process/progress.h"
 #include "apps/process/stop_signal.h"
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/text.h"
@@ -176,8 +177,6 @@ class Work {
   std::optional<ProgressBar> progress_;
 };
 
-int cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
-
 StudyPlan plan_of(const StudyCommand& options) { return StudyPlan(read_study(options.file)); }
 
 void print_notes(const StudyPlan& plan) {
@@ -199,7 +198,7 @@ int study_alone(const StudyCommand& options) {
   const StopSignal stop;
   const OpenOutputs open = outputs.open();
   Work work(options, plan, shard);
-  work.run(options.threads.value_or(cores()));
+  work.run(options.threads.value_or(core_count()));
   return work.end();
 }
 

@@ -28,6 +28,9 @@ class AnonymousFile {
   /// As write(). The range must have been written.
   void read(int64_t offset, std::span<std::byte> bytes) const;
 
+  /// For another process that fills the file.
+  int descriptor() const { return descriptor_; }
+
  private:
   int descriptor_ = -1;
 };

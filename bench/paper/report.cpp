@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <fstream>
 #include <iterator>
 #include <optional>
 
 #include "avatars/mesh/primitives.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/files/atomic_file.h"
 #include "base/text.h"
@@ -227,7 +229,7 @@ struct Frame {
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::Vector3d size = Eigen::Vector3d::Constant(thickness_m);
       size[axis] = edge_m;
-      bars[static_cast<size_t>(axis)] = box_mesh(size);
+      bars[static_cast<size_t>(axis)] = shape_of(box_mesh(size));
     }
   }
   void add(double edge_m, std::vector<RenderItem>& items) const {
@@ -237,12 +239,13 @@ struct Frame {
         place[(axis + 1) % 3] += (corner % 2 == 0 ? -0.5 : 0.5) * edge_m;
         place[(axis + 2) % 3] += (corner / 2 == 0 ? -0.5 : 0.5) * edge_m;
         RenderItem item{&bars[static_cast<size_t>(axis)]};
-        item.world_from_mesh.translation() = place.cast<float>();
+        item.world_from_shape.translation() = place.cast<float>();
         item.rgb = kWall;
+        item.shadow = item.shape;
         items.push_back(item);
       }
   }
-  std::array<Mesh, 3> bars;
+  std::array<Shape, 3> bars;
 };
 
 /// Scenery collects the items of a picture and its camera.
@@ -251,9 +254,11 @@ class Scenery {
   explicit Scenery(const Camera& camera) : camera_(camera) {}
 
   void add(const Object& object, const PartPose& pose, const Eigen::Vector3f& rgb) {
-    RenderItem item{&object.mesh};
-    item.world_from_mesh = to_isometry(pose).cast<float>();
+    shapes_.push_back(shape_of(object.mesh));
+    RenderItem item{&shapes_.back()};
+    item.world_from_shape = to_isometry(pose).cast<float>();
     item.rgb = rgb;
+    item.shadow = item.shape;
     items_.push_back(item);
   }
   void add(VolumeKind kind, const BodyType& type, const PartPose& pose) {
@@ -270,12 +275,13 @@ class Scenery {
     RenderOptions options;
     options.width = width;
     options.height = height;
-    options.samples = 3;
-    return render(items_, camera_, options);
+    Workers workers(core_count());
+    return render(items_, camera_, options, workers);
   }
 
  private:
   Camera camera_;
+  std::deque<Shape> shapes_;  // a deque does not move its elements
   std::vector<RenderItem> items_;
   VolumeItems volumes_;
   std::optional<Frame> frame_;

@@ -89,6 +89,85 @@ TEST_F(View, DrawsAnAnimation) {
   EXPECT_EQ(webp, read_file(folder_ / "b.webp")) << "the same frames, other bytes";
 }
 
+TEST_F(View, WritesNumberedPictures) {
+  record();
+  const std::string line =
+      "throng render run.lcmlog --frames 0:20 --every 10 --width 160 --height 90 --out pictures";
+  const Outcome render = shell(line, folder_);
+  ASSERT_EQ(render.exit_code, 0) << render.err;
+  EXPECT_THAT(render.out, HasSubstr("pictures: 3 pictures"));
+  ASSERT_EQ(shell("throng render run.lcmlog --frame 10 --width 160 --height 90 --out a.png "
+                  "--eye 9,-9,5 --target 0,0,1 && rm -r pictures && " +
+                      line + " --eye 9,-9,5 --target 0,0,1",
+                  folder_)
+                .exit_code,
+            0);
+  EXPECT_EQ(shell("ls pictures", folder_).out,
+            "frame_000000.png\nframe_000010.png\nframe_000020.png\n");
+  EXPECT_EQ(read_file(folder_ / "a.png"), read_file(folder_ / "pictures/frame_000010.png"));
+  const Outcome again = shell(line, folder_);
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("--out pictures: expected a folder without pictures, found "));
+}
+
+TEST_F(View, LeavesNoPicturesIfTheLogEndsBeforeTheLastFrame) {
+  record();
+  EXPECT_EQ(shell("throng render run.lcmlog --frames 0:99 --out pictures", folder_).exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "pictures"));
+}
+
+/// Puts a program of this name and text on the PATH of "PATH=bin:$PATH".
+void install(const std::string& text, const ScratchFolder& folder) {
+  std::filesystem::create_directory(folder / "bin");
+  write_file(folder / "bin/ffmpeg", "#!/bin/sh\n" + text);
+  std::filesystem::permissions(folder / "bin/ffmpeg", std::filesystem::perms::owner_all);
+}
+const std::string kFilm =
+    "PATH=$PWD/bin:$PATH throng render run.lcmlog --frames 0:20 --every 10 --width 160 --height 90 "
+    "--out ";
+
+TEST_F(View, PipesPicturesIntoFfmpeg) {
+  record();
+  install("echo \"$@\" >arguments; for file; do :; done; wc -c >\"$file\"", folder_);
+  for (const std::string name : {"film.mp4", "film.webm"}) {
+    const Outcome render = shell(kFilm + name, folder_);
+    ASSERT_EQ(render.exit_code, 0) << render.err;
+    EXPECT_THAT(render.out, HasSubstr(name + ": 3 pictures"));
+    EXPECT_EQ(std::stoi(read_file(folder_ / name)), 3 * 160 * 90 * 3);
+    const std::string arguments = read_file(folder_ / "arguments");
+    EXPECT_THAT(arguments, HasSubstr("-f rawvideo -pixel_format rgb24 -video_size 160x90 "));
+    EXPECT_THAT(arguments, HasSubstr("-framerate 6 -i pipe:0 "));  // 60 frames a second
+    EXPECT_THAT(arguments, HasSubstr("-f " + name.substr(5)));
+  }
+}
+
+TEST_F(View, KeepsAnOlderFilmIfFfmpegFails) {
+  record();
+  for (const char* failure :
+       {"echo no such codec >&2; exit 1", "cat >/dev/null; echo no such codec >&2; exit 1"}) {
+    install(failure, folder_);
+    write_file(folder_ / "film.mp4", "older");
+    const Outcome render = shell(kFilm + "film.mp4", folder_);
+    EXPECT_EQ(render.exit_code, 3) << failure;
+    EXPECT_EQ(line_count(render.err), 1) << render.err;
+    EXPECT_THAT(render.err, HasSubstr("ffmpeg could not make film.mp4: no such codec"));
+    EXPECT_EQ(read_file(folder_ / "film.mp4"), "older");
+  }
+}
+
+TEST_F(View, NamesTheRemedyIfFfmpegIsMissing) {
+  record();
+  const Outcome render = shell(
+      "throng=$(command -v throng); mkdir empty; "
+      "PATH=$PWD/empty \"$throng\" render run.lcmlog --frames 0:20 --out film.mp4",
+      folder_);
+  EXPECT_EQ(render.exit_code, 3);
+  EXPECT_EQ(render.err,
+            "--out film.mp4: ffmpeg is not on PATH; install ffmpeg, or write numbered pictures "
+            "with --out FOLDER\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "film.mp4"));
+}
+
 TEST_F(View, ShowsATornLogWithANoteAndExitCode1) {
   record();
   const std::string whole = read_file(folder_ / "run.lcmlog");

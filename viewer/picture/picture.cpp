@@ -1,21 +1,15 @@
 #include "viewer/picture/picture.h"
 
-#include <fmt/format.h>
-#include <webp/encode.h>
-#include <webp/mux.h>
-
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
-#include <deque>
+#include <limits>
 #include <map>
 #include <span>
 #include <utility>
 
 #include "avatars/gait/gait.h"
-#include "base/errors.h"
-#include "base/files/atomic_file.h"
+#include "viewer/picture/clothes.h"
 #include "viewer/picture/volume_outline.h"
 
 namespace throng {
@@ -23,16 +17,9 @@ namespace {
 
 using BodyPart = std::pair<uint32_t, uint32_t>;
 
-/// By level, in linear light: the palette of Okabe and Ito, safe for colour-blind readers.
-const std::array<Eigen::Vector3f, 4> kTouching = {
-    Eigen::Vector3f(0.09F, 0.46F, 0.82F), Eigen::Vector3f(0.00F, 0.34F, 0.17F),
-    Eigen::Vector3f(0.90F, 0.36F, 0.00F), Eigen::Vector3f(0.75F, 0.11F, 0.00F)};
-const Eigen::Vector3f kObstacle(0.55F, 0.53F, 0.50F);
-/// Muted clothes, because touching parts have to stand out.
-const std::array<Eigen::Vector3f, 6> kClothes = {
-    Eigen::Vector3f(0.33F, 0.42F, 0.53F), Eigen::Vector3f(0.46F, 0.52F, 0.50F),
-    Eigen::Vector3f(0.60F, 0.62F, 0.64F), Eigen::Vector3f(0.38F, 0.40F, 0.46F),
-    Eigen::Vector3f(0.55F, 0.58F, 0.66F), Eigen::Vector3f(0.42F, 0.50F, 0.58F)};
+const Eigen::Vector3f kObstacle(0.485F, 0.451F, 0.397F);
+/// Touching parts glow a little: shadow does not hide them in a crowd.
+constexpr float kGlow = 1.25F;
 constexpr float kPersonHeight_m = 1.7F;
 constexpr float kBarShare = 0.0012F;  // fraction of the distance: equally wide near and far
 constexpr const char* kBodySphere = "body-sphere";
@@ -52,11 +39,11 @@ PartLevels parts_in_touch(const RunReader::Touching& pairs) {
   return parts;
 }
 
-Eigen::Vector3f colour_of(uint32_t avatar, uint32_t part, const PartLevels& in_touch) {
-  for (const uint32_t touched : {part, kWholeBody})
-    if (const auto found = in_touch.find({avatar, touched}); found != in_touch.end())
-      return kTouching[static_cast<size_t>(found->second)];
-  return kClothes[avatar % kClothes.size()];
+std::optional<PairLevel> level_of(const BodyPart& part, const PartLevels& in_touch) {
+  for (const uint32_t touched : {part.second, kWholeBody})
+    if (const auto found = in_touch.find({part.first, touched}); found != in_touch.end())
+      return found->second;
+  return std::nullopt;
 }
 
 Mesh to_mesh(const mesh_t& received) {
@@ -76,21 +63,68 @@ Eigen::Isometry3f world_from(const RootPose& root, const PartPose& pose) {
   return world.cast<float>();
 }
 
-void add_people(RecordedFrame& frame, const PartLevels& in_touch, std::vector<RenderItem>& items) {
-  RunReader& run = frame.run();
-  const run_description_t& description = *run.run();
-  std::vector<PartPose> poses;
-  for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
-    if (frame.crowd().present[avatar] == 0) continue;
-    const auto id = static_cast<uint32_t>(avatar);
-    const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
-    const std::vector<Part>& parts = run.model(model)->parts;
-    run.part_poses(static_cast<int>(avatar), poses);
-    for (size_t part = 0; part < parts.size(); ++part) {
-      items.push_back({&parts[part].mesh, world_from(frame.crowd().roots[avatar], poses[part]),
-                       description.scale_of_avatar[avatar],
-                       colour_of(id, static_cast<uint32_t>(part), in_touch)});
+/// A body's shape, coarser with the distance.
+struct DetailLevel {
+  float max_pixel_m;  ///< drawn up to this size of a pixel at the body
+  Shape (*shape)(const Mesh&);
+};
+const std::array<DetailLevel, 6> kLevels = {
+    {{0.007F, [](const Mesh& m) { return shape_of(m); }},
+     {0.016F, [](const Mesh& m) { return shape_of(simplified(m, 0.014F)); }},
+     {0.035F, [](const Mesh& m) { return shape_of(simplified(m, 0.028F)); }},
+     {0.070F, [](const Mesh& m) { return shape_of(sleeve(m, 6, 8), Edges::kSmooth); }},
+     {0.140F, [](const Mesh& m) { return shape_of(sleeve(m, 3, 5), Edges::kSmooth); }},
+     {std::numeric_limits<float>::max(),
+      [](const Mesh& m) { return shape_of(sleeve(m, 2, 4), Edges::kSmooth); }}}};
+/// Shadows have no light and shade: sleeves suffice.
+constexpr size_t kFinestShadowLevel = 3;
+constexpr int kPeoplePerBlock = 64;
+
+size_t level_for(float pixel_m) {
+  size_t level = 0;
+  while (pixel_m > kLevels[level].max_pixel_m) ++level;
+  return level;
+}
+
+}  // namespace
+
+/// A part with its shape at each level of detail.
+struct DrawnPart {
+  explicit DrawnPart(const Part& part) : slot(slot_of(part.name)) {
+    for (size_t level = 0; level < kLevels.size(); ++level) {
+      levels[level] = kLevels[level].shape(part.mesh);
+      if (slot == Slot::kSkin) add_hair(part, levels[level]);
     }
+  }
+  Slot slot;
+  std::array<Shape, kLevels.size()> levels;
+};
+
+namespace {
+
+/// A person or robot in a frame.
+struct Body {
+  uint32_t avatar;
+  const RootPose& root;
+  float scale;
+  const std::vector<PartPose>& poses;
+};
+
+void add_body(const std::vector<DrawnPart>& parts, const Body& body, size_t level,
+              const PartLevels& in_touch, std::vector<RenderItem>& items) {
+  const auto first_touched = in_touch.lower_bound({body.avatar, 0});
+  const bool touches = first_touched != in_touch.end() && first_touched->first.first == body.avatar;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const DrawnPart& part = parts[i];
+    RenderItem item{&part.levels[level], world_from(body.root, body.poses[i]), body.scale};
+    item.rgb = clothes_rgb(part.slot, body.avatar);
+    item.second_rgb = clothes_rgb(Slot::kHair, body.avatar);
+    item.shadow = &part.levels[std::max(level, kFinestShadowLevel)];
+    if (touches)
+      if (const std::optional<PairLevel> touching =
+              level_of({body.avatar, static_cast<uint32_t>(i)}, in_touch))
+        item.rgb = item.second_rgb = kGlow * mark_rgb(*touching);
+    items.push_back(item);
   }
 }
 
@@ -114,9 +148,9 @@ VolumeOutline body_box(const BodyType& type, std::span<const PartPose> poses, fl
   return box_outline(box.min(), box.max());
 }
 
-void add_volumes(const BodyType& type, const Gait& gait, std::span<const PartPose> poses,
-                 const RootPose& root, float scale, const std::vector<std::string>& layers,
-                 float thickness_m, VolumeItems& out) {
+void add_outlines(const BodyType& type, const Gait& gait, std::span<const PartPose> poses,
+                  const RootPose& root, float scale, const std::vector<std::string>& layers,
+                  float thickness_m, VolumeItems& out) {
   const Eigen::Vector3f root_m = root.position_m.cast<float>();
   for (const std::string& layer : layers) {
     const auto add = [&](const VolumeOutline& outline) {
@@ -127,46 +161,6 @@ void add_volumes(const BodyType& type, const Gait& gait, std::span<const PartPos
     if (const std::optional<VolumeKind> kind = volume_of(layer))
       for (size_t part = 0; part < poses.size(); ++part)
         add(outline_of(*kind, type, part, poses[part], scale));
-  }
-}
-
-void add_volumes(RecordedFrame& frame, const PictureOptions& options, const Camera& camera,
-                 VolumeItems& out) {
-  if (options.volumes.empty()) return;
-  RunReader& run = frame.run();
-  const run_description_t& description = *run.run();
-  std::vector<std::unique_ptr<const BodyType>> types(description.models.size());
-  std::vector<std::unique_ptr<const Gait>> gaits(description.models.size());
-  const auto is_asked = [&](uint32_t id) {
-    return options.volumes_of.empty() ||
-           std::find(options.volumes_of.begin(), options.volumes_of.end(), id) !=
-               options.volumes_of.end();
-  };
-  std::vector<PartPose> poses;
-  for (size_t avatar = 0; avatar < frame.crowd().roots.size(); ++avatar) {
-    if (frame.crowd().present[avatar] == 0 || !is_asked(static_cast<uint32_t>(avatar))) continue;
-    const auto model = static_cast<size_t>(description.model_of_avatar[avatar]);
-    if (types[model] == nullptr) {
-      types[model] = type_of(*run.model(model));
-      gaits[model] = std::make_unique<const Gait>(*run.model(model));
-    }
-    run.part_poses(static_cast<int>(avatar), poses);
-    const RootPose& root = frame.crowd().roots[avatar];
-    const float thickness_m = kBarShare * (camera.eye_m - root.position_m.cast<float>()).norm();
-    add_volumes(*types[model], *gaits[model], poses, root, description.scale_of_avatar[avatar],
-                options.volumes, thickness_m, out);
-  }
-}
-
-/// Obstacles keep their colour: one hand on a wall would paint the whole wall.
-void add_obstacles(RecordedFrame& frame, std::deque<Mesh>& meshes, std::vector<RenderItem>& items) {
-  for (const obstacle_t& obstacle : frame.run().run()->obstacles) {
-    Eigen::Isometry3f pose = Eigen::Isometry3f::Identity();
-    pose.rotate(
-        Eigen::AngleAxisf(static_cast<float>(obstacle.heading_rad), Eigen::Vector3f::UnitZ()));
-    pose.pretranslate(Eigen::Map<const Eigen::Vector3d>(obstacle.centre_m).cast<float>());
-    meshes.push_back(to_mesh(obstacle.mesh));
-    items.push_back({&meshes.back(), pose, 1, kObstacle});
   }
 }
 
@@ -216,89 +210,125 @@ Camera camera_of(const CrowdState& crowd, const PictureOptions& options) {
 
 }  // namespace
 
-PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options) {
-  const Camera camera = camera_of(crowd, options);
-  PictureOptions fixed = options;
-  fixed.eye_m = camera.eye_m;
-  fixed.target_m = camera.target_m;
-  return fixed;
+struct CrowdPainter::DrawnModel {
+  explicit DrawnModel(const Model& model) {
+    for (const Part& part : model.parts) parts.emplace_back(part);
+  }
+  std::vector<DrawnPart> parts;
+  std::unique_ptr<const BodyType> type;  ///< for volumes only
+  std::unique_ptr<const Gait> gait;
+};
+
+CrowdPainter::CrowdPainter(RecordedFrame& frame, PictureOptions options, int threads)
+    : frame_(frame), options_(std::move(options)), workers_(threads) {
+  for (const obstacle_t& obstacle : frame.run().run()->obstacles)
+    obstacles_.push_back(shape_of(to_mesh(obstacle.mesh)));
+  models_.resize(frame.run().run()->models.size());
 }
 
-Image picture_of(RecordedFrame& frame, const PictureOptions& options) {
-  const PartLevels in_touch = parts_in_touch(frame.touching());
+CrowdPainter::~CrowdPainter() = default;
+
+void CrowdPainter::fix_camera() {
+  const Camera camera = camera_of(frame_.crowd(), options_);
+  options_.eye_m = camera.eye_m;
+  options_.target_m = camera.target_m;
+}
+
+Image CrowdPainter::paint() {
+  const Camera camera = camera_of(frame_.crowd(), options_);
   std::vector<RenderItem> items;
-  std::deque<Mesh> meshes;  // items point into it: a deque does not move its elements
-  add_people(frame, in_touch, items);
-  add_obstacles(frame, meshes, items);
-  const Camera camera = camera_of(frame.crowd(), options);
+  add_people(camera, items);
+  add_obstacles(items);
   VolumeItems volumes;
-  add_volumes(frame, options, camera, volumes);
+  if (!options_.volumes.empty()) add_volumes(camera, volumes);
   volumes.append_to(items);
   RenderOptions render_options;
-  render_options.width = options.width;
-  render_options.height = options.height;
-  render_options.samples = 3;
-  if (!frame.floor().vertices.empty()) render_options.floor = &frame.floor();
-  return render(items, camera, render_options);
+  render_options.width = options_.width;
+  render_options.height = options_.height;
+  if (!frame_.floor().vertices.empty()) render_options.floor = &frame_.floor();
+  return render(items, camera, render_options, workers_);
+}
+
+CrowdPainter::DrawnModel& CrowdPainter::model(size_t index) {
+  if (models_[index] == nullptr)
+    models_[index] = std::make_unique<DrawnModel>(*frame_.run().model(index));
+  return *models_[index];
+}
+
+void CrowdPainter::add_people(const Camera& camera, std::vector<RenderItem>& items) {
+  const CrowdState& crowd = frame_.crowd();
+  const run_description_t& run = *frame_.run().run();
+  const PartLevels in_touch = parts_in_touch(frame_.touching());
+  const Eigen::Vector3f ahead = (camera.target_m - camera.eye_m).normalized();
+  const float focal_px = focal_length_px(camera, options_.height);
+  const auto count = static_cast<int>(crowd.roots.size());
+  for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar)  // threads below only read models
+    if (crowd.present[avatar] != 0) model(static_cast<size_t>(run.model_of_avatar[avatar]));
+  const int blocks = (count + kPeoplePerBlock - 1) / kPeoplePerBlock;
+  std::vector<std::vector<RenderItem>> items_of_block(static_cast<size_t>(blocks));
+  workers_.for_blocks(blocks, [&](int block, int) {
+    std::vector<PartPose> poses;
+    const int end = std::min(count, (block + 1) * kPeoplePerBlock);
+    for (int id = block * kPeoplePerBlock; id < end; ++id) {
+      const auto avatar = static_cast<size_t>(id);
+      if (crowd.present[avatar] == 0) continue;
+      frame_.run().part_poses(id, poses);
+      const RootPose& root = crowd.roots[avatar];
+      const float scale = run.scale_of_avatar[avatar];
+      const float depth_m = ahead.dot(root.position_m.cast<float>() - camera.eye_m);
+      add_body(models_[static_cast<size_t>(run.model_of_avatar[avatar])]->parts,
+               {static_cast<uint32_t>(id), root, scale, poses},
+               level_for(std::max(0.0F, depth_m) / focal_px / scale), in_touch,
+               items_of_block[static_cast<size_t>(block)]);
+    }
+  });
+  for (const std::vector<RenderItem>& block : items_of_block)
+    items.insert(items.end(), block.begin(), block.end());
+}
+
+/// Obstacles keep their colour: one hand on a wall would paint the whole wall.
+void CrowdPainter::add_obstacles(std::vector<RenderItem>& items) const {
+  for (size_t i = 0; i < obstacles_.size(); ++i) {
+    const obstacle_t& obstacle = frame_.run().run()->obstacles[i];
+    RenderItem item{&obstacles_[i]};
+    item.world_from_shape.rotate(
+        Eigen::AngleAxisf(static_cast<float>(obstacle.heading_rad), Eigen::Vector3f::UnitZ()));
+    item.world_from_shape.pretranslate(
+        Eigen::Map<const Eigen::Vector3d>(obstacle.centre_m).cast<float>());
+    item.rgb = kObstacle;
+    item.shadow = item.shape;
+    items.push_back(item);
+  }
+}
+
+void CrowdPainter::add_volumes(const Camera& camera, VolumeItems& out) {
+  const CrowdState& crowd = frame_.crowd();
+  const run_description_t& run = *frame_.run().run();
+  const std::vector<uint32_t>& chosen = options_.volumes_of;
+  std::vector<PartPose> poses;
+  for (size_t avatar = 0; avatar < crowd.roots.size(); ++avatar) {
+    const auto id = static_cast<uint32_t>(avatar);
+    const bool is_asked =
+        chosen.empty() || std::find(chosen.begin(), chosen.end(), id) != chosen.end();
+    if (crowd.present[avatar] == 0 || !is_asked) continue;
+    const auto index = static_cast<size_t>(run.model_of_avatar[avatar]);
+    DrawnModel& body = model(index);
+    if (body.type == nullptr) {
+      body.type = type_of(*frame_.run().model(index));
+      body.gait = std::make_unique<const Gait>(*frame_.run().model(index));
+    }
+    frame_.run().part_poses(static_cast<int>(avatar), poses);
+    const RootPose& root = crowd.roots[avatar];
+    const float thickness_m = kBarShare * (camera.eye_m - root.position_m.cast<float>()).norm();
+    add_outlines(*body.type, *body.gait, poses, root, run.scale_of_avatar[avatar], options_.volumes,
+                 thickness_m, out);
+  }
 }
 
 std::vector<std::string> volume_layers() {
   std::vector<std::string> names{kBodySphere, kBodyBox};
   for (const VolumeKind kind : kAllVolumes) names.emplace_back(name_of(kind));
   return names;
-}
-
-struct Animation::Encoder {
-  WebPAnimEncoder* webp = nullptr;
-  WebPConfig config{};
-  int width = 0, height = 0;
-  int time_ms = 0;
-
-  ~Encoder() { WebPAnimEncoderDelete(webp); }
-
-  [[noreturn]] void fail() const {
-    throw EnvironmentError(
-        fmt::format("libwebp could not encode the animation: {}", WebPAnimEncoderGetError(webp)));
-  }
-};
-
-Animation::Animation(int width, int height, float quality) : encoder_(std::make_unique<Encoder>()) {
-  WebPAnimEncoderOptions options;
-  WebPAnimEncoderOptionsInit(&options);
-  options.anim_params.loop_count = 0;  // infinite
-  encoder_->width = width;
-  encoder_->height = height;
-  encoder_->webp = WebPAnimEncoderNew(width, height, &options);
-  WebPConfigPreset(&encoder_->config, WEBP_PRESET_DRAWING, quality);
-  encoder_->config.method = 6;        // smallest file, not fastest
-  encoder_->config.thread_level = 0;  // gives the same bytes on any machine
-}
-
-Animation::~Animation() = default;
-
-void Animation::add(const Image& image, int shown_ms) {
-  assert(image.width == encoder_->width && image.height == encoder_->height);
-  WebPPicture picture;
-  WebPPictureInit(&picture);
-  picture.use_argb = 1;
-  picture.width = image.width;
-  picture.height = image.height;
-  const bool added =
-      WebPPictureImportRGB(&picture, image.rgb.data(), 3 * image.width) != 0 &&
-      WebPAnimEncoderAdd(encoder_->webp, &picture, encoder_->time_ms, &encoder_->config) != 0;
-  WebPPictureFree(&picture);
-  if (!added) encoder_->fail();
-  encoder_->time_ms += shown_ms;
-}
-
-size_t Animation::write(const std::filesystem::path& file) {
-  WebPAnimEncoderAdd(encoder_->webp, nullptr, encoder_->time_ms, nullptr);  // ends the last frame
-  WebPData data;
-  WebPDataInit(&data);
-  if (WebPAnimEncoderAssemble(encoder_->webp, &data) == 0) encoder_->fail();
-  const std::unique_ptr<WebPData, void (*)(WebPData*)> owned(&data, WebPDataClear);
-  write_file_atomically(file, std::span<const uint8_t>(data.bytes, data.size));
-  return data.size;
 }
 
 }  // namespace throng

@@ -1,7 +1,6 @@
-// picture_of() renders recorded frames; Animation writes pictures into one animated WebP.
+// CrowdPainter draws recorded frames.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "viewer/picture/raster.h"
 #include "viewer/picture/recorded_frame.h"
+#include "viewer/picture/volume_outline.h"
 
 namespace throng {
 
@@ -32,30 +32,34 @@ struct PictureOptions {
 /// whole bodies; the others are the values of --part-volume and enclose parts.
 std::vector<std::string> volume_layers();
 
-/// Renders the state that `frame` has reached. Touching parts are coloured by level.
-Image picture_of(RecordedFrame& frame, const PictureOptions& options);
-
-/// Returns the options with empty eye and target replaced by those of this frame, for a sequence of
-/// pictures with one camera.
-PictureOptions with_fixed_camera(const CrowdState& crowd, const PictureOptions& options);
-
-// Invariant: the same pictures give the same bytes.
-
-/// Animation encodes an animated WebP that repeats for ever, for pages that show no video.
-class Animation {
+/// CrowdPainter draws pictures of a recorded run. Touching parts are coloured by level; people far
+/// away have fewer triangles.
+class CrowdPainter {
  public:
-  /// All pictures have this size in pixels. `quality`: 0 to 100.
-  Animation(int width, int height, float quality);
-  ~Animation();
+  /// `frame` must outlive it. threads >= 1; their number changes no picture.
+  CrowdPainter(RecordedFrame& frame, PictureOptions options, int threads);
+  ~CrowdPainter();
 
-  /// Appends a picture that is shown for `shown_ms`.
-  void add(const Image& image, int shown_ms);
-  /// Returns the number of bytes. Throws EnvironmentError if the file cannot be written.
-  size_t write(const std::filesystem::path& file);
+  /// Draws the state that the frame has reached.
+  Image paint();
+
+  /// Replaces an empty eye and target by those that show the whole crowd of this state, for a
+  /// sequence of pictures with one camera.
+  void fix_camera();
 
  private:
-  struct Encoder;
-  std::unique_ptr<Encoder> encoder_;
+  struct DrawnModel;
+  DrawnModel& model(size_t index);
+  void add_people(const Camera& camera, std::vector<RenderItem>& items);
+  void add_obstacles(std::vector<RenderItem>& items) const;
+  void add_volumes(const Camera& camera, VolumeItems& out);
+
+  RecordedFrame& frame_;
+  PictureOptions options_;
+  Workers workers_;
+  std::vector<std::unique_ptr<DrawnModel>>
+      models_;  ///< one per model of the run, loaded on first use
+  std::vector<Shape> obstacles_;
 };
 
 }  // namespace throng

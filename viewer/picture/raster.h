@@ -1,5 +1,5 @@
 // render() draws people, obstacles and ground into a picture, without a graphics card.
-// Invariant: the same input gives the same bytes on any machine.
+// Invariant: the same input gives the same bytes on any machine, with any number of threads.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "avatars/mesh/mesh.h"
+#include "base/workers.h"
+#include "viewer/picture/shape.h"
 
 namespace throng {
 
@@ -19,20 +20,20 @@ struct Camera {
   float vertical_fov_rad = 0.7F;
 };
 
-/// One mesh in the picture. Its point p lies at world_from_mesh * (scale * p).
+/// One shape in the picture. Its point p lies at world_from_shape * (scale * p).
 struct RenderItem {
-  const Mesh* mesh = nullptr;  ///< a point cloud (no triangles) draws nothing
-  Eigen::Isometry3f world_from_mesh = Eigen::Isometry3f::Identity();
+  const Shape* shape = nullptr;
+  Eigen::Isometry3f world_from_shape = Eigen::Isometry3f::Identity();
   float scale = 1;
-  Eigen::Vector3f rgb = Eigen::Vector3f::Constant(0.7F);  ///< 0..1
+  Eigen::Vector3f rgb = Eigen::Vector3f::Constant(0.7F);         ///< linear light, 0..1
+  Eigen::Vector3f second_rgb = Eigen::Vector3f::Constant(0.7F);  ///< colour of Shape::is_second
   float opacity = 1;  ///< below 1: translucent, drawn after the opaque items, from far to near
-  bool casts_shadow = true;
+  const Shape* shadow = nullptr;  ///< casts the shadow, often a coarser shape; null: none
 };
 
 struct RenderOptions {
   int width = 1280;
   int height = 720;
-  int samples = 2;              ///< samples per pixel and axis, averaged; 1 to 4
   bool ground = true;           ///< draws the plane z = 0 with a grid of metres and shadows
   const Mesh* floor = nullptr;  ///< flat, its part of the ground is lighter; none: all of it
   float fog_start_m = 120;      ///< distance from which the ground fades into the background
@@ -45,8 +46,12 @@ struct Image {
   std::vector<uint8_t> rgb;
 };
 
-Image render(std::span<const RenderItem> items, const Camera& camera,
-             const RenderOptions& options = {});
+/// Focal length in pixels: an object of 1 m at a distance of 1 m is this high in the picture.
+float focal_length_px(const Camera& camera, int height);
+
+/// Draws with the threads of `workers`.
+Image render(std::span<const RenderItem> items, const Camera& camera, const RenderOptions& options,
+             Workers& workers);
 
 /// Writes an 8-bit RGB PNG. Throws EnvironmentError if the file cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image);

@@ -172,17 +172,16 @@ Eigen::Vector3f volume_rgb(std::string_view name) {
 void VolumeItems::add(const VolumeOutline& outline, const Eigen::Vector3f& root_m,
                       const Eigen::Vector3f& rgb, float thickness_m) {
   if (outline.faces.vertices.empty()) return;
-  pieces_.push_back({outline.faces, root_m, rgb, kOpacity});
-  pieces_.push_back({bars_of(outline, thickness_m), root_m, rgb, 1});
+  pieces_.push_back({shape_of(outline.faces), root_m, rgb, kOpacity});
+  pieces_.push_back({shape_of(bars_of(outline, thickness_m)), root_m, rgb, 1});
 }
 
 void VolumeItems::append_to(std::vector<RenderItem>& items) const {
   for (const Piece& piece : pieces_) {
-    RenderItem item{&piece.mesh};
-    item.world_from_mesh.translation() = piece.root_m;
+    RenderItem item{&piece.shape};
+    item.world_from_shape.translation() = piece.root_m;
     item.rgb = piece.rgb;
     item.opacity = piece.opacity;
-    item.casts_shadow = false;
     items.push_back(item);
   }
 }

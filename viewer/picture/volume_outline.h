@@ -43,7 +43,7 @@ class VolumeItems {
 
  private:
   struct Piece {
-    Mesh mesh;
+    Shape shape;
     Eigen::Vector3f root_m, rgb;
     float opacity;
   };

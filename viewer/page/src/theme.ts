@@ -1,15 +1,16 @@
 // Colours. Contacts have Okabe and Ito's palette, safe for colour-blind readers; the rest is muted.
 import {Color} from 'three';
+import palette from './palette.json'; // shared with throng render
 
 export type ThemeName = 'light' | 'dark';
 
 /** By mark: 0 for sphere candidates, else 1 + the level at which a pair was decided. */
 export const MARKS = [
-  {color: '#56b4e9', name: 'Sphere candidate', about: "the person's sphere overlaps another's"},
-  {color: '#0072b2', name: 'Spheres only', about: 'a pair of people, not refined within the budget'},
-  {color: '#009e73', name: 'Boxes only', about: 'a pair of parts, not refined within the budget'},
-  {color: '#e69f00', name: 'or-DOP pair', about: "the parts' volumes overlap"},
-  {color: '#d55e00', name: 'Exact contact', about: 'triangles of the parts intersect'},
+  {color: palette.marks[0], name: 'Sphere candidate', about: "the person's sphere overlaps another's"},
+  {color: palette.marks[1], name: 'Spheres only', about: 'a pair of people, not refined within the budget'},
+  {color: palette.marks[2], name: 'Boxes only', about: 'a pair of parts, not refined within the budget'},
+  {color: palette.marks[3], name: 'or-DOP pair', about: "the parts' volumes overlap"},
+  {color: palette.marks[4], name: 'Exact contact', about: 'triangles of the parts intersect'},
 ];
 
 export interface Theme {
@@ -64,11 +65,11 @@ const linear = (names: string[]): Color[] => names.map((name) => new Color(name)
 
 /** Muted clothes, because touching parts have to stand out. */
 export const CLOTHES = {
-  uShirts: linear(['#6d7f94', '#8c9aa8', '#a9b4bf', '#5d6b80', '#7d8f8a', '#94a09a', '#7a7f92', '#c3c9cf']),
-  uTrousers: linear(['#39424f', '#4a5261', '#2f3642', '#57534f', '#5e6672']),
-  uSkins: linear(['#c99b7d', '#a8775a', '#e0b79a', '#7c5540', '#d3a88a']),
-  uHairs: linear(['#3a302b', '#231f20', '#5a4638', '#77695c']),
-  uShoes: linear(['#2b2d33', '#3b3632', '#50545c']),
+  uShirts: linear(palette.shirts),
+  uTrousers: linear(palette.trousers),
+  uSkins: linear(palette.skins),
+  uHairs: linear(palette.hairs),
+  uShoes: linear(palette.shoes),
 };
 
 export const MARK_COLORS = MARKS.map((mark) => new Color(mark.color));
