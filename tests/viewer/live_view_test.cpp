@@ -25,8 +25,8 @@ class LiveCrowd : public testing::Test {
  protected:
   LiveCrowd()
       : lcm_(memory_bus()),
-        view_(std::make_unique<Receiver>(lcm_), {.send_buffer_bytes = 4096}, "<!doctype html>",
-              "udpm://239.255.0.1:7799?ttl=0") {}
+        view_(std::make_unique<Receiver>(lcm_), {.max_stall = 10min, .send_buffer_bytes = 4096},
+              "<!doctype html>", "udpm://239.255.0.1:7799?ttl=0") {}
 
   /// Returns the next binary message of a kind.
   static std::string next(TestSocket& browser, uint32_t kind) {

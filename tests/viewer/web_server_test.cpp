@@ -198,7 +198,7 @@ TEST(WebServer, DisconnectsClientsWithLongMessages) {
 // Offering frames returns at once even if a client stalls. Dropped frames are counted, and other
 // clients get every frame.
 TEST(WebServer, ServesOthersDespiteAStalledClient) {
-  WebServer server({.send_buffer_bytes = 65536}, kPage, {});
+  WebServer server({.max_stall = 10min, .send_buffer_bytes = 65536}, kPage, {});
   TestSocket stalled(server.port(), 4096), reader(server.port());
   ASSERT_EQ(stalled.open(), kAccepted);
   ASSERT_EQ(reader.open(), kAccepted);
@@ -244,6 +244,22 @@ TEST(WebServer, DisconnectsClientsThatStoppedReading) {
   EXPECT_EQ(server.stalled(), kStalled);
   TestSocket next(server.port());
   EXPECT_EQ(next.open(), kAccepted);
+}
+
+TEST(WebServer, DisconnectsIdleClientsThatAnswerNoPings) {
+  WebServer server({.max_stall = 1s}, kPage, {});
+  TestSocket idle(server.port()), reader(server.port());
+  ASSERT_EQ(idle.open(), kAccepted);
+  ASSERT_EQ(reader.open(), kAccepted);
+  ASSERT_TRUE(soon([&] { return server.client_count() == 2; }));
+  for (int i = 0; server.client_count() == 2; ++i) {
+    ASSERT_LT(i, 1000) << "an idle client stays connected";
+    server.send_text("all of this fits into the buffers of a socket");
+    ASSERT_TRUE(reader.read_message());
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_TRUE(idle.is_closed());
+  EXPECT_EQ(server.stalled(), 1u);
 }
 
 TEST(WebServer, LimitsWhatWaitsForAClient) {

@@ -95,7 +95,9 @@ std::optional<TestSocket::Message> TestSocket::read_message() {
   if (!need(head + size)) return std::nullopt;
   Message message{opcode, buffer_.substr(head, size)};
   buffer_.erase(0, head + size);
-  return message;
+  if (opcode != Opcode::kPing) return message;
+  send_frame(Opcode::kPong, message.payload);
+  return read_message();
 }
 
 bool TestSocket::is_closed() {

@@ -29,7 +29,7 @@ class TestSocket {
     Opcode opcode;
     std::string payload;
   };
-  /// Returns the next message; none if the peer closed or kTimeoutMs passed.
+  /// Returns the next message; none if the peer closed or kTimeoutMs passed. Answers pings.
   std::optional<Message> read_message();
   /// Returns true once the peer has closed; false after kTimeoutMs.
   bool is_closed();

@@ -298,6 +298,7 @@ void WebServer::read_messages(Connection& connection, WebClient& client, Bytes b
       continue;
     }
     buffer.erase(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(frame.bytes));
+    client.unanswered_pings_ = 0;
     if (frame.opcode == Opcode::kClose) return;
     if (frame.opcode == Opcode::kPing) client.pong(frame.payload);
     if (frame.opcode == Opcode::kText && handlers_.on_text)
@@ -397,15 +398,27 @@ bool WebClient::write_message(const Message& message) {
          write({data, message.bytes->size()});
 }
 
+/// A client that never reads, but for which little waits, would keep its place.
+bool WebClient::ping() {
+  if (++unanswered_pings_ <= kMaxUnansweredPings) return write(frame_head(Opcode::kPing, 0));
+  has_stalled_ = true;
+  return false;
+}
+
 void WebClient::write_loop() {
   bool good = true;
+  auto next_ping = Clock::now() + max_stall_;
   while (good && !finished_) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] {
+    changed_.wait_until(lock, next_ping, [this] {
       return finished_ || !pongs_.empty() || !waiting_.empty() || frame_ != nullptr;
     });
     if (finished_) break;
-    if (!pongs_.empty()) {
+    if (Clock::now() >= next_ping) {
+      lock.unlock();
+      good = ping();
+      next_ping = Clock::now() + max_stall_;
+    } else if (!pongs_.empty()) {
       const std::string payload = std::exchange(pongs_, {}).back();
       lock.unlock();
       good = write(frame_head(Opcode::kPong, payload.size())) && write(payload);
@@ -415,7 +428,7 @@ void WebClient::write_loop() {
       waiting_bytes_ -= message.size();
       lock.unlock();
       good = write_message(message);
-    } else {
+    } else if (frame_ != nullptr) {
       const Message frame{false, {}, std::exchange(frame_, nullptr)};
       lock.unlock();
       good = write_message(frame);

@@ -27,7 +27,7 @@ using SharedBytes = std::shared_ptr<const Bytes>;
 class WebClient {
  public:
   /// The server owns `descriptor` and closes it after finish(). `max_stall`: time without progress
-  /// of a message after which the client is disconnected.
+  /// of a message after which the client is disconnected. Pings have the same period.
   WebClient(int descriptor, std::chrono::milliseconds max_stall);
   ~WebClient();
 
@@ -52,6 +52,7 @@ class WebClient {
   friend class WebServer;
   static constexpr size_t kMaxWaiting = 64;
   static constexpr size_t kMaxWaitingBytes = size_t{16} << 20;
+  static constexpr int kMaxUnansweredPings = 3;
   struct Message {
     bool is_text = false;
     std::string text;
@@ -61,6 +62,7 @@ class WebClient {
   };
   void enqueue(Message message);
   void write_loop();
+  bool ping();
   bool write(std::string_view bytes);
   bool write_message(const Message& message);
   void pong(std::string payload);
@@ -74,6 +76,7 @@ class WebClient {
   std::deque<std::string> pongs_;
   SharedBytes frame_;
   std::atomic<bool> finished_{false}, has_stalled_{false};
+  std::atomic<int> unanswered_pings_{0};
   std::atomic<uint64_t> frames_sent_{0};
   std::atomic<uint64_t> frames_dropped_{0};
   std::thread writer_;
