@@ -48,7 +48,8 @@ void end_in_handler(int signal) {
 void on_signal(int signal, void (*handler)(int)) {
   struct sigaction action = {};
   action.sa_handler = handler;
-  action.sa_flags = handler == SIG_DFL ? 0 : SA_RESETHAND | SA_NODEFER | SA_RESTART;
+  if (handler != SIG_DFL)
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER | SA_RESTART);
   sigemptyset(&action.sa_mask);
   sigaction(signal, &action, nullptr);
 }
