@@ -29,8 +29,14 @@ bool is_nearer(const ProximityPair& p, const ProximityPair& q) {
 std::vector<ProximityPair> nearest_parts(const RunReader& run, std::optional<uint32_t> body) {
   std::vector<ProximityPair> nearest;
   for (const std::span<const ProximityPair> rows : {run.proximity_pairs(), run.closest_parts()})
-    for (const ProximityPair& row : rows)
-      if (!body || is_of(row, *body)) nearest.push_back(row);
+    for (const ProximityPair& row : rows) {
+      if (body && !is_of(row, *body)) continue;
+      // Rows of two bodies follow each other: a crowd's many rows need no sorting.
+      if (nearest.empty() || !has_same_bodies(nearest.back(), row))
+        nearest.push_back(row);
+      else if (is_nearer(row, nearest.back()))
+        nearest.back() = row;
+    }
   std::sort(nearest.begin(), nearest.end(), is_nearer);
   nearest.erase(std::unique(nearest.begin(), nearest.end(), has_same_bodies), nearest.end());
   return nearest;
