@@ -193,10 +193,9 @@ test('a row stays chosen in a link, and a filter by length chooses marks', async
   await page.waitForTimeout(500);
   const all = await marks();
   await filter(page, {min_s: 0.5});
-  await page.waitForTimeout(500);
   const long: number = await page.evaluate(`window.throng.source.contacts.ofParts.filter(({begin, end}) => begin <= ${second.begin} && ${second.begin} < end && end - begin >= 30).length`);
   assert.ok(long < all, `${long} of ${all}`);
-  assert.equal(await marks(), long);
+  await until(page, `window.throng.stage.marks.shown === ${long}`);
   await close();
 });
 
