@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "palette_text.h"
+#include "viewer/picture/palette_text.h"
 
 namespace throng {
 namespace {

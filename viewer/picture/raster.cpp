@@ -18,8 +18,8 @@
 #include "base/files/atomic_file.h"
 
 // Items are sorted into square tiles of the picture; each tile is then drawn on its own, in the
-// order of the items. Triangles of an item are set up once per tile that it touches, which keeps
-// memory small: an item of a crowd touches one or two.
+// order of the items. Triangles are set up again in each tile that their item touches, which keeps
+// memory small; most items of a crowd touch one tile.
 
 namespace throng {
 namespace {
