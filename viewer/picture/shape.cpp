@@ -12,8 +12,9 @@
 namespace throng {
 namespace {
 
-/// An edge is sharp from this angle between a face and the smooth surface at its corner (cosine).
+/// An edge is sharp from this angle between its faces (cosine).
 constexpr float kSharpEdge = 0.77F;  // 40 degrees
+constexpr float kEqual = 0.98F;      // cosine of normals whose light looks equal: 11 degrees
 
 Eigen::Vector3f face_normal(const Mesh& mesh, const Eigen::Vector3i& t) {
   const auto at = [&](int i) { return mesh.vertices[static_cast<size_t>(t[i])]; };
@@ -27,16 +28,26 @@ float angle_at(const Mesh& mesh, const Eigen::Vector3i& t, int i) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// Returns normals at the vertices, weighted by the angles of the adjacent triangles: how a flat
-/// face is divided changes nothing (Thuermer and Wuethrich 1998).
-std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
-  std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
+/// Normals weighted by the angle of each triangle at a vertex: how a flat face is divided changes
+/// nothing (Thuermer and Wuethrich 1998).
+using WeightedNormals = std::vector<Eigen::Vector3f>;
+
+std::vector<WeightedNormals> normals_by_vertex(const Mesh& mesh) {
+  std::vector<WeightedNormals> normals(mesh.vertices.size());
   for (const Eigen::Vector3i& t : mesh.triangles)
     for (int i = 0; i < 3; ++i)
-      normals[static_cast<size_t>(t[i])] +=
-          angle_at(mesh, t, i) * face_normal(mesh, t).normalized();
-  for (Eigen::Vector3f& normal : normals) normal.normalize();
+      normals[static_cast<size_t>(t[i])].push_back(angle_at(mesh, t, i) *
+                                                   face_normal(mesh, t).normalized());
   return normals;
+}
+
+/// Returns the mean of the normals that differ from `face` by less than a sharp edge.
+Eigen::Vector3f smooth_normal(const WeightedNormals& normals, const Eigen::Vector3f& face,
+                              Edges edges) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& normal : normals)
+    if (edges == Edges::kSmooth || face.dot(normal) >= kSharpEdge * normal.norm()) sum += normal;
+  return sum.normalized();
 }
 
 Eigen::AlignedBox3f box_of(const std::vector<Eigen::Vector3f>& points) {
@@ -45,16 +56,25 @@ Eigen::AlignedBox3f box_of(const std::vector<Eigen::Vector3f>& points) {
   return box;
 }
 
-void split_at_sharp_edges(const Mesh& mesh, Shape& shape) {
-  for (Eigen::Vector3i& t : shape.triangles) {
+/// Gives each corner its normal. A vertex has copies for normals that differ.
+void add_corners(const Mesh& mesh, Edges edges, Shape& shape) {
+  const std::vector<WeightedNormals> normals = normals_by_vertex(mesh);
+  std::vector<std::vector<int>> copies(mesh.vertices.size());
+  for (Eigen::Vector3i t : mesh.triangles) {
     const Eigen::Vector3f face = face_normal(mesh, t).normalized();
     for (int i = 0; i < 3; ++i) {
       const auto vertex = static_cast<size_t>(t[i]);
-      if (face.dot(shape.normals[vertex]) >= kSharpEdge) continue;
-      t[i] = static_cast<int>(shape.vertices.size());
+      const Eigen::Vector3f normal = smooth_normal(normals[vertex], face, edges);
+      const auto same = std::find_if(copies[vertex].begin(), copies[vertex].end(), [&](int copy) {
+        return shape.normals[static_cast<size_t>(copy)].dot(normal) > kEqual;
+      });
+      t[i] = same != copies[vertex].end() ? *same : static_cast<int>(shape.vertices.size());
+      if (same != copies[vertex].end()) continue;
+      copies[vertex].push_back(t[i]);
       shape.vertices.push_back(mesh.vertices[vertex]);
-      shape.normals.push_back(face);
+      shape.normals.push_back(normal);
     }
+    shape.triangles.push_back(t);
   }
 }
 
@@ -94,10 +114,7 @@ std::vector<Eigen::Vector3i> sleeve_triangles(int rings, int sides) {
 Shape shape_of(const Mesh& mesh, Edges edges) {
   Shape shape;
   if (mesh.is_point_cloud()) return shape;
-  shape.vertices = mesh.vertices;
-  shape.triangles = mesh.triangles;
-  shape.normals = vertex_normals(mesh);
-  if (edges == Edges::kSharp) split_at_sharp_edges(mesh, shape);
+  add_corners(mesh, edges, shape);
   shape.centre = box_of(mesh.vertices).center();
   for (const Eigen::Vector3f& p : mesh.vertices)
     shape.radius = std::max(shape.radius, (p - shape.centre).norm());

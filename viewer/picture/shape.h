@@ -21,7 +21,7 @@ struct Shape {
 };
 
 enum class Edges {
-  kSharp,  ///< a vertex at a sharp edge is split: its faces do not share their light
+  kSharp,  ///< the faces at a sharp edge do not share their light
   kSmooth
 };
 
