@@ -72,7 +72,8 @@ TEST(WrongFile, IsRejectedByRenderBeforeTheWork) {
   } cases[] = {
       {"--frame 3 --out a.jpg", "--out: expected a name that ends in .png"},
       {"--frame 3 --out a", "--out: expected a name that ends in .png"},
-      {"--frames 1:3 --out a.png", "--out: expected a name that ends in .webp"},
+      {"--frames 1:3 --out a.png",
+       "--out: expected a folder for numbered PNGs, or a name that ends in .webp"},
       {"--frames 3:1 --out a.webp",
        "--frames: expected FIRST:LAST with FIRST up to LAST, found 3:1"},
       {"--frames 0:12 --out a.webp", "a.lcmlog: expected frame 12, found frames 0 to 11"},

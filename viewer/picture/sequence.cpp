@@ -288,11 +288,9 @@ SequenceKind sequence_kind(const fs::path& out, const char* option) {
   if (ending == ".webp") return SequenceKind::kAnimation;
   if (ending == ".mp4" || ending == ".webm") return SequenceKind::kVideo;
   if (ending.empty()) return SequenceKind::kPngs;
-  throw InputError(
-      option,
-      "with --frames a folder for numbered PNGs, or a name that ends in .webp, .mp4 or "
-      ".webm",
-      fmt::format("'{}'", out.string()));
+  throw InputError(option,
+                   "a folder for numbered PNGs, or a name that ends in .webp, .mp4 or .webm",
+                   fmt::format("'{}'", out.string()));
 }
 
 void require_possible(const fs::path& out, const char* option) {
