@@ -127,7 +127,10 @@ TEST(Lockstep, GivesAHashIndependentOfDelaysAndOtherReplies) {
   constexpr int kFrames = 120;
   const uint64_t expected = InLockstep(kMoves).hash_after(kFrames);
   for (uint64_t trial = 0; trial < 3; ++trial) {
-    InLockstep run([trial](InLockstep& self, const step_request_t& request) {
+    int64_t answered = -2;
+    InLockstep run([trial, &answered](InLockstep& self, const step_request_t& request) {
+      if (request.frame == answered) return;  // repeated, because the machine is busy
+      answered = request.frame;
       const RandomKey key{kSeed, trial, static_cast<uint64_t>(request.frame + 1), Purpose::kStyle};
       std::this_thread::sleep_for(std::chrono::microseconds(random_bits(key, 0) % 5000));
       step_reply_t reply = moved(request), wrong = reply;

@@ -223,7 +223,9 @@ class Page {
   private tick(now: number): void {
     const dt_ms = this.lastTick ? now - this.lastTick : 16;
     this.lastTick = now;
-    if (!this.video.isFilming) this.source?.tick(this.isScrubbing ? 0 : dt_ms / 1000);
+    // A film has its own clock, and changes on the page would slow it down.
+    if (this.video.isFilming) return void requestAnimationFrame((next) => this.tick(next));
+    this.source?.tick(this.isScrubbing ? 0 : dt_ms / 1000);
     if (this.stage.render(this.frame, dt_ms)) {
       ++this.pictures;
       this.isPanelOld = true;

@@ -115,15 +115,21 @@ export class Marks {
     this.distances.place(run, frame, this.matrix, this.canvas.width / this.ratio, this.canvas.height / this.ratio);
     if (wasEmpty && this.count === 0 && this.distances.shown === 0) return;
     this.placed = spread(this.points, this.radii, this.count);
-    const {context, ratio} = this;
-    context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.context.setTransform(1, 0, 0, 1, 0, 0);
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    this.paint(this.context, this.canvas.width);
+  }
+
+  /** Paints what was drawn last, over a picture of this width in pixels. */
+  paint(context: CanvasRenderingContext2D, width: number): void {
+    const scale = (this.ratio * width) / this.canvas.width;
+    context.setTransform(scale, 0, 0, scale, 0, 0);
     this.distances.draw(context);
-    this.drawLeaders();
+    this.drawLeaders(context);
     for (const isSelected of [0, 1])
-      for (let i = 0; i < this.count; ++i) if ((this.levels[i] & 1) === isSelected) this.stamp(i);
+      for (let i = 0; i < this.count; ++i) if ((this.levels[i] & 1) === isSelected) this.stamp(context, i);
     this.distances.label(context);
+    context.setTransform(1, 0, 0, 1, 0, 0);
   }
 
   /** Returns the index of the pair whose mark lies under a pixel, or -1. */
@@ -193,8 +199,8 @@ export class Marks {
     return selected.includes(a) && selected.includes(b);
   }
 
-  private drawLeaders(): void {
-    const {context, points, placed} = this;
+  private drawLeaders(context: CanvasRenderingContext2D): void {
+    const {points, placed} = this;
     context.beginPath();
     for (let i = 0; i < 2 * this.count; i += 2) {
       if (Math.hypot(placed[i] - points[i], placed[i + 1] - points[i + 1]) <= LEADER_PX) continue;
@@ -209,10 +215,10 @@ export class Marks {
     }
   }
 
-  private stamp(i: number): void {
+  private stamp(context: CanvasRenderingContext2D, i: number): void {
     const sprite = this.spriteOf(this.levels[i]);
     const size = sprite.width / this.ratio;
-    this.context.drawImage(sprite, this.placed[2 * i] - size / 2, this.placed[2 * i + 1] - size / 2, size, size);
+    context.drawImage(sprite, this.placed[2 * i] - size / 2, this.placed[2 * i + 1] - size / 2, size, size);
   }
 
   /** Returns the picture of a mark; stamping it is faster than drawing arcs. */

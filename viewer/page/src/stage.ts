@@ -67,6 +67,17 @@ function isSoftware(): boolean {
   return isSoftwareDriver;
 }
 
+/** The rows of WebGL begin at the bottom. */
+function flipRows({data, width, height}: ImageData): void {
+  const bytes = 4 * width;
+  const row = new Uint8ClampedArray(bytes);
+  for (let top = 0, bottom = (height - 1) * bytes; top < bottom; top += bytes, bottom -= bytes) {
+    row.set(data.subarray(top, top + bytes));
+    data.copyWithin(top, bottom, bottom + bytes);
+    data.set(row, bottom);
+  }
+}
+
 export class Stage {
   readonly camera = new PerspectiveCamera(FOV_DEG, 1, 0.1, 4000);
   readonly controls: OrbitControls;
@@ -445,7 +456,6 @@ export class Stage {
 
   /** Draws if the picture would differ from the last one; returns whether it did. */
   render(frame: Frame | null, dt_ms: number): boolean {
-    if (this.isFilming) return false;
     this.adapt(dt_ms);
     const isTurned = this.controls.update();
     this.wasRendered = isTurned || this.isChanged;
@@ -489,14 +499,23 @@ export class Stage {
 
   private drawInto(picture: HTMLCanvasElement, triangles: number): void {
     this.draw(this.frame, triangles);
-    const context = picture.getContext('2d')!;
-    for (const layer of [this.renderer.domElement, this.marks.canvas])
-      context.drawImage(layer, 0, 0, picture.width, picture.height);
+    this.read(picture);
   }
 
-  /** Draws with marks into a picture of any shape, which holds what the free rectangle of the window shows. */
-  film(picture: HTMLCanvasElement): void {
+  /** Waits for the drawing and copies it: much faster than drawing the stage's canvas into another one. */
+  read(picture: HTMLCanvasElement): void {
     const {width, height} = picture;
+    const context = picture.getContext('2d', {willReadFrequently: true})!;
+    const image = context.createImageData(width, height);
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(image.data.buffer));
+    flipRows(image);
+    context.putImageData(image, 0, 0);
+    this.marks.paint(context, width);
+  }
+
+  /** Begins to draw a picture of this size, which holds what the free rectangle of the window shows. */
+  film(width: number, height: number): void {
     if (!this.isFilming) {
       this.isFilming = true;
       this.camera.fov = this.fovOf(width / height);
@@ -505,7 +524,8 @@ export class Stage {
       const scale = height / FILM_LINES;
       this.marks.resize(width / scale, height / scale, scale);
     }
-    this.drawInto(picture, TRIANGLES_AT_REST);
+    this.draw(this.frame, this.isSlow ? MIN_TRIANGLES : TRIANGLES_AT_REST);
+    this.renderer.getContext().flush();
   }
 
   /** Returns the angle of view at which a picture of this shape holds the free rectangle. */
