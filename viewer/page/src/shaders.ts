@@ -226,9 +226,11 @@ in vec2 partSlot;
 in vec3 normal;
 in vec2 edge;
 #endif
+uniform float uSeesThrough;
 void main() {
   Person who = person();
-  if (!who.there) { gl_Position = OUTSIDE_CLIP; return; }
+  // The shadows of bodies that are seen through would hide what is behind.
+  if (!who.there || (uSeesThrough > 0.5 && looks().faded)) { gl_Position = OUTSIDE_CLIP; return; }
   Pose p = pose(partSlot.x);
   vec4 ground = shade(placed(who, p, position));
 #ifdef RIBBON
