@@ -37,6 +37,7 @@ constexpr float kClipPlane_m = 0.05F;
 constexpr float kGridLine_m = 0.02F;
 /// Pixels per side: the samples of a tile fit into the second-level cache.
 constexpr int kTile = 64;
+constexpr size_t kTilePixels = size_t{kTile} * kTile;
 
 /// The four samples of a pixel, one per lane.
 using Lanes = float __attribute__((vector_size(16)));
@@ -212,9 +213,9 @@ struct Tile {
 
   void reset(const Range& new_area) {
     area = new_area;
-    pixels.assign(kTile * kTile, Pixel{});
-    shadow.assign(kTile * kTile, Mask{});
-    floor.assign(kTile * kTile, Mask{});
+    pixels.assign(kTilePixels, Pixel{});
+    shadow.assign(kTilePixels, Mask{});
+    floor.assign(kTilePixels, Mask{});
     layers.clear();
   }
 
@@ -258,7 +259,9 @@ struct Tile {
   }
   static constexpr float kEdge = 1e-5F;  // rounding of the weights: rather twice than never
 
-  static size_t index(int x, int y) { return static_cast<size_t>(y % kTile * kTile + x % kTile); }
+  static size_t index(int x, int y) {
+    return static_cast<size_t>(y % kTile) * kTile + static_cast<size_t>(x % kTile);
+  }
 
   void draw_opaque(const ScreenTriangle& t) {
     fill(t, [&](size_t at, Mask inside, const Weights& weights) {
@@ -309,7 +312,8 @@ class TileLists {
     if (pixels.x0 >= pixels.x1 || pixels.y0 >= pixels.y1) return;
     for (int y = pixels.y0 / kTile; y <= (pixels.y1 - 1) / kTile; ++y)
       for (int x = pixels.x0 / kTile; x <= (pixels.x1 - 1) / kTile; ++x)
-        lists_[static_cast<size_t>(y * columns_ + x)].push_back(item);
+        lists_[static_cast<size_t>(y) * static_cast<size_t>(columns_) + static_cast<size_t>(x)]
+            .push_back(item);
   }
   int tiles() const { return columns_ * rows_; }
   Range area(int tile, int width, int height) const {

@@ -28,6 +28,7 @@
 #include "base/files/anonymous_file.h"
 #include "base/files/atomic_file.h"
 #include "base/text.h"
+#include "lcm_io/codec/description.h"
 
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX does not declare it
 
