@@ -26,8 +26,8 @@ constexpr std::string_view kLeaveScreen = "\033[?25h\033[?1049l";
 std::atomic<bool> g_is_shown{false}, g_has_keys{false};
 termios g_before, g_for_keys;
 
-/// Writes to stdout in a signal handler. A terminal that was halted with Ctrl-S gets nothing,
-/// because the process would wait for it.
+/// Writes to stdout in a signal handler. A terminal that takes nothing gets nothing, because the
+/// process would wait for it.
 void write_in_handler(std::string_view text) {
   pollfd writable{STDOUT_FILENO, POLLOUT, 0};
   if (::poll(&writable, 1, 0) <= 0) return;
@@ -36,7 +36,10 @@ void write_in_handler(std::string_view text) {
 
 void restore_in_handler() {
   if (!g_is_shown) return;
-  if (g_has_keys) tcsetattr(STDIN_FILENO, TCSANOW, &g_before);
+  if (g_has_keys) {
+    tcflow(STDOUT_FILENO, TCOON);  // Ctrl-S may have halted it
+    tcsetattr(STDIN_FILENO, TCSANOW, &g_before);
+  }
   write_in_handler(kLeaveScreen);
 }
 

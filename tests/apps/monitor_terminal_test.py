@@ -298,9 +298,8 @@ class MonitorTerminal(unittest.TestCase):
         seen.process.send_signal(signal.SIGTERM)
         time.sleep(1)
         seen.process.send_signal(signal.SIGTERM)
-        termios.tcflow(seen.terminal, termios.TCOON)
         seen.end()
-        self.assertEqual(termios.tcgetattr(seen.terminal), seen.before)
+        self.assertTrue(seen.is_restored())
 
     def test_returns_the_terminal_while_it_is_stopped(self):
         seen = self.monitor(shell='"$0" monitor; echo stopped; read -r line; fg')
