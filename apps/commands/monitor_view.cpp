@@ -26,6 +26,24 @@ double span_of(const Monitor::Totals& totals) { return std::max(totals.now_s, 1e
 
 std::string clock_ns(double ns) { return ns > 0 ? fmt::format("{:.1f}", ns) : "-"; }
 
+/// "60.0 frames/s, a frame 1.00 ms, median 0.74; 24 pairs touch"
+std::string frames_text(const MonitorView& view, const Monitor::Totals& totals) {
+  const Monitor::FrameTime frame = view.monitor.frame_time();
+  return fmt::format("{:.1f} frames/s{}; {}", static_cast<double>(totals.frames) / span_of(totals),
+                     frame.last_ms > 0 ? fmt::format(", a frame {:.2f} ms, median {:.2f}",
+                                                     frame.last_ms, frame.median_ms)
+                                       : "",
+                     counted(view.inbox.run().touching().size(), "pair touches", "pairs touch"));
+}
+
+/// "42.3 begin and 35.3 end per second"
+std::string changes_text(const Monitor::Totals& totals) {
+  const double span = span_of(totals);
+  return fmt::format("{:.1f} begin and {:.1f} end per second",
+                     static_cast<double>(totals.begins) / span,
+                     static_cast<double>(totals.ends) / span);
+}
+
 std::vector<std::string> note_lines(const MonitorView& view, size_t max_lines) {
   std::vector<std::string> lines = {"newest contacts"};
   const std::deque<Monitor::Note>& notes = view.monitor.notes();
@@ -61,18 +79,11 @@ std::string title_of(const MonitorView& view) {
 
 std::vector<std::string> rate_lines(const MonitorView& view) {
   const Monitor::Totals totals = totals_of(view);
-  const Monitor::FrameTime frame = view.monitor.frame_time();
-  const double span = span_of(totals);
   const size_t runs = view.inbox.runs().size();
-  std::string frames = fmt::format("{:.1f} frames/s", static_cast<double>(totals.frames) / span);
-  if (frame.last_ms > 0)
-    frames += fmt::format(", a frame {:.2f} ms, median {:.2f}", frame.last_ms, frame.median_ms);
-  return {frames + fmt::format("; {}", counted(view.inbox.run().touching().size(), "pair touches",
-                                               "pairs touch")),
-          fmt::format("{:.1f} begin and {:.1f} end per second; lost {}, rejected {}, other runs {}",
-                      static_cast<double>(totals.begins) / span,
-                      static_cast<double>(totals.ends) / span, lost_of(view.inbox.run().tally()),
-                      view.inbox.rejected(), runs > 1 ? runs - 1 : 0)};
+  return {frames_text(view, totals),
+          fmt::format("{}; lost {}, rejected {}, other runs {}", changes_text(totals),
+                      lost_of(view.inbox.run().tally()), view.inbox.rejected(),
+                      runs > 1 ? runs - 1 : 0)};
 }
 
 std::vector<std::string> channel_lines(const MonitorView& view) {
@@ -168,32 +179,18 @@ std::vector<std::string> lines_of(const MonitorView& view) {
   const Monitor::Totals totals = totals_of(view);
   std::vector<std::string> lines = {title_of(view)};
   if (!view.inbox.runs().empty()) {
-    const double span = span_of(totals);
-    const Monitor::FrameTime frame = view.monitor.frame_time();
     const auto add_section = [&lines](const std::vector<std::string>& section) {
       lines.emplace_back();
       lines.insert(lines.end(), section.begin(), section.end());
     };
     add_section(channel_lines(view));
-    lines.push_back("");
-    lines.push_back(fmt::format(
-        "{:.1f} frames/s{}; {}, {:.1f} begin and {:.1f} end per second",
-        static_cast<double>(totals.frames) / span,
-        frame.last_ms > 0
-            ? fmt::format(", a frame {:.2f} ms, median {:.2f}", frame.last_ms, frame.median_ms)
-            : "",
-        counted(view.inbox.run().touching().size(), "pair touches", "pairs touch"),
-        static_cast<double>(totals.begins) / span, static_cast<double>(totals.ends) / span));
+    add_section({fmt::format("{}, {}", frames_text(view, totals), changes_text(totals))});
     add_section(stage_lines(view));
-    lines.push_back("");
     const auto left =
-        static_cast<size_t>(std::max(2, view.height - static_cast<int>(lines.size())));
+        static_cast<size_t>(std::max(2, view.height - static_cast<int>(lines.size()) - 1));
     const std::vector<std::string> parts = part_lines(view, std::max<size_t>(2, left / 2));
-    lines.insert(lines.end(), parts.begin(), parts.end());
-    lines.push_back("");
-    const size_t rest = left > parts.size() + 1 ? left - parts.size() - 1 : 2;
-    const std::vector<std::string> notes = note_lines(view, rest);
-    lines.insert(lines.end(), notes.begin(), notes.end());
+    add_section(parts);
+    add_section(note_lines(view, left > parts.size() + 1 ? left - parts.size() - 1 : 2));
   }
   if (lines.size() > static_cast<size_t>(view.height))
     lines.resize(static_cast<size_t>(view.height));
