@@ -8,10 +8,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "analysis/studies/study_job.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "lcm_io/export/csv_export.h"
 #include "lcm_io/export/mcap_export.h"
@@ -80,7 +80,7 @@ py::dict run_study(const fs::path& file, const std::optional<std::string>& text,
                  sources](WorkState&) { study->plan.emplace(study_of(file, text, sources)); },
                 py::none(), AbandonPolicy::kDetach);
   study->job.emplace(*study->plan, StudyShard{}, out);
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores = core_count();
   const int used = threads.value_or(cores);
   run_in_thread(
       [study, out, used](WorkState& state) {

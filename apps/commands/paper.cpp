@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "apps/command.h"
 #include "apps/output/output_plan.h"
@@ -10,6 +9,7 @@
 #include "apps/process/machine.h"
 #include "apps/process/stop_signal.h"
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/figure.h"
 #include "bench/paper/report.h"
 #include "bench/paper/tables.h"
@@ -88,7 +88,7 @@ Command add_paper_command(CommandLine& parent) {
       "paper", "Reproduce the tables and figures of Suaib, Bade and Mohamad (2013)");
   app->footer(kPaperFooter);
   const auto command = std::make_shared<PaperCommand>();
-  command->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  command->options.threads = core_count();
   const auto five = [](const std::string& text) -> std::string {
     return text.ends_with('0') || text.ends_with('5')
                ? ""

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 #include "apps/command.h"
 #include "apps/commands/validation_report.h"
@@ -13,6 +12,7 @@
 #include "apps/output/text_file.h"
 #include "apps/process/stop_signal.h"
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/workers.h"
@@ -41,7 +41,7 @@ struct ValidateOptions {
   uint64_t seed = 1;
   uint64_t seeds = 1;
   std::string steering{name_of(SteeringRule{}.model)};
-  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  int threads = core_count();
 };
 
 std::vector<std::string> test_ids() {

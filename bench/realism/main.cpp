@@ -9,10 +9,10 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "bench/realism/contact_audit.h"
 #include "bench/realism/encounters.h"
@@ -89,8 +89,7 @@ bool is_off(const Arguments& arguments, const std::string& name) {
 }
 
 int threads_of(const Arguments& arguments) {
-  const uint64_t threads =
-      option(arguments, "--threads", std::max(1u, std::thread::hardware_concurrency()));
+  const uint64_t threads = option(arguments, "--threads", static_cast<uint64_t>(core_count()));
   if (threads < 1 || threads > 256)
     throw InputError("--threads", "a whole number from 1 to 256", fmt::format("{}", threads));
   return static_cast<int>(threads);

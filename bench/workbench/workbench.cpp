@@ -7,10 +7,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "avatars/avatars.h"
 #include "base/console.h"
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/figure.h"
 #include "base/files/atomic_file.h"
@@ -136,7 +136,7 @@ bool read_number(const char* text, uint64_t& out) {
 
 WorkbenchOptions options_of(int argc, char** argv) {
   WorkbenchOptions options;
-  options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.threads = core_count();
   const char* const usage = "[PAIRS [SEED [FOLDER]]]";
   for (int i = 1; i < std::min(argc, 3); ++i)
     if (!read_number(argv[i], i == 1 ? options.no_miss_pairs : options.seed))

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <thread>
 #include <utility>
 
+#include "base/cores.h"
 #include "base/errors.h"
 #include "base/text.h"
 #include "recordings/units.h"
@@ -348,8 +348,7 @@ SimulationOptions simulation_options(const RunOptions& options) {
     throw InputError(options.where("strategy"), "'pipeline' with a budget",
                      fmt::format("'{}'", name_of(options.strategy)));
   SimulationOptions out;
-  out.threads =
-      options.threads.value_or(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  out.threads = options.threads.value_or(core_count());
   out.culler.simd = resolved(options.simd);
   out.culler.budget_ms = options.budget_ms;
   out.culler.budget_tests = options.budget_tests;
