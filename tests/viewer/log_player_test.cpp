@@ -37,7 +37,7 @@ class RecordedCrowd : public testing::Test {
   }
   static RunReader described(const LogIndex& index) {
     RunReader run;
-    for (const auto& piece : index.description()) run.take(name_of(Channel::kRun), piece);
+    index.describe(run);
     return run;
   }
   ScratchFile log_;
@@ -112,13 +112,13 @@ TEST_F(RecordedCrowd, SamplesThePositionsOfTheRun) {
   record(options);
   LogIndex index(log_.path());
   index.wait();
-  LogPositions positions(index);
+  LogSampler sampler(index);
   SyntheticRun again(options);
   int64_t stepped = -1;
   const Frame* frame = nullptr;
   int64_t next = 30;
   for (int samples = 0; next <= 99; ++samples) {
-    const Bytes message = positions.of(next, 99, 7, std::chrono::milliseconds(0));
+    const Bytes message = sampler.positions(next, 99, 7, std::chrono::milliseconds(0));
     PositionsHead head;
     std::memcpy(&head, message.data(), sizeof head);
     ASSERT_EQ(head.kind, kPositionsMessage);
@@ -137,7 +137,7 @@ TEST_F(RecordedCrowd, SamplesThePositionsOfTheRun) {
     next = static_cast<int64_t>(head.to);
     EXPECT_EQ(next, std::min<int64_t>(100, 30 + 7 * (samples + 1)));
   }
-  const Bytes rest = positions.of(kFrames, 10 * kFrames, 1, std::chrono::hours(1));
+  const Bytes rest = sampler.positions(kFrames, 10 * kFrames, 1, std::chrono::hours(1));
   EXPECT_EQ(rest.size(), sizeof(PositionsHead));
 }
 

@@ -85,9 +85,9 @@ class RecordedProximity : public testing::Test {
 TEST_F(RecordedProximity, ListsTheNearestPartsOfEachOtherBody) {
   LogIndex index(log_.path());
   index.wait();
-  LogProximity proximity(index);
+  LogSampler sampler(index);
   for (const uint32_t body : {0u, 7u}) {
-    const Message message = decoded(proximity.of(body, 0, 1h));
+    const Message message = decoded(sampler.proximity(body, 0, 1h));
     EXPECT_EQ(message.head.from, 0);
     EXPECT_EQ(message.head.to, kFrames);
     EXPECT_EQ(message.head.body, body);
@@ -109,13 +109,13 @@ TEST_F(RecordedProximity, ListsTheNearestPartsOfEachOtherBody) {
 TEST_F(RecordedProximity, ArrivesInPiecesThatContinueEachOther) {
   LogIndex index(log_.path());
   index.wait();
-  LogProximity whole(index), pieces(index);
-  const Message expected = decoded(whole.of(3, 0, 1h));
+  LogSampler whole(index), pieces(index);
+  const Message expected = decoded(whole.proximity(3, 0, 1h));
   std::vector<ProximityRecord> records;
   std::vector<double> points;
   int answers = 0;
   for (int64_t from = 0; from < kFrames; ++answers) {
-    const Message piece = decoded(pieces.of(3, from, 0ms));  // one frame per answer
+    const Message piece = decoded(pieces.proximity(3, from, 0ms));  // one frame per answer
     ASSERT_EQ(piece.head.from, static_cast<double>(from));
     ASSERT_GT(piece.head.to, piece.head.from);
     records.insert(records.end(), piece.records.begin(), piece.records.end());
@@ -133,11 +133,11 @@ TEST_F(RecordedProximity, ArrivesInPiecesThatContinueEachOther) {
 TEST_F(RecordedProximity, EndsWithTheKnownLog) {
   LogIndex index(log_.path());
   index.wait();
-  LogProximity proximity(index);
-  const Message message = decoded(proximity.of(3, 10 * kFrames, 1h));
+  LogSampler sampler(index);
+  const Message message = decoded(sampler.proximity(3, 10 * kFrames, 1h));
   EXPECT_TRUE(message.records.empty());
   EXPECT_EQ(message.head.to, 10 * kFrames);
-  EXPECT_TRUE(decoded(proximity.of(4'000'000, 0, 1h)).records.empty());
+  EXPECT_TRUE(decoded(sampler.proximity(4'000'000, 0, 1h)).records.empty());
 }
 
 TEST(ProximityMessage, StatesThatARunHasNoProximityRows) {
@@ -147,7 +147,7 @@ TEST(ProximityMessage, StatesThatARunHasNoProximityRows) {
   run.play(sink, 20);
   LogIndex index(log.path());
   index.wait();
-  const Message message = decoded(LogProximity(index).of(3, 0, 1h));
+  const Message message = decoded(LogSampler(index).proximity(3, 0, 1h));
   EXPECT_EQ(message.head.is_recorded, 0u);
   EXPECT_EQ(message.head.to, 20);
 }

@@ -21,6 +21,13 @@ std::optional<LogIndex::Mark> newest(const std::vector<LogIndex::Mark>& marks, i
   return *std::prev(after);
 }
 
+/// Returns the first mark at or after `frame`.
+std::vector<LogIndex::Mark>::const_iterator first_from(const std::vector<LogIndex::Mark>& marks,
+                                                       int64_t frame) {
+  return std::lower_bound(marks.begin(), marks.end(), frame,
+                          [](const LogIndex::Mark& mark, int64_t f) { return mark.frame < f; });
+}
+
 }  // namespace
 
 LogIndex::LogIndex(const std::filesystem::path& log) : log_(log), reader_(log) {
@@ -86,6 +93,10 @@ void LogIndex::wait() const {
   while (!complete_) std::this_thread::sleep_for(std::chrono::milliseconds(2));
 }
 
+void LogIndex::describe(RunReader& run) const {
+  for (const std::vector<uint8_t>& piece : description_) run.take(name_of(Channel::kRun), piece);
+}
+
 std::string LogIndex::problem() const {
   const std::lock_guard lock(mutex_);
   return problem_;
@@ -103,9 +114,7 @@ std::vector<LogIndex::Mark> LogIndex::states_marks(int64_t first, int64_t last, 
   const std::lock_guard lock(mutex_);
   std::vector<Mark> marks;
   for (int64_t next = first; next <= last && marks.size() < max;) {
-    const auto mark =
-        std::lower_bound(states_.begin(), states_.end(), next,
-                         [](const Mark& known, int64_t f) { return known.frame < f; });
+    const auto mark = first_from(states_, next);
     if (mark == states_.end() || mark->frame > last) break;
     marks.push_back(*mark);
     next = mark->frame + every;
@@ -117,9 +126,8 @@ std::vector<LogIndex::Mark> LogIndex::proximity_marks(int64_t first, int64_t las
                                                       size_t max) const {
   const std::lock_guard lock(mutex_);
   std::vector<Mark> marks;
-  auto mark = std::lower_bound(proximity_.begin(), proximity_.end(), first,
-                               [](const Mark& known, int64_t f) { return known.frame < f; });
-  for (; mark != proximity_.end() && mark->frame <= last && marks.size() < max; ++mark)
+  for (auto mark = first_from(proximity_, first);
+       mark != proximity_.end() && mark->frame <= last && marks.size() < max; ++mark)
     marks.push_back(*mark);
   return marks;
 }
@@ -155,8 +163,7 @@ std::string LogIndex::to_json(size_t max_samples) const {
 
 LogPlayer::LogPlayer(const LogIndex& index, const RunGeometry& geometry)
     : index_(index), reader_(index.log()), messages_(run_, geometry) {
-  for (const std::vector<uint8_t>& piece : index.description())
-    run_.take(name_of(Channel::kRun), piece);
+  index.describe(run_);
 }
 
 void LogPlayer::jump(const LogIndex::Start& start) {
@@ -210,25 +217,24 @@ std::shared_ptr<const Bytes> LogPlayer::frame(int64_t number) {
   return messages_.build(++built_, target, run_.touching(), begins_.all());
 }
 
-LogProximity::LogProximity(const LogIndex& index) : index_(index), reader_(index.log()) {
-  for (const std::vector<uint8_t>& piece : index.description())
-    run_.take(name_of(Channel::kRun), piece);
+LogSampler::LogSampler(const LogIndex& index) : index_(index), reader_(index.log()) {
+  index.describe(run_);
 }
 
-/// Reads the rows of a frame, whose messages follow each other. Returns whether all were read.
-bool LogProximity::read(const LogIndex::Mark& mark) {
+/// Reads a frame's messages of a channel, which follow each other. Returns whether all were read,
+/// which `whole` reports.
+bool LogSampler::read(const LogIndex::Mark& mark, Channel channel, RunReader::Update whole) {
   reader_.seek(mark.offset);
   LogEvent event;
-  while (reader_.next(event) == LogReader::Status::kEvent &&
-         event.channel == name_of(Channel::kProximity)) {
+  while (reader_.next(event) == LogReader::Status::kEvent && event.channel == name_of(channel)) {
     const RunReader::Update update = run_.take(event.channel, event.data);
-    if (update == RunReader::Update::kProximity) return run_.header()->frame == mark.frame;
+    if (update == whole) return run_.header()->frame == mark.frame;
     if (update == RunReader::Update::kRejected) return false;
   }
   return false;
 }
 
-Bytes LogProximity::of(uint32_t body, int64_t since, std::chrono::milliseconds limit) {
+Bytes LogSampler::proximity(uint32_t body, int64_t since, std::chrono::milliseconds limit) {
   constexpr size_t kMaxFrames = 2000, kMaxRows = 50'000;
   const auto end = std::chrono::steady_clock::now() + limit;
   ProximityMessage message(body, since);
@@ -237,7 +243,8 @@ Bytes LogProximity::of(uint32_t body, int64_t since, std::chrono::milliseconds l
   int64_t to = std::max(since, last + 1);
   run_.rewind();
   for (size_t i = 0; i < marks.size(); ++i) {
-    if (read(marks[i])) message.add(marks[i].frame, nearest_parts(run_, body));
+    if (read(marks[i], Channel::kProximity, RunReader::Update::kProximity))
+      message.add(marks[i].frame, nearest_parts(run_, body));
     const bool is_full = message.size() > kMaxRows || std::chrono::steady_clock::now() > end;
     if (!is_full && i + 1 < kMaxFrames) continue;
     to = marks[i].frame + 1;
@@ -246,24 +253,8 @@ Bytes LogProximity::of(uint32_t body, int64_t since, std::chrono::milliseconds l
   return message.finish(to, index_.has_proximity());
 }
 
-LogPositions::LogPositions(const LogIndex& index) : index_(index), reader_(index.log()) {
-  for (const std::vector<uint8_t>& piece : index.description())
-    run_.take(name_of(Channel::kRun), piece);
-}
-
-/// Reads the states of a frame, whose messages follow each other. Returns whether all were read.
-bool LogPositions::read(const LogIndex::Mark& mark) {
-  reader_.seek(mark.offset);
-  LogEvent event;
-  while (reader_.next(event) == LogReader::Status::kEvent &&
-         event.channel == name_of(Channel::kStates))
-    if (run_.take(event.channel, event.data) == RunReader::Update::kState)
-      return run_.state().frame == mark.frame;
-  return false;
-}
-
-Bytes LogPositions::of(int64_t first, int64_t last, int64_t every,
-                       std::chrono::milliseconds limit) {
+Bytes LogSampler::positions(int64_t first, int64_t last, int64_t every,
+                            std::chrono::milliseconds limit) {
   constexpr size_t kMaxSamples = 1000, kMaxBytes = size_t{4} << 20;
   const auto end = std::chrono::steady_clock::now() + limit;
   last = std::min(last, index_.last_frame());
@@ -275,7 +266,7 @@ Bytes LogPositions::of(int64_t first, int64_t last, int64_t every,
   std::vector<float> places;
   run_.rewind();
   for (size_t i = 0; i < marks.size(); ++i) {
-    if (read(marks[i])) {
+    if (read(marks[i], Channel::kStates, RunReader::Update::kState)) {
       ++head.samples;
       const CrowdState& crowd = run_.state();
       for (size_t id = 0; id < crowd.roots.size(); ++id)
@@ -305,8 +296,7 @@ constexpr std::chrono::milliseconds kReadTime{25};
 
 RunReader described(const LogIndex& index) {
   RunReader run;
-  for (const std::vector<uint8_t>& piece : index.description())
-    run.take(name_of(Channel::kRun), piece);
+  index.describe(run);
   require_people(*run.run(), index.log().string());
   return run;
 }
@@ -316,10 +306,9 @@ RunReader described(const LogIndex& index) {
 /// Stored in WebClient::state and used by the client's own thread only.
 struct LogView::Player {
   Player(const LogIndex& index, const RunGeometry& geometry)
-      : player(index, geometry), proximity(index), positions(index) {}
+      : player(index, geometry), sampler(index) {}
   LogPlayer player;
-  LogProximity proximity;
-  LogPositions positions;
+  LogSampler sampler;
 };
 
 LogView::LogView(const std::filesystem::path& log, const WebOptions& options, std::string_view page)
@@ -347,10 +336,10 @@ void LogView::on_text(WebClient& client, std::string_view text) {
         index_.history().changes_from(*query.contacts, query.since.value_or(0), kMaxContacts)));
   if (query.proximity)
     client.send_binary(std::make_shared<Bytes>(
-        player.proximity.of(*query.proximity, query.since.value_or(0), kReadTime)));
+        player.sampler.proximity(*query.proximity, query.since.value_or(0), kReadTime)));
   if (query.positions)
     client.send_binary(std::make_shared<Bytes>(
-        player.positions.of(*query.positions, query.to, query.every, kReadTime)));
+        player.sampler.positions(*query.positions, query.to, query.every, kReadTime)));
   if (query.person) {
     client.send_text(
         index_.history().of(*query.person, query.frame.value_or(INT64_MAX), kHistoryPairs));

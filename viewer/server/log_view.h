@@ -58,7 +58,8 @@ class LogIndex {
   std::string to_json(size_t max_samples) const;
 
   const PairHistory& history() const { return history_; }
-  const std::vector<std::vector<uint8_t>>& description() const { return description_; }
+  /// Gives the description to a reader of the same log.
+  void describe(RunReader& run) const;
   const std::filesystem::path& log() const { return log_; }
 
   void wait() const;  ///< blocks until the whole log has been read
@@ -117,24 +118,6 @@ class LogPlayer {
   double built_ = 0;
 };
 
-/// LogProximity lists the nearest others of a body in a log, some frames at a time, so that a
-/// client's other requests do not wait.
-class LogProximity {
- public:
-  /// Keeps a reference.
-  explicit LogProximity(const LogIndex& index);
-
-  /// Returns a proximity message from a frame on. It ends where `limit` or the known log ends.
-  Bytes of(uint32_t body, int64_t since, std::chrono::milliseconds limit);
-
- private:
-  bool read(const LogIndex::Mark& mark);
-
-  const LogIndex& index_;
-  LogReader reader_;
-  RunReader run_;
-};
-
 /// Start of a positions message: head | f32 x, y of each avatar for each sample; NaN: not present.
 struct PositionsHead {
   uint32_t kind = kPositionsMessage;
@@ -145,17 +128,22 @@ struct PositionsHead {
 };
 static_assert(sizeof(PositionsHead) == 32);
 
-/// LogPositions samples where people are, some frames at a time.
-class LogPositions {
+/// LogSampler answers from single frames of a log, some frames at a time, so that a client's other
+/// requests do not wait.
+class LogSampler {
  public:
   /// Keeps a reference.
-  explicit LogPositions(const LogIndex& index);
+  explicit LogSampler(const LogIndex& index);
+
+  /// Returns a proximity message of the nearest others of a body, from a frame on. It ends where
+  /// `limit` or the known log ends.
+  Bytes proximity(uint32_t body, int64_t since, std::chrono::milliseconds limit);
 
   /// Returns a positions message. It ends where `limit`, its size or the known log ends.
-  Bytes of(int64_t first, int64_t last, int64_t every, std::chrono::milliseconds limit);
+  Bytes positions(int64_t first, int64_t last, int64_t every, std::chrono::milliseconds limit);
 
  private:
-  bool read(const LogIndex::Mark& mark);
+  bool read(const LogIndex::Mark& mark, Channel channel, RunReader::Update whole);
 
   const LogIndex& index_;
   LogReader reader_;
