@@ -16,12 +16,8 @@ export class Card {
   private past: PastContact[] = [];
   private drawn = '';
 
-  constructor(private readonly choose: (id: number) => void) {
-    for (const list of ['cardPairs', 'cardHistory'])
-      el(list).addEventListener('click', (event) => {
-        const row = (event.target as HTMLElement).closest<HTMLElement>('li[data-body]');
-        if (row) this.choose(Number(row.dataset.body));
-      });
+  constructor(choose: (id: number) => void) {
+    for (const list of ['cardPairs', 'cardHistory']) bindBodies(list, choose);
   }
 
   open(run: Run, id: number): void {
@@ -78,11 +74,24 @@ export class Card {
     const color = pair.level < 0 ? 'var(--edge)' : MARKS[pair.level + 1].color;
     const otherPartName = partNameOf(run, other, otherPart);
     const text = `${partNameOf(run, this.id, ownPart)} – ${nameOf(run, other)}${otherPartName ? ` ${otherPartName}` : ''}`;
-    const isAvatar = other < run.avatars;
-    const attributes: Record<string, string> = isAvatar ? {'data-body': String(other)} : {};
-    const name = make(isAvatar ? 'button' : 'span', {}, text);
-    return make('li', attributes, make('i', {style: `background:${color}`}), name, make('time', {'aria-live': 'off'}, time));
+    return bodyRow(run, other, color, text, time);
   }
+}
+
+/** Returns a row about another body; that of a person or robot is clicked to select it. */
+export function bodyRow(run: Run, other: number, color: string, text: string, value: string): HTMLElement {
+  const isAvatar = other < run.avatars;
+  const attributes: Record<string, string> = isAvatar ? {'data-body': String(other)} : {};
+  const name = make(isAvatar ? 'button' : 'span', {}, text);
+  return make('li', attributes, make('i', {style: `background:${color}`}), name, make('time', {'aria-live': 'off'}, value));
+}
+
+/** A click on a row of a list selects its body. */
+export function bindBodies(list: string, choose: (id: number) => void): void {
+  el(list).addEventListener('click', (event) => {
+    const row = (event.target as HTMLElement).closest<HTMLElement>('li[data-body]');
+    if (row) choose(Number(row.dataset.body));
+  });
 }
 
 function fill(list: string, rows: HTMLElement[]): void {

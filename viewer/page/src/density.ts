@@ -1,5 +1,5 @@
 // DensityLog sums where people were over a span of frames. Invariant: each sample has the same weight.
-import {cellOf, gridOf, type Grid, type HeatCells} from './heat.ts';
+import {cellOf, gridOf, type FloorGrid, type HeatCells} from './heat.ts';
 import {isPerson, isPresent, type Frame, type Run} from './protocol.ts';
 
 const CELL_M = 1;
@@ -13,7 +13,7 @@ export class DensityLog {
   version = 0;
   /** Frames of the first and the last sample. */
   range: [number, number] = [-1, -1];
-  private grid: Grid | null = null;
+  private grid: FloorGrid | null = null;
   private sums = new Uint32Array(0);
 
   reset(run: Run, first: number, end: number): void {

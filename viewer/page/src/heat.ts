@@ -5,14 +5,14 @@ import type {Contact} from './contacts.ts';
 import type {Run} from './protocol.ts';
 import {shaderMaterial} from './shaders.ts';
 
-export interface Grid {
+export interface FloorGrid {
   columns: number;
   rows: number;
   min_m: [number, number];
   cell_m: number;
 }
 
-export interface HeatCells extends Grid {
+export interface HeatCells extends FloorGrid {
   counts: Uint32Array | Float32Array; // row by row from the south-west
   /** The highest count. */
   most: number;
@@ -22,7 +22,7 @@ const MIN_CELL_M = 0.5;
 const MAX_CELLS = 256; // per side
 
 /** Returns cells that cover the ground, of at least this length. */
-export function gridOf(run: Run, minCell_m = MIN_CELL_M): Grid {
+export function gridOf(run: Run, minCell_m = MIN_CELL_M): FloorGrid {
   const {min_m, max_m} = run.ground;
   const size = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
   const cell_m = Math.max(minCell_m, Math.max(...size) / MAX_CELLS);
@@ -31,7 +31,7 @@ export function gridOf(run: Run, minCell_m = MIN_CELL_M): Grid {
 }
 
 /** Returns the index of the cell at a place; of the nearest one for places off the ground. */
-export function cellOf({columns, rows, min_m, cell_m}: Grid, x_m: number, y_m: number): number {
+export function cellOf({columns, rows, min_m, cell_m}: FloorGrid, x_m: number, y_m: number): number {
   const cell = (at: number, axis: number, most: number): number =>
     Math.min(most - 1, Math.max(0, Math.floor((at - min_m[axis]) / cell_m)));
   return cell(y_m, 1, rows) * columns + cell(x_m, 0, columns);

@@ -197,7 +197,6 @@ class Page {
     ++this.frames;
     this.stage.take(frame);
     this.recolor();
-    this.updateFocus();
     this.updateCard();
     this.showDistances();
     if (isFirst && this.link) this.openLink(this.link);
@@ -312,7 +311,7 @@ class Page {
     if (this.run && this.frame) this.card.update(this.run, this.frame);
   }
 
-  /** Draws lines to the nearest others of the selected person or robot. */
+  /** Draws lines to the nearest others of the selected body, which do not fade. */
   private showDistances(): void {
     const {source, frame} = this;
     if (!source || !frame) return;
@@ -711,7 +710,6 @@ class Page {
     const {run} = this;
     this.selected = run ? bodies.filter((body) => body < run.avatars + run.obstacles.length) : [];
     this.stage.select(...this.selected);
-    this.updateFocus();
     const person = this.selected.find((body) => run && body < run.avatars);
     this.source?.loadProximity(person ?? -1);
     this.showDistances();

@@ -210,7 +210,7 @@ export interface ContactChange {
   b: number;
   partA: number;
   partB: number;
-  /** The middle between both people, as far as their states are known; at an obstacle, the place of the person. */
+  /** The middle between both people; NaN: unknown. At an obstacle, the place of the person. */
   x_m: number;
   y_m: number;
 }

@@ -1,4 +1,5 @@
 // ProximityPanel shows how near others come to the selected person or robot: now, and over time.
+import {bindBodies, bodyRow} from './card.ts';
 import {Chart, type ChartStyle} from './chart.ts';
 import {el, make, setText} from './dom.ts';
 import {distanceText, type ProximityLog} from './proximity.ts';
@@ -26,10 +27,7 @@ export class ProximityPanel {
   ) {
     this.canvas.addEventListener('click', (event) => this.seek(this.frameAt(event.offsetX)));
     el('nearLeast').onclick = () => this.least && this.seek(this.least.frame);
-    el('nearPairs').addEventListener('click', (event) => {
-      const row = (event.target as HTMLElement).closest<HTMLElement>('li[data-body]');
-      if (row) choose(Number(row.dataset.body));
-    });
+    bindBodies('nearPairs', choose);
   }
 
   /** `playback`: null for a live run, of which the known frames are shown. */
@@ -69,7 +67,7 @@ export class ProximityPanel {
           'aria-valuemin': String(playback.first),
           'aria-valuemax': String(playback.last),
           'aria-valuenow': String(frame),
-          'aria-valuetext': `${now < Infinity ? `${now.toFixed(3)} m` : 'nobody near'} at ${clock(frame * run.step_s)}`,
+          'aria-valuetext': `${now < Infinity ? `${now.toFixed(3)} m` : 'nothing near'} at ${clock(frame * run.step_s)}`,
         }
       : {role: 'img'};
     for (const [name, value] of Object.entries(attributes)) canvas.setAttribute(name, value);
@@ -99,8 +97,6 @@ export class ProximityPanel {
 
 function rowOf(run: Run, body: number, near: ProximityRow): HTMLElement {
   const other = [nameOf(run, near.other), partNameOf(run, near.other, near.otherPart)].filter(Boolean).join(' ');
-  const isAvatar = near.other < run.avatars;
-  const attributes: Record<string, string> = isAvatar ? {'data-body': String(near.other)} : {};
   const text = `${partNameOf(run, body, near.part)} – ${other}`;
-  return make('li', attributes, make('i', {style: 'background:#c9930a'}), make(isAvatar ? 'button' : 'span', {}, text), make('time', {}, distanceText(near)));
+  return bodyRow(run, near.other, '#c9930a', text, distanceText(near));
 }
