@@ -1,7 +1,8 @@
-// Tests that marks of contacts stay countable.
+// Tests that marks of contacts stay countable, and what people wear.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {spread} from '../../../viewer/page/src/marks.ts';
+import {CHOICE_BITS, CLOTHES, clothesOf} from '../../../viewer/page/src/theme.ts';
 
 const RADIUS = 6;
 
@@ -61,4 +62,12 @@ test('equal marks are placed equally, and the given points are kept', () => {
 test('thousands of marks stay where they are', () => {
   const many = scattered(3001, 400);
   assert.deepEqual(spread(many, same(3001)), many);
+});
+
+test('a person wears the same as in pictures of throng render', () => {
+  const worn = [0, 1, 2, 3, 4].map((slot) => {
+    const choice = (clothesOf(17) >> (CHOICE_BITS * slot)) & ((1 << CHOICE_BITS) - 1);
+    return `#${CLOTHES[(slot << CHOICE_BITS) + choice].getHexString()}`;
+  });
+  assert.deepEqual(worn, ['#6d7f94', '#4a5261', '#a8775a', '#231f20', '#2b2d33']);
 });

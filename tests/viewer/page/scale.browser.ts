@@ -137,3 +137,26 @@ test('hidden bodies cast no shadow', async () => {
   assert.ok(walls < withoutShadows && withoutShadows < all);
   await close();
 });
+
+test('the ground of a resting camera is copied, and each pixel stays the same', async () => {
+  const {page, close} = await open(`file://${few}`);
+  await page.evaluate('window.throng.source.playback.playing = false');
+  for (const theme of ['light', 'dark']) {
+    const seen = (await page.evaluate(`(() => {
+      const {stage} = window.throng;
+      window.throng.chooseTheme('${theme}');
+      stage.setCamera(${theme === 'light' ? '[6, -9, 1.7, 6, 4, 1.6]' : '[3, -6, 9, 3, 2, 0]'}); // with sky, and without
+      const picture = document.createElement('canvas');
+      picture.width = stage.renderer.domElement.width;
+      picture.height = stage.renderer.domElement.height;
+      return [0, 1, 2].map(() => {
+        stage.drawInto(picture, 1e5);
+        const {data} = picture.getContext('2d').getImageData(0, 0, picture.width, picture.height);
+        return {isCopied: stage.ground.copy.visible, bytes: Array.from(data).join()};
+      });
+    })()`)) as {isCopied: boolean; bytes: string}[];
+    assert.deepEqual(seen.map(({isCopied}) => isCopied), [false, true, true], theme);
+    for (const {bytes} of seen.slice(1)) assert.ok(bytes === seen[0].bytes, `${theme}: pixels differ`);
+  }
+  await close();
+});

@@ -14,6 +14,7 @@ import {
   Mesh,
   PerspectiveCamera,
   RawShaderMaterial,
+  SRGBColorSpace,
   Vector2,
   Vector3,
   type DataTexture,
@@ -38,7 +39,7 @@ import {
   type Uniforms,
 } from './shaders.ts';
 import {dataOf, texelMap} from './texels.ts';
-import {CLOTHES, MARK_COLORS} from './theme.ts';
+import {CLOTHES, MARK_COLORS, clothesOf} from './theme.ts';
 
 export const LAYERS = ['meshes', 'spheres', 'hulls', 'boxes', 'shadows', 'tint'] as const;
 export type Layer = (typeof LAYERS)[number];
@@ -54,6 +55,11 @@ const BIN_SHIFT = 20;
 const ONE_PIXEL = 0x3f800000 >>> BIN_SHIFT;
 const BINS = 14 * 8;
 const TINT = 0.24;
+/** Square roots of linear colours by their sRGB value, both from 0 to 255: shaders square them, which is cheap. */
+const ROOTS = Uint8Array.from({length: 256}, (_, i) => {
+  const linear = new Color().setRGB(i / 255, 0, 0, SRGBColorSpace).r;
+  return Math.round(255 * Math.sqrt(linear));
+});
 /** Bits of a person's looks. */
 const COLOURED = 1;
 const FADED = 2;
@@ -81,7 +87,7 @@ export class Crowd {
   private parts: DataTexture | null = null; // of a server's frames
   private poser: Poser | null = null; // of a recording
   private frame: Frame | null = null;
-  private readonly looks: DataTexture; // by avatar: colour, then the bits below
+  private readonly looks: DataTexture; // by avatar: roots of its colour, then the bits above
   private readonly ordered: DataTexture; // people in the picture, list by list
   private readonly draws: ModelDraws[] = [];
   private readonly byLayer: Record<Layer, Group> = {} as Record<Layer, Group>;
@@ -99,6 +105,7 @@ export class Crowd {
   private readonly size = new Float32Array(1);
   private readonly sizeBits = new Uint32Array(this.size.buffer);
   private readonly matrix = new Matrix4();
+  private readonly clothes: Uint16Array;
   private readonly reachOf: Float32Array; // radius of each avatar's sphere
   private readonly triangles: number[]; // of a person at each level, on average over the models
   private readonly visible: Uint32Array;
@@ -122,16 +129,17 @@ export class Crowd {
       uParts: {value: this.people},
       uLooks: {value: this.looks},
       uMarks: {value: MARK_COLORS},
+      uClothes: {value: CLOTHES},
       uCalm: {value: new Color('#5b6878')},
       uSelected: {value: new Vector2(-1, -1)},
       uTint: {value: TINT},
     };
-    for (const [name, colors] of Object.entries(CLOTHES)) this.own[name] = {value: colors};
     for (const layer of LAYERS) {
       this.byLayer[layer] = new Group();
       this.group.add(this.byLayer[layer]);
     }
     run.models.forEach((model, index) => this.addModel(model, index));
+    this.clothes = Uint16Array.from({length: run.avatars}, (_, id) => clothesOf(id));
     this.reachOf = Float32Array.from(run.modelOfAvatar, (m, id) => run.models[m].sphere.radius_m * run.scaleOfAvatar[id]);
     this.triangles = USEFUL_PX.map((_, level) =>
       this.draws.reduce((sum, {triangles, members}) => sum + (triangles[level] * members) / Math.max(1, run.avatars), 0),
@@ -217,7 +225,7 @@ export class Crowd {
   setColors(rgba: Uint8Array | null): void {
     const looks = dataOf(this.looks, 'RGBA8UI');
     for (let at = 0; at < 4 * this.run.avatars; at += 4) {
-      for (let i = 0; i < 3; ++i) looks[at + i] = rgba ? rgba[at + i] : 0;
+      for (let i = 0; i < 3; ++i) looks[at + i] = rgba ? ROOTS[rgba[at + i]] : 0;
       looks[at + 3] = (looks[at + 3] & ~COLOURED) | (rgba && rgba[at + 3] === 255 ? COLOURED : 0);
     }
     this.looks.needsUpdate = true;
@@ -288,6 +296,7 @@ export class Crowd {
       texels[at] = id;
       texels[at + 1] = run.firstPart[id];
       texels[at + 2] = run.scaleOfAvatar[id];
+      texels[at + 3] = this.clothes[id];
     }
     this.ordered.needsUpdate = true;
   }

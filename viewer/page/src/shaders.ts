@@ -3,6 +3,7 @@
 
 import {GLSL3, RawShaderMaterial} from 'three';
 import {TEXTURE_WIDTH} from './texels.ts';
+import {CHOICE_BITS, CLOTHES} from './theme.ts';
 
 export type Uniforms = Record<string, {value: unknown}>;
 
@@ -37,7 +38,7 @@ vec4 product(vec4 a, vec4 b) {
 /** People that a geometry of ribbons has. */
 export const RIBBON_PEOPLE = 64;
 
-/** Reads people and parts. `instance` is avatar (-1: none), first part and scale. */
+/** Reads people and parts. `instance` is avatar (-1: none), first part, scale and clothes. */
 const POSES = FETCH + QUATERNIONS + /* glsl */ `
 uniform usampler2D uPeople;
 uniform usampler2D uParts;
@@ -53,20 +54,21 @@ uint number() { return uint(gl_InstanceID) * ${RIBBON_PEOPLE}u + uint(member); }
 #else
 uint number() { return uint(gl_InstanceID); }
 #endif
-vec3 instance;
+vec4 instance;
 
 float low(uint word) { return float(int(word << 16u) >> 16); }
 float high(uint word) { return float(int(word) >> 16); }
 
-/** A colour (sRGB) instead of the clothes, and whether the person is out of focus. */
+/** A colour instead of the clothes, and whether the person is out of focus. */
 struct Looks { vec3 color; bool coloured; bool faded; };
 Looks looks() {
   uvec4 t = at(uLooks, uint(instance.x));
-  return Looks(pow(vec3(t.rgb) / 255.0, vec3(2.2)), (t.a & 1u) != 0u, (t.a & 2u) != 0u);
+  vec3 root = vec3(t.rgb) / 255.0;
+  return Looks(root * root, (t.a & 1u) != 0u, (t.a & 2u) != 0u);
 }
 struct Person { vec3 root; bool there; bool crowded; uint mark; };
 Person person() {
-  instance = at(uOrder, uFirst + number()).xyz;
+  instance = at(uOrder, uFirst + number());
   if (instance.x < 0.0) return Person(vec3(0.0), false, false, 0u);
   uvec4 t = at(uPeople, uint(instance.x));
   return Person(uintBitsToFloat(t.xyz), (t.w & 1u) != 0u, (t.w & 2u) != 0u, (t.w >> 8u) & 255u);
@@ -93,29 +95,18 @@ vec4 shade(vec3 world) {
 }
 `;
 
-const CLOTHES = /* glsl */ `
+/** Without divisions and branches: where the processor draws, these cost more than the rest of a vertex. */
+const COLORS = /* glsl */ `
 uniform vec3 uMarks[5];
-uniform vec3 uShirts[8];
-uniform vec3 uTrousers[5];
-uniform vec3 uSkins[5];
-uniform vec3 uHairs[4];
-uniform vec3 uShoes[3];
+uniform vec3 uClothes[${CLOTHES.length}];
 uniform float uTint;
-uint scatter(uint x) {
-  x ^= x >> 16u; x *= 0x7feb352du; x ^= x >> 15u; x *= 0x846ca68bu; x ^= x >> 16u;
-  return x;
-}
-vec3 clothes(float slot, uint id) {
-  uint h = scatter(id + 1u);
-  if (slot < 0.5) return uShirts[h % 8u];
-  if (slot < 1.5) return uTrousers[(h >> 4u) % 5u];
-  if (slot < 2.5) return uSkins[(h >> 8u) % 5u];
-  if (slot < 3.5) return uHairs[(h >> 12u) % 4u];
-  return uShoes[(h >> 16u) % 3u];
+vec3 clothes(uint slot) {
+  uint choice = (uint(instance.w) >> (${CHOICE_BITS}u * slot)) & ${(1 << CHOICE_BITS) - 1}u;
+  return uClothes[(slot << ${CHOICE_BITS}u) + choice];
 }
 `;
 
-export const BODY_VERTEX = POSES + CLOTHES + /* glsl */ `
+export const BODY_VERTEX = POSES + COLORS + /* glsl */ `
 in vec3 position;
 in vec3 normal;
 in vec2 partSlot;
@@ -149,10 +140,11 @@ void main() {
 #endif
   vWorld = world;
   uint mark = max(p.mark, who.mark == 1u || who.mark == 2u ? who.mark : 0u);
-  vec3 cloth = clothes(partSlot.y, uint(instance.x));
+  vec3 cloth = clothes(uint(partSlot.y));
   Looks look = looks();
   // Shades of trousers would not match the legend, but without any difference people look like pawns.
-  if (look.coloured && partSlot.y < 1.5) cloth = look.color * (partSlot.y < 0.5 ? 1.0 : 0.85);
+  if (look.coloured && partSlot.y < 1.5)
+    cloth = look.color * (partSlot.y < 0.5 ? 1.0 : 0.85);
   else if (who.crowded) cloth = mix(cloth, uMarks[0], uTint);
   vMarked = mark > 0u ? 1.0 : 0.0;
   vColor = mark > 0u ? uMarks[mark] : cloth;
@@ -208,14 +200,15 @@ void main() {
   if (vFaded * uSeesThrough > 0.5 && ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) & 1) == 0) discard;
   vec3 n = normalize(vNormal);
   vec3 toEye = normalize(uEye - vWorld);
-  float rim = pow(1.0 - max(0.0, dot(n, toEye)), 3.0);
+  float edge = 1.0 - max(0.0, dot(n, toEye));
+  float rim = edge * edge * edge;
   vec3 color = lit(vColor, n, vWorld);
   // Touching parts glow a little, so that shadow does not hide them in a crowd.
   color += vColor * vMarked * 0.28 + uSky * rim * 0.16;
   // Some light remains, which keeps people recognisable as people.
   if (vFaded > 0.5) color = mix(color, uFaded * (0.88 + 0.24 * n.z * n.z), 0.8);
   // Touching parts of a selected person keep most of their colour.
-  if (vSelected > 0.5) color = mix(color, uChosen, (0.04 + 0.85 * pow(rim, 0.7)) * (1.0 - 0.6 * vMarked));
+  if (vSelected > 0.5) color = mix(color, uChosen, (0.04 + 0.85 * edge * edge) * (1.0 - 0.6 * vMarked));
   fragment = shown(fogged(color, vWorld), 1.0);
 }`;
 
@@ -295,7 +288,7 @@ out vec4 fragment;
 ` + SRGB + /* glsl */ `
 void main() {
   float rim = 1.0 - abs(dot(normalize(vNormal), normalize(uEye - vWorld)));
-  fragment = shown(vColor, vStrength * (0.05 + 0.55 * pow(rim, 4.0)));
+  fragment = shown(vColor, vStrength * (0.05 + 0.55 * rim * rim * rim * rim));
 }`;
 
 /** Or-DOP lines, which turn with their part. */
@@ -402,3 +395,15 @@ void main() {
   color = mix(color, uLine, 0.6 * (1.0 - smoothstep(0.0, 1.5 * soft + 0.015, abs(edge))));
   fragment = shown(fogged(color, vWorld), 1.0);
 }`;
+
+/** Copies a picture of the same size. */
+export const COPY_VERTEX = /* glsl */ `
+precision highp float;
+in vec3 position;
+void main() { gl_Position = vec4(position, 1.0); }`;
+
+export const COPY_FRAGMENT = /* glsl */ `
+precision highp float;
+uniform sampler2D uPicture;
+out vec4 fragment;
+void main() { fragment = texelFetch(uPicture, ivec2(gl_FragCoord.xy), 0); }`;

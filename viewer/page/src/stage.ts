@@ -1,28 +1,13 @@
 // Stage draws a run: camera, ground, obstacles, light and crowd.
 // Invariant: it redraws only if something has changed.
-import {
-  Color,
-  Group,
-  Mesh,
-  Path,
-  PerspectiveCamera,
-  PlaneGeometry,
-  RawShaderMaterial,
-  Scene,
-  Shape,
-  ShapeGeometry,
-  Vector2,
-  Vector3,
-  Vector4,
-  WebGLRenderer,
-} from 'three';
+import {Color, PerspectiveCamera, Scene, Vector2, Vector3, Vector4, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Crowd, type Layer} from './crowd.ts';
 import {around, fit, pointOf, scenePoints, type Rect, type View} from './framing.ts';
+import {Ground} from './ground.ts';
 import {Marks} from './marks.ts';
 import {HeatMap, type HeatCells} from './heat.ts';
 import {personOf, type Frame, type ProximityRow, type Run} from './protocol.ts';
-import {GROUND_FRAGMENT, SOLID_VERTEX, shaderMaterial, type Uniforms} from './shaders.ts';
 import {THEMES, type ThemeName} from './theme.ts';
 import {Walls} from './walls.ts';
 
@@ -89,8 +74,7 @@ export class Stage {
   freeRect: () => Rect = () => ({left: 0, top: 0, right: this.size[0], bottom: this.size[1]});
   private readonly scene = new Scene();
   private readonly heat = new HeatMap();
-  private readonly floors = new Group();
-  private readonly ground: Mesh;
+  private readonly ground: Ground;
   private crowd: Crowd | null = null;
   private walls: Walls | null = null;
   private selected: readonly number[] = [];
@@ -121,14 +105,6 @@ export class Stage {
     uSeesThrough: {value: 0},
     uChosen: {value: new Color()},
   };
-  private readonly groundColors = {
-    uGround: {value: new Color()},
-    uBeyond: {value: new Color()},
-    uLine: {value: new Color()},
-    uBounds: {value: new Vector4()},
-  };
-  /** All of the floor is inside the bounds. */
-  private readonly floorColors = {...this.groundColors, uBounds: {value: new Vector4(-3e5, -3e5, 3e5, 3e5)}};
   private readonly wallColors = {solid: {value: new Color()}, chosen: {value: new Color()}};
 
   constructor(canvas: HTMLCanvasElement) {
@@ -139,6 +115,7 @@ export class Stage {
     document.documentElement.classList.toggle('slow', this.isSlow);
     canvas.addEventListener('webglcontextrestored', () => {
       this.crowd?.restore();
+      this.ground.restore();
       this.isChanged = true;
     });
     this.marks = new Marks(canvas);
@@ -152,16 +129,8 @@ export class Stage {
     this.controls.maxDistance = MAX_DISTANCE_M;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('start', () => (this.framed = ''));
-    const ground = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.groundColors);
-    // Drawn first and behind everything: shadows lie in its plane, where depth values are equal.
-    ground.depthWrite = false;
-    this.ground = new Mesh(new PlaneGeometry(1, 1), ground);
-    this.ground.renderOrder = -1;
-    this.scene.add(this.ground, this.floors, this.heat.mesh);
-  }
-
-  private material(vertexShader: string, fragmentShader: string, own: Uniforms): RawShaderMaterial {
-    return shaderMaterial(vertexShader, fragmentShader, {...this.shared, ...own});
+    this.ground = new Ground(this.shared, this.isSlow);
+    this.scene.add(this.ground.group, this.heat.mesh);
   }
 
   setTheme(name: ThemeName): void {
@@ -171,15 +140,13 @@ export class Stage {
     this.shared.uSunColor.value.copy(theme.sun);
     this.shared.uFog.value.set(theme.fog);
     this.shared.uShadow.value.fromArray(theme.shadow);
-    this.groundColors.uGround.value.set(theme.ground);
-    this.groundColors.uBeyond.value.set(theme.beyond);
-    this.groundColors.uLine.value.set(theme.line);
     this.shared.uFaded.value.set(theme.faded);
     this.shared.uChosen.value.set(theme.chosen);
     this.wallColors.solid.value.set(theme.solid);
     // A wall is large: a hint of the colour suffices.
     this.wallColors.chosen.value.set(theme.solid).lerp(this.shared.uChosen.value, 0.35);
     this.renderer.setClearColor(new Color(theme.fog));
+    this.ground.setTheme(theme);
     this.crowd?.setCalm(theme.calm);
     this.isChanged = true;
   }
@@ -191,8 +158,7 @@ export class Stage {
     if (this.isSlow) this.crowd.budget = MIN_TRIANGLES;
     this.walls = new Walls(run, this.shared, this.wallColors);
     this.scene.add(this.crowd.group, this.walls.group);
-    this.addGround(run);
-    this.addFloor(run);
+    this.setGround(run);
     this.select(...this.selected);
     this.overview();
     // Submits all shaders before waiting for the first one.
@@ -205,33 +171,14 @@ export class Stage {
       drawn?.group.removeFromParent();
       drawn?.dispose();
     }
-    this.floors.clear();
     this.frame = null;
   }
 
-  private addGround(run: Run): void {
+  private setGround(run: Run): void {
     const {min_m, max_m} = run.ground;
-    const size = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
-    if (run.ground.floor.length > 0) this.groundColors.uBounds.value.set(3e5, 3e5, -3e5, -3e5);
-    else this.groundColors.uBounds.value.set(min_m[0], min_m[1], max_m[0], max_m[1]);
-    this.ground.scale.setScalar(20 * size + 800);
-    this.ground.position.set((min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2, 0);
-    this.shared.uFogRange.value.set(1.2 * size + 40, 4 * size + 160);
-  }
-
-  private addFloor(run: Run): void {
-    if (run.ground.floor.length === 0) return;
-    const points = (ring: [number, number][]) => ring.map(([x, y]) => new Vector2(x, y));
-    const shapes = run.ground.floor.map(([outline, ...holes]) => {
-      const shape = new Shape(points(outline!));
-      shape.holes = holes.map((hole) => new Path(points(hole)));
-      return shape;
-    });
-    const material = this.material(SOLID_VERTEX, GROUND_FRAGMENT, this.floorColors);
-    material.depthWrite = false;
-    const floor = new Mesh(new ShapeGeometry(shapes), material);
-    floor.renderOrder = -0.5;
-    this.floors.add(floor);
+    const size_m = Math.max(max_m[0] - min_m[0], max_m[1] - min_m[1], 10);
+    this.ground.setRun(run, size_m);
+    this.shared.uFogRange.value.set(1.2 * size_m + 40, 4 * size_m + 160);
   }
 
   /** Shows the whole scene from above at a slant, as large as the free rectangle allows. */
@@ -479,6 +426,7 @@ export class Stage {
       this.crowd?.pose(this.renderer);
       this.arrangeWalls(frame);
     }
+    this.ground.prepare(this.renderer, this.camera);
     this.renderer.render(this.scene, this.camera);
     if (this.run) this.marks.draw(this.run, frame, this.camera, this.selected);
   }

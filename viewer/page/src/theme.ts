@@ -61,16 +61,28 @@ export const THEMES: Record<ThemeName, Theme> = {
   },
 };
 
-const linear = (names: string[]): Color[] => names.map((name) => new Color(name));
+/** Muted clothes, because touching parts have to stand out. By slot: shirt, trousers, skin, hair, shoes. */
+const WARDROBE = [palette.shirts, palette.trousers, palette.skins, palette.hairs, palette.shoes];
+/** Bits of a chosen colour. */
+export const CHOICE_BITS = 3;
 
-/** Muted clothes, because touching parts have to stand out. */
-export const CLOTHES = {
-  uShirts: linear(palette.shirts),
-  uTrousers: linear(palette.trousers),
-  uSkins: linear(palette.skins),
-  uHairs: linear(palette.hairs),
-  uShoes: linear(palette.shoes),
-};
+/** Colours by slot, 2^CHOICE_BITS each. */
+export const CLOTHES = WARDROBE.flatMap((colors) =>
+  Array.from({length: 1 << CHOICE_BITS}, (_, i) => new Color(colors[i % colors.length])),
+);
+
+function scatter(id: number): number {
+  let x = id;
+  x = Math.imul(x ^ (x >>> 16), 0x7feb352d);
+  x = Math.imul(x ^ (x >>> 15), 0x846ca68b);
+  return (x ^ (x >>> 16)) >>> 0;
+}
+
+/** Returns the colours that a person wears, as does throng render: CHOICE_BITS per slot, the shirt lowest. */
+export function clothesOf(id: number): number {
+  const random = scatter(id + 1);
+  return WARDROBE.reduce((all, colors, slot) => all | ((random >>> (4 * slot)) % colors.length << (CHOICE_BITS * slot)), 0);
+}
 
 export const MARK_COLORS = MARKS.map((mark) => new Color(mark.color));
 
