@@ -45,17 +45,38 @@ export function roundUp(value: number): number {
 
 export class Chart {
   private readonly context: CanvasRenderingContext2D;
+  /** In CSS pixels; zero while it is not shown. */
+  private size: [number, number] = [0, 0];
+  private drawn: readonly unknown[] = [];
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  /** `resized` is called when the chart has to be drawn again. */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    resized: () => void,
+  ) {
     // Drawn by the processor: a chart must not wait for a busy graphics card.
     this.context = canvas.getContext('2d', {willReadFrequently: true})!;
+    // Asking the canvas for its size would compute the layout of the page in each update.
+    new ResizeObserver(([entry]) => {
+      this.size = [Math.round(entry!.contentRect.width), Math.round(entry!.contentRect.height)];
+      resized();
+    }).observe(canvas);
+  }
+
+  /** Returns whether the chart has to be drawn: it is shown, and its size or these values have changed. */
+  isOld(...values: readonly unknown[]): boolean {
+    const [width] = this.size;
+    if (width === 0) return false;
+    const drawn = [...this.size, window.devicePixelRatio, ...values];
+    const isOld = drawn.length !== this.drawn.length || drawn.some((value, i) => value !== this.drawn[i]);
+    this.drawn = drawn;
+    return isOld;
   }
 
   /** Returns the size in CSS pixels of the emptied canvas; null while it is not shown. */
   private cleared(): [number, number] | null {
     const ratio = window.devicePixelRatio || 1;
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
+    const [width, height] = this.size;
     if (width === 0) return null;
     if (this.canvas.width !== Math.round(width * ratio)) {
       this.canvas.width = Math.round(width * ratio);
@@ -68,13 +89,13 @@ export class Chart {
 
   private finish(top: string, style: ChartStyle, cursor: number): void {
     const c = this.context;
-    const width = this.canvas.clientWidth;
+    const [width, height] = this.size;
     c.fillStyle = style.text;
     c.font = '10px system-ui, sans-serif';
     c.fillText(top, 3, 10);
     if (cursor < 0) return;
     c.fillStyle = style.cursor;
-    c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, this.canvas.clientHeight);
+    c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, height);
   }
 
   /** Draws the least values, with gaps where none is finite. */
@@ -103,7 +124,7 @@ export class Chart {
 
   /** Draws bars at the top over spans of frames; `last`: the frame at the right end. */
   mark(spans: readonly [number, number][], last: number): void {
-    const width = this.canvas.clientWidth;
+    const [width] = this.size;
     this.context.fillStyle = MARK_COLOR;
     for (const [begin, end] of spans) {
       const left = (begin / Math.max(1, last)) * width;

@@ -29,8 +29,10 @@ export function keyRow(keys: string[], about: string): HTMLElement {
   return make('tr', {}, cell, make('td', {}, about));
 }
 
+const WHOLE = new Intl.NumberFormat('en', {maximumFractionDigits: 0});
+
 export function thousands(value: number): string {
-  return Math.round(value).toLocaleString('en').replaceAll(',', '\u202f');
+  return WHOLE.format(Math.round(value)).replaceAll(',', '\u202f');
 }
 
 /** Returns a number with its noun: "1 pair", "2 pairs". */

@@ -58,11 +58,15 @@ class Page {
   private readonly stage = new Stage(el<HTMLCanvasElement>('stage'));
   private readonly card = new Card((id) => this.choose(id));
   private readonly contacts = new ContactsPanel((contact) => this.showContact(contact), () => this.refocus());
-  private readonly proximity = new ProximityPanel((frame) => this.rest(frame), (id) => this.choose(id));
+  private readonly proximity = new ProximityPanel(
+    (frame) => this.rest(frame),
+    (id) => this.choose(id),
+    () => (this.isPanelOld = true),
+  );
   private readonly finder = new Finder((finding) => this.showFinding(finding));
-  private readonly pairChart = new Chart(el<HTMLCanvasElement>('pairChart'));
-  private readonly timeChart = new Chart(el<HTMLCanvasElement>('timeChart'));
-  private readonly scrubChart = new Chart(el<HTMLCanvasElement>('scrubChart'));
+  private readonly pairChart = this.chart('pairChart');
+  private readonly timeChart = this.chart('timeChart');
+  private readonly scrubChart = this.chart('scrubChart');
   private readonly look = new ViewPane(this.stage, () => this.recolor());
   private readonly video = new VideoPanel(
     this.stage,
@@ -88,6 +92,7 @@ class Page {
   private selected: number[] = [];
   private contact: Bodies | null = null;
   private focus = '';
+  private style: ChartStyle | null = null;
   private counted = '';
   private shortfalls = '';
   private linkAt = 0;
@@ -281,8 +286,8 @@ class Page {
   /** The counts of the header are those of the filter. */
   private updateCounts(frame: Frame, run: Run): void {
     const {filter} = this.contacts;
-    let people = 0;
-    for (let id = 0; id < run.avatars; ++id)
+    let people = choosesPeople(filter) ? 0 : frame.present;
+    for (let id = 0; id < run.avatars && choosesPeople(filter); ++id)
       if (isPresent(frame, id) && choosesPerson(run, filter, id)) ++people;
     let pairs = 0;
     for (let i = 0; i < frame.pairs; ++i) if (this.contacts.shows(pairAt(frame, i), frame.number)) ++pairs;
@@ -334,10 +339,16 @@ class Page {
     setText(el('facts'), lines.join('\n'));
   }
 
+  private chart(id: string): Chart {
+    return new Chart(el<HTMLCanvasElement>(id), () => (this.isPanelOld = true));
+  }
+
+  /** Returns the same object until the theme changes. */
   private chartStyle(): ChartStyle {
+    if (this.style) return this.style;
     const style = getComputedStyle(document.documentElement);
     const value = (name: string): string => style.getPropertyValue(name).trim();
-    return {line: value('--chart'), fill: value('--chartFill'), text: value('--faint'), cursor: value('--text')};
+    return this.style = {line: value('--chart'), fill: value('--chartFill'), text: value('--faint'), cursor: value('--text')};
   }
 
   private updatePartCounts(run: Run, source: Source): void {
@@ -386,12 +397,17 @@ class Page {
     const style = this.chartStyle();
     const playback = source?.playback;
     const cursor = playback && playback.last > 0 ? playback.position / playback.last : -1;
-    this.pairChart.draw(series.pairs, (pairs) => counted(pairs, 'pair'), style, cursor);
+    // A source passes another series after each change.
+    if (this.pairChart.isOld(series, style, cursor))
+      this.pairChart.draw(series.pairs, (pairs) => counted(pairs, 'pair'), style, cursor);
     const hasTimes = Array.prototype.some.call(series.frame_ms, (ms: number) => ms > 0);
     el('timeChartBox').hidden = !hasTimes;
-    if (hasTimes) this.timeChart.draw(series.frame_ms, (ms) => `${ms} ms`, style, cursor);
-    if (playback) this.scrubChart.draw(series.pairs, () => '', style);
-    if (playback) this.scrubChart.mark(series.shortfalls.map(([begin, end]) => [begin, end < 0 ? playback.frames : end]), playback.last);
+    if (hasTimes && this.timeChart.isOld(series, style, cursor))
+      this.timeChart.draw(series.frame_ms, (ms) => `${ms} ms`, style, cursor);
+    if (playback && this.scrubChart.isOld(series, style, playback.last, playback.frames)) {
+      this.scrubChart.draw(series.pairs, () => '', style);
+      this.scrubChart.mark(series.shortfalls.map(([begin, end]) => [begin, end < 0 ? playback.frames : end]), playback.last);
+    }
     this.listShortfalls(series.shortfalls);
   }
 
@@ -652,10 +668,8 @@ class Page {
     scrub.setAttribute('aria-valuetext', `frame ${playback.frame} of ${playback.last}`);
     setText(el('play'), playback.playing ? '❚❚' : '▶');
     setText(el('speed'), `${playback.speed}×`);
-    el('clock').replaceChildren(
-      make('b', {}, clock(playback.time_s)),
-      make('span', {class: 'total'}, ` / ${clock(playback.last * playback.step_s)}`),
-    );
+    setText(el('clockNow'), clock(playback.time_s));
+    setText(el('clockEnd'), ` / ${clock(playback.last * playback.step_s)}`);
   }
 
   private togglePaused(): void {
@@ -739,6 +753,7 @@ class Page {
 
   private setTheme(name: ThemeName): void {
     document.documentElement.dataset.theme = name;
+    this.style = null;
     this.stage.setTheme(name);
   }
 

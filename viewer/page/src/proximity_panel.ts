@@ -13,18 +13,19 @@ const REACH_PX = 4;
 
 export class ProximityPanel {
   private readonly canvas = el<HTMLCanvasElement>('nearChart');
-  private readonly chart = new Chart(this.canvas);
+  private readonly chart: Chart;
   private values: Float32Array = new Float32Array(0);
   private first = 0;
   private least: ProximityRow | null = null;
   private listed = '';
-  private state = '';
 
-  /** `seek` shows a frame of a recorded run. */
+  /** `seek` shows a frame of a recorded run; `resized` is called when update() has to be. */
   constructor(
     private readonly seek: (frame: number) => void,
     choose: (id: number) => void,
+    resized: () => void,
   ) {
+    this.chart = new Chart(this.canvas, resized);
     this.canvas.addEventListener('click', (event) => this.seek(this.frameAt(event.offsetX)));
     el('nearLeast').onclick = () => this.least && this.seek(this.least.frame);
     bindBodies('nearPairs', choose);
@@ -43,9 +44,7 @@ export class ProximityPanel {
     const rows = log.at(frame);
     this.list(run, log, rows);
     this.describe(run, log, frame, playback);
-    const state = JSON.stringify([log.version, log.body, this.first, end, cursor, style, this.canvas.clientWidth]);
-    if (state === this.state) return;
-    this.state = state;
+    if (!this.chart.isOld(log.version, log.body, this.first, end, cursor, style)) return;
     this.chart.drawLeast(this.values, (distance_m) => `${distance_m} m`, style, cursor);
   }
 
