@@ -4,8 +4,9 @@ import {Matrix4, Quaternion, Vector3, type Camera} from 'three';
 import {Grid} from './cells.ts';
 import type {Bodies} from './filter.ts';
 import {DistanceLines} from './distance_lines.ts';
+import {heightOf} from './framing.ts';
 import {centreOf, type PartPose} from './picking.ts';
-import {PAIR_WORDS, type Frame, type Run} from './protocol.ts';
+import {PAIR_WORDS, WHOLE_BODY, type Frame, type Run} from './protocol.ts';
 import {MARKS} from './theme.ts';
 
 const DIAMETER_PX = 9;
@@ -14,12 +15,16 @@ const RING_PX = 1.5;
 const HAIRLINE_PX = 0.75;
 /** Marks that had to move further than this have a line to their point. */
 const LEADER_PX = 8;
+/** People of less height have their marks at the chest: a mark hides them, and part poses cost much. */
+const FAR_PX = 1.5 * DIAMETER_PX;
 /** More marks than this stay where they are: they fill the picture. */
 const MAX_SPREAD = 3000;
 const MAX_ROUNDS = 40;
 /** Rounds times marks, which bounds the time. */
 const MAX_STEPS = 15_000;
 const ENOUGH_PX = 0.4;
+/** Needs fewer rounds than 1; with 1.6, dense marks do not come to rest. */
+const OVER_RELAXATION = 1.3;
 const GOLDEN_RAD = 2.399963;
 
 /**
@@ -45,7 +50,7 @@ function separate(at: Float32Array, radii: Float32Array, grid: Grid): number {
   return worst;
 }
 
-/** Moves both circles by half of their overlap; returns the overlap. */
+/** Moves both circles by a little more than half of their overlap; returns the overlap. */
 function push(at: Float32Array, i: number, j: number, apart: number): number {
   let dx = at[2 * i] - at[2 * j];
   let dy = at[2 * i + 1] - at[2 * j + 1];
@@ -58,7 +63,7 @@ function push(at: Float32Array, i: number, j: number, apart: number): number {
     dy = Math.sin(i * GOLDEN_RAD);
     away = 1;
   }
-  const half = overlap / (2 * away);
+  const half = (OVER_RELAXATION * overlap) / (2 * away);
   at[2 * i] += half * dx;
   at[2 * i + 1] += half * dy;
   at[2 * j] -= half * dx;
@@ -148,10 +153,11 @@ export class Marks {
     const e = this.matrix.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
     const width = this.canvas.width / this.ratio;
     const height = this.canvas.height / this.ratio;
+    const metre_px = 0.5 * height * camera.projectionMatrix.elements[5]; // one metre ahead
     this.reserve(frame.pairs);
     for (let pair = 0; pair < frame.pairs; ++pair) {
       if (!this.accepts(frame, pair)) continue;
-      const {x, y, z} = this.middleOf(run, frame, pair);
+      const {x, y, z} = this.middleOf(run, frame, pair, metre_px / FAR_PX);
       const w = e[3] * x + e[7] * y + e[11] * z + e[15];
       if (w <= 0) continue;
       const across = (0.5 + (0.5 * (e[0] * x + e[4] * y + e[8] * z + e[12])) / w) * width;
@@ -179,15 +185,27 @@ export class Marks {
     this.points = new Float32Array(2 * size);
   }
 
-  /** Returns the middle between the two parts; that of the person's part at an obstacle. */
-  private middleOf(run: Run, frame: Frame, pair: number): Vector3 {
+  /**
+   * Returns the middle between the two parts; that of the person's part at an obstacle. A person of one metre is far
+   * from `far_m` on.
+   */
+  private middleOf(run: Run, frame: Frame, pair: number, far_m: number): Vector3 {
     const words = frame.pairWords;
     const at = PAIR_WORDS * pair;
     const [a, b, rest] = [words[at], words[at + 1], words[at + 2]];
-    if (a >= run.avatars) return centreOf(run, frame, b, (rest >>> 8) & 0xff, this.centre, this.pose);
-    centreOf(run, frame, a, rest & 0xff, this.centre, this.pose);
+    const person = a < run.avatars ? a : b;
+    const isFar = this.depthOf(frame, person) > heightOf(run, person) * far_m;
+    const [partA, partB] = isFar ? [WHOLE_BODY, WHOLE_BODY] : [rest & 0xff, (rest >>> 8) & 0xff];
+    if (a >= run.avatars) return centreOf(run, frame, b, partB, this.centre, this.pose);
+    centreOf(run, frame, a, partA, this.centre, this.pose);
     if (b >= run.avatars) return this.centre;
-    return this.centre.lerp(centreOf(run, frame, b, (rest >>> 8) & 0xff, this.other, this.pose), 0.5);
+    return this.centre.lerp(centreOf(run, frame, b, partB, this.other, this.pose), 0.5);
+  }
+
+  /** Returns the distance of a person along the view, in metres. */
+  private depthOf({positions}: Frame, id: number): number {
+    const e = this.matrix.elements;
+    return e[3] * positions[4 * id] + e[7] * positions[4 * id + 1] + e[11] * positions[4 * id + 2] + e[15];
   }
 
   private isSelected(frame: Frame, pair: number, selected: readonly number[]): boolean {
