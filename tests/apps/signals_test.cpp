@@ -19,16 +19,20 @@ using testing::HasSubstr;
 constexpr double kSlowness = THRONG_SLOWNESS > 1 ? 30 : 1;
 constexpr int kRounds = THRONG_SLOWNESS > 1 ? 8 : 24;
 
-/// Starts `command` in the background, waits, runs `then` with the process in $run.
-std::string signalled(const std::string& command, double after_s, const std::string& then) {
-  return command + " & run=$!\nsleep " + std::to_string(kSlowness * after_s) + "\n" + then +
-         "\nwait $run";
+/// Waits for a condition, two minutes at most.
+std::string until(const std::string& condition) {
+  return "tries=0; until " + condition +
+         " || [ $tries = 1200 ]; do sleep 0.1; tries=$((tries+1)); done; ";
 }
 
-/// Waits two minutes at most.
-const std::string kUntilItWrites =
-    "tries=0; until [ -s run.lcmlog ] || [ $tries = 1200 ]; do sleep 0.1; tries=$((tries+1)); "
-    "done; ";
+/// Starts `command` in the background. Once it catches SIGINT, which a shell makes its background
+/// processes ignore, waits and runs `then` with the process in $run.
+std::string signalled(const std::string& command, double after_s, const std::string& then) {
+  return command + " & run=$!\n" + until("grep -q 'SigCgt:.*[2367abef]$' /proc/$run/status") +
+         "sleep " + std::to_string(kSlowness * after_s) + "\n" + then + "\nwait $run";
+}
+
+const std::string kUntilItWrites = until("[ -s run.lcmlog ]");
 
 TEST(Signals, LeaveACompleteLogOrNone) {
   const unsigned seed = 20261122;
