@@ -24,6 +24,7 @@ import type {Theme} from './theme.ts';
 /** Bounds that all of the floor is inside, and that everything else is outside. */
 const EVERYWHERE = new Vector4(-3e5, -3e5, 3e5, 3e5);
 const NOWHERE = new Vector4(3e5, 3e5, -3e5, -3e5);
+/** Order of drawing: before everything else. */
 const FIRST = -1;
 /** OrbitControls rounds a resting camera anew in each picture. */
 const ROUNDING = 1e-9;
