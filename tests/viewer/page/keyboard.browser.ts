@@ -67,3 +67,55 @@ test('turns, moves and zooms the view by keys', async () => {
   assert.ok(length(away(await camera())) < 0.95 * length(away(moved)));
   await close();
 });
+
+test('Space plays after a click on a button, and presses a button that keys have reached', async () => {
+  const {page, close} = await open(`file://${html}#frame=200`);
+  await page.locator('#panelButton').click();
+  await page.keyboard.press('Space');
+  assert.equal(await page.evaluate('window.throng.source.playback.playing'), true);
+  await page.keyboard.press('Space');
+  const isClosed = 'document.querySelector("#panel").classList.contains("closed")';
+  const before = await page.evaluate(isClosed);
+  await page.locator('#find').focus();
+  while ((await page.evaluate(FOCUSED)) !== 'panelButton') await page.keyboard.press('Tab');
+  await page.keyboard.press('Space');
+  assert.equal(await page.evaluate('window.throng.source.playback.playing'), false);
+  assert.equal(await page.evaluate(isClosed), !before);
+  await close();
+});
+
+test('the wheel zooms a resting picture, from below the whole scene to above the ground', async () => {
+  const {page, close} = await open(`file://${html}#frame=200`);
+  const drawn = 'window.throng.stage.renderer.info.render.frame';
+  await page.waitForTimeout(1500); // the picture at rest has been drawn
+  const before = (await page.evaluate(drawn)) as number;
+  await page.mouse.move(400, 300);
+  await page.mouse.wheel(0, -200);
+  await until(page, `${drawn} > ${before}`);
+  for (const key of ['+', '-']) {
+    for (let i = 0; i < 60; ++i) await page.keyboard.press(key);
+    await until(page, 'window.throng.stage.camera.position.z > 0.1');
+    const share = (await page.evaluate(`(() => {
+      const {camera, controls} = window.throng.stage;
+      return camera.position.distanceTo(controls.target) / controls.maxDistance;
+    })()`)) as number;
+    assert.ok(share <= 1.001, `${share} of the largest distance`);
+  }
+  const places = (await page.evaluate('Array.from({length: window.throng.run.avatars}, (_, id) => window.throng.screenPosition(id))')) as ([number, number] | null)[];
+  const across = places.filter((place) => place !== null).map(([x]) => x);
+  assert.ok(Math.max(...across) - Math.min(...across) > 20, `from afar, the crowd is ${Math.min(...across)} to ${Math.max(...across)}`);
+  await close();
+});
+
+test('all controls of the header lie in windows of any width', async () => {
+  const {page, close} = await open(`file://${html}#frame=200`);
+  for (const width of [1366, 900, 844, 800, 760, 721, 390]) {
+    await page.setViewportSize({width, height: 600});
+    const outside = await page.evaluate(`[...document.querySelectorAll('.bar button, .bar input')]
+      .filter((control) => control.checkVisibility())
+      .filter((control) => control.getBoundingClientRect().right > ${width} - 10)
+      .map((control) => control.id)`);
+    assert.deepEqual(outside, [], `${width} pixels`);
+  }
+  await close();
+});

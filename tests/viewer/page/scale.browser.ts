@@ -120,21 +120,27 @@ test('20 000 people from afar are at most 500 000 triangles, and a near one is d
   await close();
 });
 
-test('hidden bodies cast no shadow', async () => {
+test('hidden bodies cast no shadow, and without shadows walls cast none', async () => {
   const {page, close} = await open(`file://${few}`);
   await seek(page, 0);
   const triangles = async (): Promise<number> => {
     await page.evaluate('window.throng.stage.draw(window.throng.frame, 1e5)');
     return (await page.evaluate('window.throng.stage.drawn') as {triangles: number}).triangles;
   };
+  const show = (layer: string, visible: boolean): Promise<unknown> =>
+    page.evaluate(`window.throng.stage.show('${layer}', ${visible})`);
   const all = await triangles();
-  await page.evaluate("window.throng.stage.show('shadows', false)");
-  const withoutShadows = await triangles();
-  await page.evaluate("window.throng.stage.show('meshes', false)");
+  await show('meshes', false);
+  const wallsWithShadows = await triangles();
+  await show('shadows', false);
   const walls = await triangles();
-  await page.evaluate("window.throng.stage.show('shadows', true)");
-  assert.equal(await triangles(), walls);
-  assert.ok(walls < withoutShadows && withoutShadows < all);
+  await show('meshes', true);
+  const withoutShadows = await triangles();
+  const ofWallShadows = await page.evaluate(`window.throng.stage.walls.shadows.children
+    .reduce((sum, {geometry}) => sum + (geometry.index ?? geometry.attributes.position).count / 3, 0)`) as number;
+  assert.ok(ofWallShadows > 0);
+  assert.equal(wallsWithShadows - walls, ofWallShadows);
+  assert.ok(all - wallsWithShadows > withoutShadows - walls, 'bodies that are shown cast shadows');
   await close();
 });
 

@@ -71,3 +71,27 @@ test('stops on demand, and names the reason where a browser cannot encode', asyn
   await page.locator('#notice:has-text("throng render")').waitFor();
   await close();
 });
+
+test('only its button can be used while a video is made, and a span outside of the recording is named', async () => {
+  const {page, close} = await open(`file://${html}#frame=6`);
+  await page.locator('#viewTab').click();
+  for (const [from, to, message] of [['0.6', '0.2', 'before it begins'], ['500', '600', 'the recording ends at']]) {
+    await page.locator('#videoFrom').fill(from!);
+    await page.locator('#videoTo').fill(to!);
+    await page.locator('#videoButton').click();
+    await page.locator(`#notice:has-text("${message}")`).waitFor();
+  }
+  await page.locator('#videoFrom').fill('0');
+  await page.locator('#videoTo').fill('');
+  await page.locator('#videoButton').click();
+  await page.locator('#videoButton:has-text("Stop")').waitFor();
+  const theme = await page.evaluate('document.documentElement.dataset.theme');
+  await page.keyboard.press('t');
+  assert.equal(await page.evaluate('document.documentElement.dataset.theme'), theme);
+  const usable = '[...document.querySelectorAll("button, input, select")].filter((e) => e.checkVisibility() && !e.closest("[inert]") && !e.closest("#videoBox")).length';
+  assert.equal(await page.evaluate(usable), 0);
+  await page.locator('#videoButton').click();
+  await page.locator('#videoButton:has-text("Save video")').waitFor();
+  assert.notEqual(await page.evaluate(usable), 0);
+  await close();
+});

@@ -80,6 +80,7 @@ class Page {
   private series: Series | null = null;
   private paused = false;
   private isScrubbing = false;
+  private isFocusFromPointer = false;
   private lastTick = 0;
   private fps = 0;
   private fpsAt = 0;
@@ -128,6 +129,10 @@ class Page {
       if (view.theme) this.chooseTheme(view.theme);
       this.openLink(view);
     });
+    let isPointer = false;
+    addEventListener('pointerdown', () => (isPointer = true), true);
+    addEventListener('keydown', () => (isPointer = false), true);
+    addEventListener('focusin', () => (this.isFocusFromPointer = isPointer));
     addEventListener('keydown', (event) => this.key(event));
     addEventListener('resize', () => this.resize());
     for (const type of ['keydown', 'click', 'input']) addEventListener(type, () => (this.isPanelOld = true), true);
@@ -527,9 +532,8 @@ class Page {
       flags[pair.a] = 1;
       if (pair.b < run.avatars) flags[pair.b] = 1;
     }
-    // The people that a filter names stay, also without a contact: few robots, or one person.
-    const staysWithout = !isResting || filter.with === 'robots' || filter.body >= 0;
-    for (let id = 0; id < run.avatars && staysWithout; ++id) if (choosesPerson(run, filter, id)) flags[id] = 1;
+    // The people that a filter names stay, also without a contact.
+    for (let id = 0; id < run.avatars && choosesSome; ++id) if (choosesPerson(run, filter, id)) flags[id] = 1;
     for (const id of this.selected) if (id < run.avatars) flags[id] = 1;
     for (const {other} of this.nearest(frame)) if (other < run.avatars) flags[other] = 1;
     return flags;
@@ -794,6 +798,7 @@ class Page {
 
   private key(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || el<HTMLDialogElement>('help').open) return;
+    if (this.video.isFilming) return; // the film would change
     // Fields and lists use these keys themselves.
     const target = event.target instanceof HTMLElement ? event.target : null;
     if (target?.matches('select, input:not([type=range]):not([type=checkbox])')) {
@@ -801,8 +806,8 @@ class Page {
       return;
     }
     // A button that was clicked keeps the focus, but Space plays.
-    const onButton = target?.matches('button:focus-visible') && (event.key === ' ' || event.key === 'Enter');
-    if (onButton) return;
+    const onButton = !this.isFocusFromPointer && target?.matches('button');
+    if (onButton && (event.key === ' ' || event.key === 'Enter')) return;
     const playback = this.source?.playback;
     const far = event.shiftKey && playback ? Math.round(1 / playback.step_s) : 1;
     const actions: Record<string, () => void> = {

@@ -24,7 +24,10 @@ const BODIES_SHARE = 0.6;
 const AROUND_BODIES_M = 1.6;
 const STEEP_RAD = (15 * Math.PI) / 180;
 const PITCH_RAD = (30 * Math.PI) / 180;
-const MAX_DISTANCE_M = 1500;
+/** In units of the distance that shows the whole scene. */
+const MAX_DISTANCE = 4;
+/** The eye stays above the ground. */
+const MIN_EYE_M = 0.15;
 const FAR_M = 4000;
 const SUN = new Vector3(-0.45, -0.55, 1).normalize();
 const FOV_DEG = 40;
@@ -126,9 +129,10 @@ export class Stage {
     this.controls.dampingFactor = 0.12;
     this.controls.maxPolarAngle = Math.PI * 0.495;
     this.controls.minDistance = 0.8;
-    this.controls.maxDistance = MAX_DISTANCE_M;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('start', () => (this.framed = ''));
+    // The wheel moves the camera before the next picture asks whether it has moved.
+    this.controls.addEventListener('change', () => (this.isChanged = true));
     this.ground = new Ground(this.shared, this.isSlow);
     this.scene.add(this.ground.group, this.heat.mesh);
   }
@@ -187,7 +191,9 @@ export class Stage {
     const points = scenePoints(this.run, this.frame);
     const [first, second] = OVERVIEWS.map((direction) => this.fitted(points, direction, UP));
     const distance = (view: View): number => view.position.distanceTo(view.target);
-    this.place(distance(second) < MUCH_NEARER * distance(first) ? second : first);
+    const whole = distance(second) < MUCH_NEARER * distance(first) ? second : first;
+    this.controls.maxDistance = MAX_DISTANCE * distance(whole);
+    this.place(whole);
     this.followed = -1;
     this.framed = 'scene';
     this.viewBefore = null;
@@ -322,6 +328,7 @@ export class Stage {
 
   show(layer: Layer, visible: boolean): void {
     this.crowd?.show(layer, visible);
+    if (layer === 'shadows') this.walls?.showShadows(visible);
     this.isChanged = true;
   }
 
@@ -405,6 +412,9 @@ export class Stage {
   render(frame: Frame | null, dt_ms: number): boolean {
     this.adapt(dt_ms);
     const isTurned = this.controls.update();
+    const lift_m = Math.max(0, MIN_EYE_M - this.camera.position.z);
+    this.camera.position.z += lift_m;
+    this.controls.target.z += lift_m;
     this.wasRendered = isTurned || this.isChanged;
     this.isChanged = false;
     if (this.wasRendered) {

@@ -101,16 +101,18 @@ export class VideoPanel {
     };
   }
 
-  /** Returns the first and last position, in frames. */
+  /** Returns the first and last position, in frames. Throws an Error if the fields name no span of the recording. */
   private span({first, last, step_s, position}: Playback): [number, number] {
     const inside = (frame: number): number => Math.min(last, Math.max(first, frame));
     const value = (id: string): number => el<HTMLInputElement>(id).valueAsNumber / step_s;
     const to = value('videoTo');
     const from = value('videoFrom');
+    if (from >= last) throw new Error(`the recording ends at ${clock(last * step_s)}, before the video begins`);
     // The last ten seconds, if fewer are left.
     const isLate = Number.isNaN(to) && position + DEFAULT_S / step_s > last;
     const start = inside(Number.isNaN(from) ? (isLate ? last - DEFAULT_S / step_s : position) : from);
-    return [start, Math.max(start, inside(Number.isNaN(to) ? start + DEFAULT_S / step_s : to))];
+    if (to <= start) throw new Error(`the video would end at ${clock(to * step_s)}, before it begins at ${clock(start * step_s)}`);
+    return [start, inside(Number.isNaN(to) ? start + DEFAULT_S / step_s : to)];
   }
 
   private async film(): Promise<void> {
@@ -134,8 +136,11 @@ export class VideoPanel {
     setText(el('videoButton'), 'Save video');
   }
 
+  /** While a film is made, only its button can be used: everything else would change the film. */
   private setFilming(isFilming: boolean): void {
     this.isFilming = isFilming;
+    const others = document.querySelectorAll<HTMLElement>('.bar, #timeline, #card, #tabs, #viewPane > :not(#videoBox)');
+    for (const other of others) other.inert = isFilming;
     document.documentElement.classList.toggle('filming', isFilming);
   }
 

@@ -27,6 +27,7 @@ interface Wall {
 
 export class Walls {
   readonly group = new Group();
+  private readonly shadows = new Group();
   private readonly walls: Wall[] = [];
   private readonly solid: RawShaderMaterial;
   private readonly glass: RawShaderMaterial;
@@ -51,6 +52,7 @@ export class Walls {
     this.shadow.transparent = true;
     this.shadow.depthWrite = false;
     this.shadow.side = DoubleSide;
+    this.group.add(this.shadows);
     for (const obstacle of run.obstacles) this.add(obstacle);
   }
 
@@ -60,12 +62,17 @@ export class Walls {
       const part = new Mesh(geometry, material);
       part.position.set(...obstacle.centre_m);
       part.rotation.z = obstacle.heading_rad;
-      this.group.add(part);
       return part;
     });
+    this.group.add(mesh);
+    this.shadows.add(shadow);
     shadow.renderOrder = 1;
     const box = boxOf(obstacle.mesh);
     this.walls.push({mesh, obstacle, centre: new Vector3(...box.centre_m), half: new Vector3(...box.half_m)});
+  }
+
+  showShadows(visible: boolean): void {
+    this.shadows.visible = visible;
   }
 
   /** Turns walls between the eye and the points to glass, except those among the selected bodies. */
