@@ -147,14 +147,18 @@ test('a live run shows the distances of the received frames', async (t) => {
   await stopped(child);
 });
 
-test('a run without margins has no distances', async () => {
+test('a run without margins has no distances, and a robot names the option that records them', async () => {
   const plain = join(folder, 'plain.lcmlog');
   runs('run', 'robot_in_crowd', '--seconds', '0.5', '--lcm', 'off', '--log', plain);
   const {child, url} = await view(plain, '--port', '0');
   const {page, close} = await open(url);
-  await page.evaluate('window.throng.choose(1)');
+  await page.evaluate('window.throng.choose(20)');
   await until(page, 'window.throng.source.proximity.to >= 30');
   assert.equal(await page.locator('#near').isHidden(), true);
+  const robot = await page.evaluate(`(({modelOfAvatar, models}) =>
+    modelOfAvatar.findIndex((model) => !models[model].is_person))(window.throng.run)`);
+  await page.evaluate(`window.throng.choose(${robot})`);
+  await page.locator('#nearPairs:has-text("--proximity")').waitFor();
   await close();
   await stopped(child);
 });

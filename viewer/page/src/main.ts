@@ -60,6 +60,7 @@ class Page {
   private readonly contacts = new ContactsPanel((contact) => this.showContact(contact), () => this.refocus());
   private readonly proximity = new ProximityPanel(
     (frame) => this.rest(frame),
+    (row) => this.showDistance(row),
     (id) => this.choose(id),
     () => (this.isPanelOld = true),
   );
@@ -327,6 +328,13 @@ class Page {
     if (!source || !frame) return;
     this.stage.setDistances(source.proximity.body, this.nearest(frame));
     this.updateFocus();
+  }
+
+  /** Seeks a distance of the selected body and moves the camera to both bodies. */
+  private showDistance({frame, other}: ProximityRow): void {
+    const {source} = this;
+    this.rest(frame);
+    if (source?.playback) this.whenFrame(frame, () => this.lookAt([source.proximity.body, other]));
   }
 
   private nearest(frame: Frame): ProximityRow[] {

@@ -4,10 +4,11 @@ import {Chart, type ChartStyle} from './chart.ts';
 import {el, make, setText} from './dom.ts';
 import {distanceText, type ProximityLog} from './proximity.ts';
 import {clock, type Playback} from './playback.ts';
-import {nameOf, partNameOf, type ProximityRow, type Run} from './protocol.ts';
+import {isPerson, nameOf, partNameOf, type ProximityRow, type Run} from './protocol.ts';
 
 /** Number of nearest others in the list and in the picture. */
 export const MAX_CLOSEST = 5;
+const NOT_RECORDED = 'not in this run: throng run --proximity 0.5 records distances';
 /** A click reaches the least distance within this many pixels. */
 const REACH_PX = 4;
 
@@ -19,21 +20,25 @@ export class ProximityPanel {
   private least: ProximityRow | null = null;
   private listed = '';
 
-  /** `seek` shows a frame of a recorded run; `resized` is called when update() has to be. */
+  /**
+   * `seek` shows a frame of a recorded run, `show` a distance in it; `resized` is called when update() has to be.
+   */
   constructor(
     private readonly seek: (frame: number) => void,
+    show: (row: ProximityRow) => void,
     choose: (id: number) => void,
     resized: () => void,
   ) {
     this.chart = new Chart(this.canvas, resized);
     this.canvas.addEventListener('click', (event) => this.seek(this.frameAt(event.offsetX)));
-    el('nearLeast').onclick = () => this.least && this.seek(this.least.frame);
+    el('nearLeast').onclick = () => this.least && show(this.least);
     bindBodies('nearPairs', choose);
   }
 
   /** `playback`: null for a live run, of which the known frames are shown. */
   update(run: Run, log: ProximityLog, frame: number, playback: Playback | null, style: ChartStyle): void {
-    const isShown = log.body >= 0 && (log.isRecorded || log.note !== '');
+    // Who selects a robot wants to know how near it came.
+    const isShown = log.body >= 0 && (log.isRecorded || log.note !== '' || !isPerson(run, log.body));
     el('near').hidden = !isShown;
     if (!isShown) return;
     this.first = playback ? playback.first : (log.rows[0]?.frame ?? 0);
@@ -56,7 +61,7 @@ export class ProximityPanel {
     el('nearLeast').hidden = !hasRows;
     if (!this.least) return;
     const {least} = this;
-    setText(el('nearLeast'), `Least: ${distanceText(least)} at ${clock(least.frame * run.step_s)}`);
+    setText(el('nearLeast'), `Least: ${distanceText(least)} at ${clock(least.frame * run.step_s)}, ${nameOf(run, least.other)}`);
     el<HTMLButtonElement>('nearLeast').disabled = playback === null;
     const now = this.values[frame - this.first] ?? Infinity;
     const attributes: Record<string, string> = playback
@@ -73,12 +78,13 @@ export class ProximityPanel {
   }
 
   private list(run: Run, log: ProximityLog, rows: ProximityRow[]): void {
-    const state = JSON.stringify([log.body, log.note, rows.slice(0, MAX_CLOSEST)]);
+    const note = log.note || (log.isRecorded ? 'nothing within the margin' : NOT_RECORDED);
+    const state = JSON.stringify([log.body, note, rows.slice(0, MAX_CLOSEST)]);
     if (state === this.listed) return;
     this.listed = state;
     const items = rows.slice(0, MAX_CLOSEST).map((near) => rowOf(run, log.body, near));
     if (rows.length > MAX_CLOSEST) items.push(make('li', {class: 'none'}, `${rows.length - MAX_CLOSEST} more`));
-    if (rows.length === 0) items.push(make('li', {class: 'none'}, log.note || 'nothing within the margin'));
+    if (rows.length === 0) items.push(make('li', {class: 'none'}, note));
     el('nearPairs').replaceChildren(...items);
   }
 
