@@ -81,6 +81,7 @@ class Page {
   private series: Series | null = null;
   private paused = false;
   private isScrubbing = false;
+  /** Whether the focused element was clicked and not reached by keys. */
   private isFocusFromPointer = false;
   private lastTick = 0;
   private fps = 0;
