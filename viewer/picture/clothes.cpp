@@ -48,7 +48,7 @@ const Palette& palette() {
   return palette;
 }
 
-/// scatter() of the page's shaders.
+/// scatter() of the page's theme.ts.
 uint32_t scatter(uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352dU;

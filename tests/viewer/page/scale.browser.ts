@@ -141,6 +141,10 @@ test('hidden bodies cast no shadow, and without shadows walls cast none', async 
   assert.ok(ofWallShadows > 0);
   assert.equal(wallsWithShadows - walls, ofWallShadows);
   assert.ok(all - wallsWithShadows > withoutShadows - walls, 'bodies that are shown cast shadows');
+  assert.ok(walls < withoutShadows && withoutShadows < all);
+  await show('meshes', false);
+  await show('shadows', true);
+  assert.equal(await triangles(), wallsWithShadows);
   await close();
 });
 

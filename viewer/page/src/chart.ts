@@ -73,11 +73,10 @@ export class Chart {
     return isOld;
   }
 
-  /** Returns the size in CSS pixels of the emptied canvas; null while it is not shown. */
-  private cleared(): [number, number] | null {
+  /** Returns the size in CSS pixels of the emptied canvas. */
+  private cleared(): [number, number] {
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = this.size;
-    if (width === 0) return null;
     if (this.canvas.width !== Math.round(width * ratio)) {
       this.canvas.width = Math.round(width * ratio);
       this.canvas.height = Math.round(height * ratio);
@@ -98,11 +97,9 @@ export class Chart {
     c.fillRect(Math.min(width - 1.5, cursor * width), 0, 1.5, height);
   }
 
-  /** Draws the least values, with gaps where none is finite. */
+  /** Draws the least values, with gaps where none is finite. Call it, as draw(), where isOld() returns true. */
   drawLeast(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
-    const size = this.cleared();
-    if (!size) return;
-    const [width, height] = size;
+    const [width, height] = this.cleared();
     const c = this.context;
     const columns = Math.max(2, Math.min(Math.floor(width), values.length));
     const lows = valleys(values, columns);
@@ -134,9 +131,7 @@ export class Chart {
 
   /** `label`: formats a value; `cursor`: 0 to 1 along the time axis, or -1. */
   draw(values: ArrayLike<number>, label: (value: number) => string, style: ChartStyle, cursor = -1): void {
-    const size = this.cleared();
-    if (!size) return;
-    const [width, height] = size;
+    const [width, height] = this.cleared();
     const c = this.context;
     const columns = Math.max(2, Math.min(Math.floor(width), values.length));
     const heights = peaks(values, columns);

@@ -29,7 +29,7 @@ export function keyRow(keys: string[], about: string): HTMLElement {
   return make('tr', {}, cell, make('td', {}, about));
 }
 
-const WHOLE = new Intl.NumberFormat('en', {maximumFractionDigits: 0});
+const WHOLE = new Intl.NumberFormat('en');
 
 export function thousands(value: number): string {
   return WHOLE.format(Math.round(value)).replaceAll(',', '\u202f');

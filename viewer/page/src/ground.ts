@@ -55,6 +55,7 @@ export class Ground {
     this.copy = new Mesh(all, material);
     this.copy.frustumCulled = false;
     this.copy.renderOrder = FIRST;
+    this.copy.visible = false;
     this.group.add(this.surfaces, this.copy);
   }
 
@@ -102,11 +103,12 @@ export class Ground {
 
   /** Decides whether the next picture draws the ground or copies it; call it before each. */
   prepare(renderer: WebGLRenderer, camera: PerspectiveCamera): void {
+    if (!this.copies) return;
     const {width, height} = renderer.domElement;
     const {x: fogBegin_m, y: fogEnd_m} = this.shared.uFogRange!.value as Vector2;
     const matrices = [...camera.projectionMatrix.elements, ...camera.matrixWorldInverse.elements];
     const view = [...matrices, width, height, fogBegin_m, fogEnd_m, this.changes];
-    const isResting = this.copies && isSame(view, this.view);
+    const isResting = isSame(view, this.view);
     this.view = view;
     this.surfaces.visible = true;
     this.copy.visible = false;

@@ -293,8 +293,9 @@ class Page {
   /** The counts of the header are those of the filter. */
   private updateCounts(frame: Frame, run: Run): void {
     const {filter} = this.contacts;
-    let people = choosesPeople(filter) ? 0 : frame.present;
-    for (let id = 0; id < run.avatars && choosesPeople(filter); ++id)
+    const choosesSome = choosesPeople(filter);
+    let people = choosesSome ? 0 : frame.present;
+    for (let id = 0; id < run.avatars && choosesSome; ++id)
       if (isPresent(frame, id) && choosesPerson(run, filter, id)) ++people;
     let pairs = 0;
     for (let i = 0; i < frame.pairs; ++i) if (this.contacts.shows(pairAt(frame, i), frame.number)) ++pairs;

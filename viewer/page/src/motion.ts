@@ -50,9 +50,7 @@ export class Motion {
   private readonly halves: Int16Array;
   private readonly spheres: Float32Array; // x, y, z and radius of each avatar
   private crowdedCount = -1; // -1: unknown
-  private chosen = -1; // avatar of the following four; -1: unknown
-  private chosenRows: Float64Array = new Float64Array(0); // of its model
-  private chosenAmounts = 0;
+  private chosen = -1; // avatar of the following two; -1: unknown
   private readonly root = new Float64Array(ROOT_FLOATS);
   private readonly memberAmounts: Float64Array;
   private readonly rows: Float64Array[]; // bases by column: the mean, then the directions
@@ -246,8 +244,6 @@ export class Motion {
     memberAmounts.fill(0);
     const amounts = this.amounts[model];
     const perMember = this.amountsPerMember[model];
-    this.chosenRows = this.rows[model];
-    this.chosenAmounts = perMember;
     const at = this.memberOf[avatar] * perMember;
     for (let k = 0; k < 4; ++k) {
       const weight = weights[k];
@@ -263,10 +259,13 @@ export class Motion {
 
   /** Returns the joint position in a column of the chosen avatar. */
   private readonly valueOf = (column: number): number => {
-    const {memberAmounts, chosenRows, chosenAmounts} = this;
-    const row = column * (1 + chosenAmounts);
-    let value = chosenRows[row];
-    for (let c = 0; c < chosenAmounts; ++c) value += memberAmounts[c] * chosenRows[row + 1 + c];
+    const {memberAmounts} = this;
+    const model = this.run.modelOfAvatar[this.chosen];
+    const rows = this.rows[model];
+    const size = 1 + this.amountsPerMember[model];
+    const row = column * size;
+    let value = rows[row];
+    for (let c = 1; c < size; ++c) value += memberAmounts[c - 1] * rows[row + c];
     return value;
   };
 }

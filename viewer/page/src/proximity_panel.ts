@@ -37,8 +37,9 @@ export class ProximityPanel {
 
   /** `playback`: null for a live run, of which the known frames are shown. */
   update(run: Run, log: ProximityLog, frame: number, playback: Playback | null, style: ChartStyle): void {
-    // Who selects a robot wants to know how near it came.
-    const isShown = log.body >= 0 && (log.isRecorded || log.note !== '' || !isPerson(run, log.body));
+    // Who selects a robot wants to know how near it came, once it is known whether that was recorded.
+    const isMissed = log.to > 0 && log.body >= 0 && !isPerson(run, log.body);
+    const isShown = log.body >= 0 && (log.isRecorded || log.note !== '' || isMissed);
     el('near').hidden = !isShown;
     if (!isShown) return;
     this.first = playback ? playback.first : (log.rows[0]?.frame ?? 0);

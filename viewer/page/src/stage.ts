@@ -411,11 +411,11 @@ export class Stage {
   /** Draws if the picture would differ from the last one; returns whether it did. */
   render(frame: Frame | null, dt_ms: number): boolean {
     this.adapt(dt_ms);
-    const isTurned = this.controls.update();
+    this.controls.update();
     const lift_m = Math.max(0, MIN_EYE_M - this.camera.position.z);
     this.camera.position.z += lift_m;
     this.controls.target.z += lift_m;
-    this.wasRendered = isTurned || this.isChanged;
+    this.wasRendered = this.isChanged;
     this.isChanged = false;
     if (this.wasRendered) {
       this.rested_ms = 0;
