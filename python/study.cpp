@@ -80,8 +80,7 @@ py::dict run_study(const fs::path& file, const std::optional<std::string>& text,
                  sources](WorkState&) { study->plan.emplace(study_of(file, text, sources)); },
                 py::none(), AbandonPolicy::kDetach);
   study->job.emplace(*study->plan, StudyShard{}, out);
-  const int cores = core_count();
-  const int used = threads.value_or(cores);
+  const int used = threads.value_or(core_count());
   run_in_thread(
       [study, out, used](WorkState& state) {
         state.frames = static_cast<int64_t>(study->job->left());

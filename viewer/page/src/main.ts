@@ -60,7 +60,7 @@ class Page {
   private readonly contacts = new ContactsPanel((contact) => this.showContact(contact), () => this.refocus());
   private readonly proximity = new ProximityPanel(
     (frame) => this.rest(frame),
-    (row) => this.showDistance(row),
+    ({frame, other}) => this.showAt(frame, [this.source!.proximity.body, other]),
     (id) => this.choose(id),
     () => (this.isPanelOld = true),
   );
@@ -332,13 +332,6 @@ class Page {
     this.updateFocus();
   }
 
-  /** Seeks a distance of the selected body and moves the camera to both bodies. */
-  private showDistance({frame, other}: ProximityRow): void {
-    const {source} = this;
-    this.rest(frame);
-    if (source?.playback) this.whenFrame(frame, () => this.lookAt([source.proximity.body, other]));
-  }
-
   private nearest(frame: Frame): ProximityRow[] {
     return this.source?.proximity.at(frame.number).slice(0, MAX_CLOSEST) ?? [];
   }
@@ -437,9 +430,8 @@ class Page {
       const when = whenOf({begin, end, isOlder: false, isLost: false}, this.series?.frames ?? begin, run.step_s);
       const button = make('button', {}, `${nameOf(run, robot)} – ${nameOf(run, person)} ${displayName(region)}, ${when}, ${lack_m.toFixed(2)} m too close`);
       button.onclick = () => {
-        this.rest(begin);
         this.selectBodies([robot, person]);
-        this.whenFrame(begin, () => this.lookAt([robot, person]));
+        this.showAt(begin, [robot, person]);
       };
       return make('li', {}, button);
     });
@@ -482,14 +474,17 @@ class Page {
     this.contacts.set({body: id, order: 'length', isDescending: true});
   }
 
-  /** Seeks a contact, selects both bodies and moves the camera to them. */
+  /** Selects both bodies of a contact and shows its begin. */
   private showContact(contact: Contact): void {
-    const {run, source} = this;
-    if (!run || !source) return;
-    this.rest(contact.begin);
     this.selectBodies([contact.a, contact.b], this.contacts.filter.ofParts ? contact : null);
     this.follow(-1);
-    this.whenFrame(source.playback ? contact.begin : -1, () => this.lookAt([contact.a, contact.b]));
+    this.showAt(contact.begin, [contact.a, contact.b]);
+  }
+
+  /** Stops at a frame and moves the camera to bodies as soon as it is shown; in a live run, at once. */
+  private showAt(frame: number, bodies: number[]): void {
+    this.rest(frame);
+    this.whenFrame(this.source?.playback ? frame : -1, () => this.lookAt(bodies));
   }
 
   /** Stops at a frame of a recorded run. */
