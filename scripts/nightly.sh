@@ -46,14 +46,15 @@ no_miss() { # SEED: for parts, for walking, standing and avoiding people, for pa
 }
 
 long() ( # tests that use tests/nightly.h
-  bash scripts/build.sh release culling_tests crowd_tests scenes_tests || exit
+  bash scripts/build.sh release culling_tests crowd_tests scenes_tests apps_tests || exit
   export THRONG_NIGHTLY=1
   build/release/culling_tests \
     --gtest_filter='AgainstFcl.*:*ProximityBounds.*:ProximityRows.ChangeNoEvents*' &&
     build/release/crowd_tests \
       --gtest_filter='Crowd.KeepsAPlazaMovingForEverySeed:NavMesh.OpensGaps*' &&
     build/release/scenes_tests \
-      --gtest_filter='ProximityRun.RowsDependOnTheirOwnMarginOnly:*ResumeScenes*'
+      --gtest_filter='ProximityRun.RowsDependOnTheirOwnMarginOnly:*ResumeScenes*' &&
+    build/release/apps_tests --gtest_filter='OutputPlan.RejectsTwoOutputsInOneFile'
 )
 
 outside() {

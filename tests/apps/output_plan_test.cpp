@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/apps/workplace.h"
+#include "tests/nightly.h"
 
 namespace throng::output_plan_test {
 namespace {
@@ -111,27 +112,32 @@ constexpr Alias kAliases[] = {
     {"a pipe", "x.csv", "mkfifo x.csv"},
 };
 
+/// The check of names is the same for all options: with every change each pair of options is tried
+/// with two aliases in turn, and each alias with many pairs.
 TEST(OutputPlan, RejectsTwoOutputsInOneFile) {
-  int tried = 0;
+  constexpr size_t kAliasCount = std::size(kAliases);
+  size_t pairs = 0;
   for (const CommandLine& command : commands())
     for (size_t i = 0; i < command.outputs.size(); ++i)
       for (size_t j = i; j < command.outputs.size(); ++j) {
         const std::string &first = command.outputs[i], &second = command.outputs[j];
         if (i == j && first != "--trajectory") continue;  // the only repeatable one
-        for (const Alias& alias : kAliases) {
+        const std::string line = "throng " + command.command + " " + command.line;
+        const size_t tried = test::is_nightly() ? kAliasCount : 2;
+        for (size_t k = 0; k < tried; ++k) {
+          const Alias& alias = kAliases[(pairs * tried + k) % kAliasCount];
           SCOPED_TRACE(alias.how);
           Workplace place;
           shell(alias.prepare, place.folder());
-          const std::string line = "throng " + command.command + " " + command.line;
           expect_rejected(
               place, fmt::format("{} {} x.csv {} {}", line, first, second, alias.second), kTwice);
-          if (&alias == kAliases)
+          if (alias.prepare == std::string_view("true"))
             expect_rejected(
                 place, fmt::format("{} {} x.csv {} {}", line, second, first, alias.second), kTwice);
-          ++tried;
         }
+        ++pairs;
       }
-  EXPECT_GE(tried, 250);
+  EXPECT_GE(pairs, 40u);
 }
 
 TEST(OutputPlan, RejectsOutputsThatAreInputs) {
