@@ -87,6 +87,26 @@ int stranded(const RunReport& report) {
   return people;
 }
 
+Json people_json(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  const PopulationCounters& population = summary.population;
+  return {{"entered", population.entered},
+          {"present", population.present},
+          {"left", population.left},
+          {"waiting", population.waiting_to_enter},
+          {"scheduled", population.scheduled},
+          {"stranded", stranded(report)},
+          {"queuing_peak", summary.queuing_peak},
+          {"longest_stall_s", summary.longest_stall_s},
+          {"max_overlap_m", summary.max_overlap_m}};
+}
+
+std::string people_text(const PopulationCounters& population) {
+  return fmt::format("{} entered, {} left, {} present; {} waiting to enter, {} scheduled",
+                     population.entered, population.left, population.present,
+                     population.waiting_to_enter, population.scheduled);
+}
+
 Json stranded_json(const RunReport& report) {
   Json groups = Json::array();
   for (const RunReport::Stranded& each : report.stranded)
@@ -146,6 +166,48 @@ Json proximity_json(const ProximitySummary& proximity) {
           {"hash", hash_text(proximity.hash)}};
 }
 
+std::string proximity_text(const ProximitySummary& proximity) {
+  return fmt::format(
+      "{} rows of parts, {} of closest parts; at most {} at once, least distance {:.3f} m; {:.2f} "
+      "ms per frame (hash {})",
+      proximity.pairs, proximity.closest_parts, proximity.pairs_peak, proximity.min_distance_m,
+      proximity.ms.median, hash_text(proximity.hash));
+}
+
+Json points_json(const RunSummary& summary) {
+  const ContactPointSummary& points = summary.contact_points;
+  return {{"points", points.points},
+          {"points_peak", points.points_peak},
+          {"max_depth_m", points.max_depth_m},
+          {"median_ms", summary.proximity.ms.median}};
+}
+
+std::string points_text(const RunSummary& summary) {
+  const ContactPointSummary& points = summary.contact_points;
+  return fmt::format("{} of contact; at most {} at once, depth up to {:.3f} m; {:.2f} ms per frame",
+                     points.points, points.points_peak, points.max_depth_m,
+                     summary.proximity.ms.median);
+}
+
+Json contacts_json(const RunReport::Contacts& contacts) {
+  const ContactTotals& totals = contacts.totals;
+  return {{"folder", contacts.folder},
+          {"people", totals.contacts},
+          {"obstacles", totals.obstacle_contacts},
+          {"people_touched", totals.people_touched},
+          {"per_person_min", totals.per_person_min()},
+          {"contact_time_share", totals.touching_s / std::max(1e-9, totals.person_s)},
+          {"median_s", totals.median_s}};
+}
+
+std::string contacts_text(const RunReport::Contacts& contacts) {
+  const ContactTotals& totals = contacts.totals;
+  return fmt::format(
+      "{}: {} between two people, {:.2f} per person and minute, median {:.3f} s; {} with obstacles",
+      contacts.folder, totals.contacts, totals.per_person_min(), totals.median_s,
+      totals.obstacle_contacts);
+}
+
 Json separation_json(const RunReport::Separation& separation) {
   const SeparationTotals& totals = separation.totals;
   Json regions = Json::object();
@@ -184,6 +246,48 @@ std::string separation_text(const SeparationTotals& totals) {
   return text;
 }
 
+/// " (REASON)", or "".
+std::string in_brackets(const std::string& reason) {
+  return reason.empty() ? "" : " (" + reason + ")";
+}
+
+Json changes_json(const CrowdChangeReceiver::Counts& changes) {
+  return {{"channel", changes.channel},
+          {"messages", changes.messages},
+          {"missing", changes.missing},
+          {"rejected", changes.rejected},
+          {"rejection", changes.rejection}};
+}
+
+std::string changes_text(const CrowdChangeReceiver::Counts& changes) {
+  return fmt::format("by {}: {} messages, {} missing, {} rejected{}", changes.channel,
+                     changes.messages, changes.missing, changes.rejected,
+                     in_brackets(changes.rejection));
+}
+
+Json external_json(const PoseCommandReceiver::Counts& group) {
+  return {{"group", group.group},
+          {"channel", group.channel},
+          {"messages", group.messages},
+          {"frames", group.frames},
+          {"frames_without_command", group.frames_without_command},
+          {"missing", group.missing},
+          {"late", group.late},
+          {"restarts", group.restarts},
+          {"rejected", group.rejected},
+          {"rejection", group.rejection},
+          {"clamped", group.clamped}};
+}
+
+std::string external_text(const PoseCommandReceiver::Counts& group) {
+  return fmt::format(
+      "{} by {}: {} messages, {} missing, {} late, {} rejected{}; {} of {} frames without a "
+      "command; {} values out of range; {} restarts",
+      group.group, group.channel, group.messages, group.missing, group.late, group.rejected,
+      in_brackets(group.rejection), group.frames_without_command, group.frames, group.clamped,
+      group.restarts);
+}
+
 Json lockstep_json(const RunReport::LockstepReport& lockstep) {
   Json groups = Json::array();
   for (const Lockstep::Counts& group : lockstep.groups)
@@ -209,7 +313,57 @@ std::string lockstep_text(const Lockstep::Counts& group) {
       "{} by {}: {} replies, {} late, {} repeated, {} to other runs, {} rejected{}; {} values out "
       "of range",
       group.group, group.channel, group.replies, group.late, group.repeated, group.other_runs,
-      group.rejected, group.rejection.empty() ? "" : " (" + group.rejection + ")", group.clamped);
+      group.rejected, in_brackets(group.rejection), group.clamped);
+}
+
+Json pace_json(const RunReport::Pace& pace) {
+  return {{"factor", pace.factor},
+          {"late_frames", pace.late_frames},
+          {"worst_ms", pace.worst_s * 1e3},
+          {"behind_ms", pace.behind_s * 1e3}};
+}
+
+std::string pace_text(const RunReport::Pace& pace, int64_t frames) {
+  return fmt::format(
+      "{:g} times real time requested; {} of {} frames late, at most {:.0f} ms, the last {:.0f} ms",
+      pace.factor, pace.late_frames, frames, pace.worst_s * 1e3, pace.behind_s * 1e3);
+}
+
+Json steering_json(const RunReport& report) {
+  const RunSummary& summary = report.summary;
+  return {
+      {"model", name_of(report.steering.model)},
+      {"density_dependent_speed", report.steering.density_dependent_speed},
+      {"longest_stall_s", summary.longest_stall_s},
+      {"max_overlap_m", summary.max_overlap_m},
+      {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
+      {"sweeps", {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.max_sweeps}}}};
+}
+
+std::string walking_text(const RunSummary& summary) {
+  return fmt::format(
+      "longest stall {:.1f} s, largest overlap {:.1f} cm ({:.1f} sweeps, at most {}), heading rate "
+      "{:.2f} rad/s",
+      summary.longest_stall_s, 100 * summary.max_overlap_m, summary.steering.mean_sweeps(),
+      summary.steering.max_sweeps, summary.steering.mean_heading_rate_radps());
+}
+
+std::string lcm_text(const RunReport::Lcm& lcm) {
+  if (lcm.url == "off") return "off";
+  return fmt::format("{}: {}, {}, {} dropped", lcm.url, counted(lcm.messages, "message"),
+                     megabytes(static_cast<double>(lcm.bytes)), lcm.dropped);
+}
+
+Json channel_json(const FilteredChannels::PublishedTotals& published) {
+  return {{"who", published.to.who},    {"channel", published.to.channel},
+          {"bodies", published.bodies}, {"messages", published.messages},
+          {"events", published.events}, {"proximity_rows", published.proximity_rows}};
+}
+
+std::string channel_text(const FilteredChannels::PublishedTotals& published) {
+  return fmt::format("{} by {}: {} bodies, {} messages, {} events, {} proximity rows",
+                     published.to.who, published.to.channel, published.bodies, published.messages,
+                     published.events, published.proximity_rows);
 }
 
 Json recording_json(const RunReport::Recording& recording) {
@@ -233,12 +387,7 @@ Json to_json(const RunReport& report) {
   json["seed"] = report.seed;
   json["avatars"] = summary.avatars;
   json["unplaced"] = summary.unplaced;
-  json["people"] = {
-      {"entered", summary.population.entered},     {"present", summary.population.present},
-      {"left", summary.population.left},           {"waiting", summary.population.waiting_to_enter},
-      {"scheduled", summary.population.scheduled}, {"stranded", stranded(report)},
-      {"queuing_peak", summary.queuing_peak},      {"longest_stall_s", summary.longest_stall_s},
-      {"max_overlap_m", summary.max_overlap_m}};
+  json["people"] = people_json(report);
   json["stranded"] = stranded_json(report);
   json["scaling"] = {{"factor", report.scale_factor},
                      {"ground_m", {report.ground_m.x(), report.ground_m.y()}}};
@@ -251,53 +400,24 @@ Json to_json(const RunReport& report) {
   json["threads"] = report.threads;
   json["wall_s"] = summary.wall_s;
   json["realtime_factor"] = summary.realtime_factor;
-  if (const auto& changes = report.crowd_changes)
-    json["crowd_changes"] = {{"channel", changes->channel},
-                             {"messages", changes->messages},
-                             {"missing", changes->missing},
-                             {"rejected", changes->rejected},
-                             {"rejection", changes->rejection}};
+  if (const auto& changes = report.crowd_changes) json["crowd_changes"] = changes_json(*changes);
   for (const PoseCommandReceiver::Counts& group : report.external_control)
-    json["external_control"].push_back({{"group", group.group},
-                                        {"channel", group.channel},
-                                        {"messages", group.messages},
-                                        {"frames", group.frames},
-                                        {"frames_without_command", group.frames_without_command},
-                                        {"missing", group.missing},
-                                        {"late", group.late},
-                                        {"restarts", group.restarts},
-                                        {"rejected", group.rejected},
-                                        {"rejection", group.rejection},
-                                        {"clamped", group.clamped}});
+    json["external_control"].push_back(external_json(group));
   if (report.lockstep) json["lockstep"] = lockstep_json(*report.lockstep);
-  if (report.pace.factor > 0)
-    json["pace"] = {{"factor", report.pace.factor},
-                    {"late_frames", report.pace.late_frames},
-                    {"worst_ms", report.pace.worst_s * 1e3},
-                    {"behind_ms", report.pace.behind_s * 1e3}};
+  if (report.pace.factor > 0) json["pace"] = pace_json(report.pace);
   json["frame_ms"] = {{"median", summary.frame_ms.median},
                       {"p95", summary.frame_ms.p95},
                       {"max", summary.frame_ms.max}};
   json["cull_ms"] = {{"median", summary.cull_ms.median}};
   json["stage_ms"] = stage_ms_json(summary);
   json["stages"] = stages_json(summary);
-  json["steering"] = {
-      {"model", name_of(report.steering.model)},
-      {"density_dependent_speed", report.steering.density_dependent_speed},
-      {"longest_stall_s", summary.longest_stall_s},
-      {"max_overlap_m", summary.max_overlap_m},
-      {"mean_heading_rate_radps", summary.steering.mean_heading_rate_radps()},
-      {"sweeps", {{"mean", summary.steering.mean_sweeps()}, {"max", summary.steering.max_sweeps}}}};
+  json["steering"] = steering_json(report);
   json["events"] = {
       {"begin", summary.begins}, {"persist", summary.persists}, {"end", summary.ends}};
   json["pairs_peak"] = summary.pairs_peak;
   if (report.budget_ms || report.budget_tests) json["budget"] = budget_json(report);
   if (summary.proximity.is_enabled) json["proximity"] = proximity_json(summary.proximity);
-  if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
-    json["contact_points"] = {{"points", points.points},
-                              {"points_peak", points.points_peak},
-                              {"max_depth_m", points.max_depth_m},
-                              {"median_ms", summary.proximity.ms.median}};
+  if (summary.contact_points.is_enabled) json["contact_points"] = points_json(summary);
   json["hash"] = hash_text(summary.hash);
   json["run_id"] = hash_text(summary.run_id);
   json["lcm"] = {{"url", report.lcm.url},
@@ -305,23 +425,9 @@ Json to_json(const RunReport& report) {
                  {"bytes", report.lcm.bytes},
                  {"dropped", report.lcm.dropped}};
   for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
-    json["filtered_channels"].push_back({{"who", published.to.who},
-                                         {"channel", published.to.channel},
-                                         {"bodies", published.bodies},
-                                         {"messages", published.messages},
-                                         {"events", published.events},
-                                         {"proximity_rows", published.proximity_rows}});
+    json["filtered_channels"].push_back(channel_json(published));
   json["log"] = {{"file", report.log}, {"bytes", report.log_bytes}};
-  if (report.contacts) {
-    const ContactTotals& totals = report.contacts->totals;
-    json["contacts"] = {{"folder", report.contacts->folder},
-                        {"people", totals.contacts},
-                        {"obstacles", totals.obstacle_contacts},
-                        {"people_touched", totals.people_touched},
-                        {"per_person_min", totals.per_person_min()},
-                        {"contact_time_share", totals.touching_s / std::max(1e-9, totals.person_s)},
-                        {"median_s", totals.median_s}};
-  }
+  if (report.contacts) json["contacts"] = contacts_json(*report.contacts);
   if (report.separation) json["separation"] = separation_json(*report.separation);
   json["peak_rss_bytes"] = peak_rss_bytes();
   json["machine"] = {{"cpu", cpu_name()}, {"simd", report.simd}};
@@ -350,74 +456,31 @@ std::string format_table(const RunReport& report) {
                            counted(report.threads, "thread"), report.simd));
   const PopulationCounters& population = summary.population;
   if (population.left + population.waiting_to_enter + population.scheduled > 0)
-    line("people", fmt::format("{} entered, {} left, {} present; {} waiting to enter, {} scheduled",
-                               population.entered, population.left, population.present,
-                               population.waiting_to_enter, population.scheduled));
+    line("people", people_text(population));
   line("stranded", stranded_text(report));
-  if (const auto& changes = report.crowd_changes)
-    line("changes", fmt::format("by {}: {} messages, {} missing, {} rejected{}", changes->channel,
-                                changes->messages, changes->missing, changes->rejected,
-                                changes->rejection.empty() ? "" : " (" + changes->rejection + ")"));
+  if (const auto& changes = report.crowd_changes) line("changes", changes_text(*changes));
   for (const PoseCommandReceiver::Counts& group : report.external_control)
-    line("external",
-         fmt::format("{} by {}: {} messages, {} missing, {} late, {} rejected{}; {} of {} "
-                     "frames without a command; {} values out of range; {} restarts",
-                     group.group, group.channel, group.messages, group.missing, group.late,
-                     group.rejected, group.rejection.empty() ? "" : " (" + group.rejection + ")",
-                     group.frames_without_command, group.frames, group.clamped, group.restarts));
+    line("external", external_text(group));
   if (report.lockstep) {
     for (const Lockstep::Counts& group : report.lockstep->groups)
       line("lockstep", lockstep_text(group));
     line("waited", fmt::format("{:.2f} s for replies, at most {:.3f} s per frame",
                                report.lockstep->total_wait_s, report.lockstep->max_wait_s));
   }
-  if (report.pace.factor > 0)
-    line("pace", fmt::format("{:g} times real time requested; {} of {} frames late, at most "
-                             "{:.0f} ms, the last {:.0f} ms",
-                             report.pace.factor, report.pace.late_frames, summary.frames,
-                             report.pace.worst_s * 1e3, report.pace.behind_s * 1e3));
+  if (report.pace.factor > 0) line("pace", pace_text(report.pace, summary.frames));
   line("events", fmt::format("{} begin, {} persist, {} end; at most {} at once", summary.begins,
                              summary.persists, summary.ends, counted(summary.pairs_peak, "pair")));
   if (report.budget_ms || report.budget_tests) line("budget", budget_text(report));
-  if (summary.proximity.is_enabled)
-    line("proximity",
-         fmt::format("{} rows of parts, {} of closest parts; at most {} at once, least distance "
-                     "{:.3f} m; {:.2f} ms per frame (hash {})",
-                     summary.proximity.pairs, summary.proximity.closest_parts,
-                     summary.proximity.pairs_peak, summary.proximity.min_distance_m,
-                     summary.proximity.ms.median, hash_text(summary.proximity.hash)));
-  if (const ContactPointSummary& points = summary.contact_points; points.is_enabled)
-    line("points", fmt::format("{} of contact; at most {} at once, depth up to {:.3f} m; {:.2f} ms "
-                               "per frame",
-                               points.points, points.points_peak, points.max_depth_m,
-                               summary.proximity.ms.median));
-  if (summary.steering.rounds > 0)
-    line("walking",
-         fmt::format("longest stall {:.1f} s, largest overlap {:.1f} cm ({:.1f} sweeps, at most "
-                     "{}), heading rate {:.2f} rad/s",
-                     summary.longest_stall_s, 100 * summary.max_overlap_m,
-                     summary.steering.mean_sweeps(), summary.steering.max_sweeps,
-                     summary.steering.mean_heading_rate_radps()));
+  if (summary.proximity.is_enabled) line("proximity", proximity_text(summary.proximity));
+  if (summary.contact_points.is_enabled) line("points", points_text(summary));
+  if (summary.steering.rounds > 0) line("walking", walking_text(summary));
   line("log", report.log == "off" ? "off"
                                   : fmt::format("{}, {}", report.log,
                                                 megabytes(static_cast<double>(report.log_bytes))));
-  line("lcm",
-       report.lcm.url == "off"
-           ? "off"
-           : fmt::format("{}: {}, {}, {} dropped", report.lcm.url,
-                         counted(report.lcm.messages, "message"),
-                         megabytes(static_cast<double>(report.lcm.bytes)), report.lcm.dropped));
+  line("lcm", lcm_text(report.lcm));
   for (const FilteredChannels::PublishedTotals& published : report.filtered_channels)
-    line("published", fmt::format("{} by {}: {} bodies, {} messages, {} events, {} proximity rows",
-                                  published.to.who, published.to.channel, published.bodies,
-                                  published.messages, published.events, published.proximity_rows));
-  if (report.contacts) {
-    const ContactTotals& totals = report.contacts->totals;
-    line("contacts", fmt::format("{}: {} between two people, {:.2f} per person and minute, median "
-                                 "{:.3f} s; {} with obstacles",
-                                 report.contacts->folder, totals.contacts, totals.per_person_min(),
-                                 totals.median_s, totals.obstacle_contacts));
-  }
+    line("published", channel_text(published));
+  if (report.contacts) line("contacts", contacts_text(*report.contacts));
   if (report.separation) line("separated", separation_text(report.separation->totals));
   line("hash", hash_text(summary.hash));
   return text;
