@@ -69,6 +69,8 @@ test('a suspended tab continues where it was', () => {
 test('formats times', () => {
   assert.equal(clock(0), '0:00.00');
   assert.equal(clock(62.5), '1:02.50');
+  assert.equal(clock(59.996), '1:00.00');
+  assert.equal(clock(3599.999), '60:00.00');
 });
 
 test('formats since when a contact lasts', () => {

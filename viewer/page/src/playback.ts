@@ -61,9 +61,9 @@ export class Playback {
 
 /** Formats a time: "1:02.35". */
 export function clock(time_s: number): string {
-  const minutes = Math.floor(time_s / 60);
-  const seconds = (time_s - minutes * 60).toFixed(2).padStart(5, '0');
-  return `${minutes}:${seconds}`;
+  const hundredths = Math.round(100 * time_s);
+  const rest_s = (hundredths % 6000) / 100;
+  return `${Math.floor(hundredths / 6000)}:${rest_s.toFixed(2).padStart(5, '0')}`;
 }
 
 /** Formats the duration of a contact up to a frame; `began` as in Pair. */

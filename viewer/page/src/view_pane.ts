@@ -132,7 +132,7 @@ export class ViewPane {
   private densityOf(run: Run, source: Source): HeatCells | null {
     const {cells, samples, range} = source.density;
     setText(el('heatMost'), cells ? `${cells.most.toFixed(2)} per m² in a cell of ${Number(cells.cell_m.toFixed(2))} m` : '');
-    const [first, last] = range.map((frame) => (frame * run.step_s).toFixed(1));
+    const [first, last] = range.map((frame) => (frame * run.step_s).toFixed(2));
     const since = source.playback ? '' : ', since this page was opened';
     setText(el('heatTotal'), cells ? `mean of ${counted(samples, 'sample')}, ${first}–${last} s${since}` : 'no sample yet');
     return cells;
