@@ -138,8 +138,9 @@ TEST(Signals, LetBenchPrintMeasuredFrames) {
   // After four seconds of processor time the scene is built, on a busy machine as well.
   const Outcome outcome = shell(
       signalled("throng bench --avatars 2000 --engines none --frames 100000 --json b.json", 0,
-                "until [ \"$(cut -d' ' -f14 /proc/$run/stat)\" -gt 400 ]; do sleep 0.1; done; "
-                "kill -INT $run"),
+                fmt::format("until [ \"$(cut -d' ' -f14 /proc/$run/stat)\" -gt {} ]; do sleep 0.1; "
+                            "done; kill -INT $run",
+                            400 * THRONG_SLOWNESS)),
       folder);
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("finished measurements follow"));
