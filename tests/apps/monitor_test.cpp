@@ -1,4 +1,5 @@
 // `throng monitor`: the figures of a run, live and from its log.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -130,10 +131,12 @@ Json watched(const std::string& buffer, const std::string& run) {
   if (in_network.empty()) return nullptr;
   const ScratchFolder folder;
   const std::string url = "udpm://239.255.76.67:7684?ttl=0&recv_buf_size=" + buffer;
-  write_file(folder / "script", "throng monitor --json --until-end --seconds 60 --lcm \"" + url +
-                                    "\" >seen.json &\n" + "monitor=$!\n" + kUntilItListens +
-                                    "throng run " + run +
-                                    " --log off --json run.json >/dev/null\nwait $monitor\n");
+  write_file(
+      folder / "script",
+      fmt::format("throng monitor --json --until-end --seconds {} --lcm \"{}\" >seen.json &\n"
+                  "monitor=$!\n{}throng run {} --log off --json run.json >/dev/null\n"
+                  "wait $monitor\n",
+                  60 * THRONG_SLOWNESS, url, kUntilItListens, run));
   const Outcome outcome = shell(in_network, folder);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   Json seen = Json::parse(read_file(folder / "seen.json"));
