@@ -1,5 +1,6 @@
 // Signals at any moment: while loading, opening outputs, between frames, twice in quick succession.
 // Outputs stay complete, and the exit code names the signal.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
