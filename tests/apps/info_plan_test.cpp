@@ -38,14 +38,18 @@ obstacles:
   - {name: pin, kind: cylinder, position_m: [5, 10], diameter_m: 0.1, height_m: 2}
 )";
 
-/// The plan of a scene, which is well-formed XML.
-std::string plan_of(const std::string& scene, const ScratchFolder& folder) {
-  const Outcome outcome = shell("throng info " + scene + " --plan plan.svg", folder);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+/// Returns plan.svg, which must be well-formed XML.
+std::string plan_in(const ScratchFolder& folder) {
   const Outcome parsed = shell(
       "python3 -c 'import xml.sax; xml.sax.parse(\"plan.svg\", xml.sax.ContentHandler())'", folder);
   EXPECT_EQ(parsed.exit_code, 0) << parsed.err;
-  return outcome.exit_code == 0 ? read_file(folder / "plan.svg") : "";
+  return read_file(folder / "plan.svg");
+}
+
+std::string plan_of(const std::string& scene, const ScratchFolder& folder) {
+  const Outcome outcome = shell("throng info " + scene + " --plan plan.svg", folder);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome.exit_code == 0 ? plan_in(folder) : "";
 }
 
 double number_in(const std::string& text, const std::string& pattern) {
@@ -73,7 +77,11 @@ TEST(InfoPlan, DrawsEveryBundledScene) {
 TEST(InfoPlan, ShowsWhatASceneHas) {
   const ScratchFolder folder;
   write_file(folder / "hall.yaml", kScene);
-  const std::string svg = plan_of("hall.yaml", folder);
+  const Outcome outcome = shell("throng info hall.yaml --plan plan.svg", folder);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("Groups:")) << "the description is printed as well";
+  EXPECT_EQ(outcome.err, "plan: plan.svg\n");
+  const std::string svg = plan_in(folder);
   for (const char* text : {">hall &lt;1&gt; &amp; \"two\"</text>",
                            ">R&amp;D &lt;team&gt;</text>",
                            ">class</text>",
@@ -97,9 +105,6 @@ TEST(InfoPlan, ShowsWhatASceneHas) {
                            "class=\"route\"",
                            "9 avatars in 3 groups, 3 obstacles, 2 doors"})
     EXPECT_THAT(svg, HasSubstr(text));
-  const Outcome outcome = shell("throng info hall.yaml --plan plan.svg", folder);
-  EXPECT_THAT(outcome.out, HasSubstr("Groups:")) << "the description is printed as well";
-  EXPECT_EQ(outcome.err, "plan: plan.svg\n");
 }
 
 TEST(InfoPlan, ShowsRecordedPeople) {
@@ -222,10 +227,13 @@ obstacles:
 )");
   const std::string svg = plan_of("s.yaml", folder);
   const auto outline = [&](const std::string& title) {
+    const std::string before = "<path d=\"";
     const size_t end = svg.find("\"><title>" + title + " m</title>");
     EXPECT_NE(end, std::string::npos) << title;
-    const size_t begin = svg.rfind('"', end - 1);
-    return svg.substr(begin + 1, end - begin - 1);
+    const size_t begin = svg.rfind(before, end) + before.size();
+    std::string path = svg.substr(begin, end - begin);
+    EXPECT_THAT(path, Not(HasSubstr("\""))) << "another element";
+    return path;
   };
   const std::string counter = outline("counter: 4.1 x 3.3 x 1");
   EXPECT_EQ(std::count(counter.begin(), counter.end(), 'M'), 1) << counter;

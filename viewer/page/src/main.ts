@@ -484,7 +484,8 @@ class Page {
   /** Stops at a frame and moves the camera to bodies as soon as it is shown; in a live run, at once. */
   private showAt(frame: number, bodies: number[]): void {
     this.rest(frame);
-    this.whenFrame(this.source?.playback ? frame : -1, () => this.lookAt(bodies));
+    if (this.source?.playback) this.whenFrame(frame, () => this.lookAt(bodies));
+    else this.lookAt(bodies);
   }
 
   /** Stops at a frame of a recorded run. */
@@ -497,9 +498,9 @@ class Page {
     this.isPanelOld = true;
   }
 
-  /** Calls `then` as soon as a frame is shown; -1: at once. */
+  /** Calls `then` as soon as a frame is shown. */
   private whenFrame(number: number, then: () => void, tries = 200): void {
-    if (number < 0 || this.frame?.number === number) return then();
+    if (this.frame?.number === number) return then();
     if (tries > 0) setTimeout(() => this.whenFrame(number, then, tries - 1), 25);
   }
 
